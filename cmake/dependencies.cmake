@@ -1,0 +1,18 @@
+# Every library comes from Debian's packages (packages.txt).
+set(CMAKE_DISABLE_FIND_PACKAGE_VTK ON)  # PCL asks for it, nothing here does
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(OpenCV 4.6 REQUIRED CONFIG COMPONENTS core imgproc imgcodecs)
+find_package(PCL 1.13 REQUIRED CONFIG COMPONENTS common kdtree search)
+find_package(assimp 5.2 REQUIRED CONFIG)
+find_package(yaml-cpp REQUIRED CONFIG)
+find_package(nlohmann_json REQUIRED CONFIG)
+find_package(CLI11 REQUIRED CONFIG)
+find_package(fmt REQUIRED CONFIG)
+find_package(TBB REQUIRED CONFIG)
+find_package(GTest REQUIRED CONFIG)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+pkg_check_modules(POLYCLIPPING REQUIRED IMPORTED_TARGET polyclipping)
+if(UNIQUADRIC_BENCHMARKS)
+  find_package(benchmark REQUIRED CONFIG)
+endif()

@@ -1,0 +1,33 @@
+include(GoogleTest)
+
+add_library(uniquadric_warnings INTERFACE)
+target_compile_options(uniquadric_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                                                     -Wno-sign-conversion
+                                                     -Wno-restrict)  # false positives of GCC 12 (PR 105651)
+if(UNIQUADRIC_WERROR)
+  target_compile_options(uniquadric_warnings INTERFACE -Werror)
+endif()
+if(UNIQUADRIC_SANITIZE)
+  add_compile_options(-fsanitize=${UNIQUADRIC_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${UNIQUADRIC_SANITIZE})
+endif()
+# One value for one input on every machine: no contraction to FMA, no value-changing optimisation.
+add_compile_options(-ffp-contract=off)
+
+# uniquadric_library(NAME SOURCES ... LINKS ... PRIVATE_LINKS ...): a static library of this folder, its
+# links being exactly the arrows of docs/decisions.md.
+function(uniquadric_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
+  target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS} uniquadric_warnings)
+endfunction()
+
+# uniquadric_test(NAME SOURCES ... LINKS ...): one test program, its cases registered with ctest.
+function(uniquadric_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main uniquadric_warnings)
+  target_compile_definitions(${name} PRIVATE UNIQUADRIC_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+endfunction()

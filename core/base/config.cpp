@@ -1,0 +1,173 @@
+#include "core/base/config.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+
+namespace uniquadric {
+
+ConfigNode::ConfigNode(const YAML::Node& node, std::filesystem::path file, std::string name)
+    : node_(std::make_shared<const YAML::Node>(node)),
+      file_(std::move(file)),
+      name_(std::move(name)),
+      known_(std::make_shared<std::set<std::string>>()) {}
+
+ConfigNode ConfigNode::load(const std::filesystem::path& path) {
+  return parse(read_text(path), path);
+}
+
+ConfigNode ConfigNode::parse(const std::string& text, const std::filesystem::path& name) {
+  try {
+    return {YAML::Load(text), name, ""};
+  } catch (const YAML::ParserException& e) {
+    throw InputError(name, e.mark.line + 1, "malformed YAML: " + e.msg);
+  } catch (const YAML::Exception& e) {
+    throw InputError(name, std::string("malformed YAML: ") + e.what());
+  }
+}
+
+int ConfigNode::line() const {
+  return node_->Mark().line + 1;
+}
+
+void ConfigNode::fail(const std::string& what) const {
+  const std::string message = name_.empty() ? what : name_ + ": " + what;
+  if (node_->Mark().line < 0) throw InputError(file_, message);
+  throw InputError(file_, line(), message);
+}
+
+std::optional<ConfigNode> ConfigNode::find(const std::string& key) const {
+  if (!node_->IsMap()) fail(fmt::format("expected a map with key '{}'", key));
+  known_->insert(key);
+  const YAML::Node value = (*node_)[key];
+  if (!value.IsDefined()) return std::nullopt;
+  return ConfigNode(value, file_, name_.empty() ? key : name_ + "." + key);
+}
+
+ConfigNode ConfigNode::at(const std::string& key) const {
+  auto node = find(key);
+  if (!node) fail(fmt::format("missing key '{}'", key));
+  return *node;
+}
+
+std::vector<ConfigNode> ConfigNode::items() const {
+  if (!node_->IsSequence()) fail("expected a list");
+  std::vector<ConfigNode> result;
+  for (std::size_t i = 0; i < node_->size(); ++i)
+    result.push_back(ConfigNode((*node_)[i], file_, fmt::format("{}[{}]", name_, i)));
+  return result;
+}
+
+std::vector<std::pair<std::string, ConfigNode>> ConfigNode::entries() const {
+  if (!node_->IsMap()) fail("expected a map");
+  std::vector<std::pair<std::string, ConfigNode>> result;
+  for (const auto& pair : *node_) {
+    const auto text = pair.first.Scalar();
+    known_->insert(text);
+    result.emplace_back(text, ConfigNode(pair.second, file_, name_.empty() ? text : name_ + "." + text));
+  }
+  return result;
+}
+
+bool ConfigNode::is_map() const {
+  return node_->IsMap();
+}
+bool ConfigNode::is_sequence() const {
+  return node_->IsSequence();
+}
+bool ConfigNode::is_scalar() const {
+  return node_->IsScalar();
+}
+
+namespace {
+template <typename T>
+T convert(const ConfigNode& node, const YAML::Node& yaml, const char* kind) {
+  T value;
+  if (!yaml.IsScalar() || !YAML::convert<T>::decode(yaml, value)) node.fail(fmt::format("expected {}", kind));
+  return value;
+}
+}  // namespace
+
+template <>
+bool ConfigNode::as<bool>() const {
+  return convert<bool>(*this, *node_, "true or false");
+}
+template <>
+int ConfigNode::as<int>() const {
+  return convert<int>(*this, *node_, "an integer");
+}
+template <>
+std::int64_t ConfigNode::as<std::int64_t>() const {
+  return convert<std::int64_t>(*this, *node_, "an integer");
+}
+template <>
+std::uint64_t ConfigNode::as<std::uint64_t>() const {
+  if (node_->IsScalar() && node_->Scalar().starts_with('-')) fail("expected an integer of at least 0");
+  return convert<std::uint64_t>(*this, *node_, "an integer of at least 0");
+}
+template <>
+std::string ConfigNode::as<std::string>() const {
+  return convert<std::string>(*this, *node_, "a text");
+}
+template <>
+double ConfigNode::as<double>() const {
+  const double value = convert<double>(*this, *node_, "a number");
+  if (!std::isfinite(value)) fail("expected a finite number");
+  return value;
+}
+template <>
+std::vector<double> ConfigNode::as<std::vector<double>>() const {
+  std::vector<double> values;
+  for (const ConfigNode& item : items()) values.push_back(item.as<double>());
+  return values;
+}
+template <>
+Eigen::Vector3d ConfigNode::as<Eigen::Vector3d>() const {
+  const auto values = as<std::vector<double>>();
+  if (values.size() != 3) fail(fmt::format("expected 3 numbers, found {}", values.size()));
+  return {values[0], values[1], values[2]};
+}
+
+double ConfigNode::positive(const std::string& key) const {
+  const ConfigNode node = at(key);
+  const double value = node.as<double>();
+  if (value <= 0) node.fail(fmt::format("expected a number greater than 0, found {}", value));
+  return value;
+}
+
+double ConfigNode::positive(const std::string& key, double fallback) const {
+  return has(key) ? positive(key) : fallback;
+}
+
+std::string ConfigNode::choice(const std::string& key, const std::vector<std::string>& choices,
+                               const std::string& fallback) const {
+  const auto node = find(key);
+  if (!node) return fallback;
+  const auto value = node->as<std::string>();
+  if (std::find(choices.begin(), choices.end(), value) == choices.end())
+    node->fail(fmt::format("'{}' is none of: {}", value, fmt::join(choices, ", ")));
+  return value;
+}
+
+void ConfigNode::refuse_unknown_keys() const {
+  if (!node_->IsMap()) fail("expected a map");
+  std::set<std::string> seen;
+  for (const auto& pair : *node_) {
+    const auto text = pair.first.IsScalar() ? pair.first.Scalar() : std::string("?");
+    const int at_line = pair.first.Mark().line + 1;
+    const std::string shown = name_.empty() ? text : name_ + "." + text;
+    if (!seen.insert(text).second)
+      throw InputError(file_, at_line, fmt::format("key '{}' stands twice", shown));
+    if (!known_->contains(text))
+      throw InputError(file_, at_line,
+                       fmt::format("unknown key '{}' (known: {})", shown, fmt::join(*known_, ", ")));
+  }
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace uniquadric {
+
+/// Bad input from outside: thrown once at the edge, ends the program with exit code 2 and one line.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  /// "PATH: what"
+  InputError(const std::filesystem::path& path, const std::string& what);
+  /// "PATH:LINE: what", lines counted from 1
+  InputError(const std::filesystem::path& path, int line, const std::string& what);
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,78 @@
+#include "core/base/files.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "core/base/error.h"
+
+namespace uniquadric {
+namespace fs = std::filesystem;
+
+std::string read_text(const fs::path& path) {
+  if (fs::is_directory(path)) throw InputError(path, "is a folder, expected a file");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(path, fmt::format("cannot be read: {}", std::strerror(errno)));
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (in.bad()) throw InputError(path, "read failed");
+  return std::move(text).str();
+}
+
+void write_text(const fs::path& path, std::string_view text) {
+  const fs::path aside = path.string() + ".partial";
+  {
+    std::ofstream out(aside, std::ios::binary);
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    out.close();
+    if (!out) {
+      std::error_code ignored;
+      fs::remove(aside, ignored);
+      throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+    }
+  }
+  fs::rename(aside, path);
+}
+
+namespace {
+fs::path without_trailing_slash(fs::path path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+}  // namespace
+
+PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partial)
+    : final_(without_trailing_slash(std::move(final_path))),
+      partial_(final_.string() + ".partial"),
+      keep_partial_(keep_partial) {
+  std::error_code error;
+  if (fs::exists(final_) && !fs::is_directory(final_)) throw InputError(final_, "exists and is not a folder");
+  if (!replace && fs::exists(final_) && !fs::is_empty(final_))
+    throw InputError(final_, "exists and is not empty; give another folder or --force");
+  if (!keep_partial_) fs::remove_all(partial_, error);
+  fs::create_directories(partial_, error);
+  if (error) throw InputError(final_, fmt::format("cannot be created: {}", error.message()));
+}
+
+PendingFolder::~PendingFolder() {
+  if (committed_ || keep_partial_) return;
+  std::error_code ignored;
+  fs::remove_all(partial_, ignored);
+}
+
+void PendingFolder::commit() {
+  if (fs::exists(final_)) {  // swap, so that a reader sees the old folder or the new one
+    const fs::path old = final_.string() + ".old";
+    fs::remove_all(old);
+    fs::rename(final_, old);
+    fs::rename(partial_, final_);
+    fs::remove_all(old);
+  } else {
+    fs::rename(partial_, final_);
+  }
+  committed_ = true;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace uniquadric {
+
+/// The whole file; throws InputError when it cannot be read.
+std::string read_text(const std::filesystem::path& path);
+
+/// Writes aside and renames, so that the file is never seen half-written; throws std::runtime_error on
+/// failure.
+void write_text(const std::filesystem::path& path, std::string_view text);
+
+/// A folder that appears under its final name only when complete: work goes to `path()` (a sibling named
+/// OUT.partial), `commit()` renames it to OUT. Left uncommitted, the partial folder is removed, unless
+/// `keep_partial` asks for it to stay for a later resume.
+class PendingFolder {
+ public:
+  /// Throws InputError when `final_path` exists as anything but an empty folder or `replace` is false.
+  PendingFolder(std::filesystem::path final_path, bool replace, bool keep_partial = false);
+  ~PendingFolder();
+  PendingFolder(const PendingFolder&) = delete;
+  PendingFolder& operator=(const PendingFolder&) = delete;
+
+  const std::filesystem::path& path() const { return partial_; }
+  void commit();
+
+ private:
+  std::filesystem::path final_, partial_;
+  bool keep_partial_, committed_ = false;
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,67 @@
+#include "core/base/text.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "core/base/files.h"
+
+namespace uniquadric {
+namespace {
+
+template <typename T>
+std::optional<T> parse_whole(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r';
+}
+
+std::string_view trim(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+}  // namespace
+
+std::optional<double> parse_double(std::string_view text) {
+  const auto value = parse_whole<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<long long> parse_integer(std::string_view text) {
+  return parse_whole<long long>(text);
+}
+
+std::vector<std::string_view> split(std::string_view line, char separator) {
+  std::vector<std::string_view> fields;
+  std::size_t begin = 0;
+  const auto is_separator = [&](char c) { return separator == ' ' ? is_blank(c) : c == separator; };
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size() && !is_separator(line[i])) continue;
+    if (separator != ' ' || i > begin) fields.push_back(trim(line.substr(begin, i - begin)));
+    begin = i + 1;
+  }
+  return fields;
+}
+
+void for_each_line(const std::filesystem::path& path,
+                   const std::function<void(int, const std::vector<std::string_view>&)>& visit,
+                   char separator) {
+  const std::string text = read_text(path);
+  int line = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view content = trim(std::string_view(text).substr(begin, end - begin));
+    ++line;
+    if (!content.empty() && content.front() != '#') visit(line, split(content, separator));
+    begin = end + 1;
+  }
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace uniquadric {
+
+/// The whole of `text` as a finite number; nothing otherwise.
+std::optional<double> parse_double(std::string_view text);
+std::optional<long long> parse_integer(std::string_view text);
+
+/// Fields of `line` between separators; with ' ' runs of blanks and tabs count as one.
+std::vector<std::string_view> split(std::string_view line, char separator = ' ');
+
+/// Calls `visit(line number from 1, fields)` for each line of a text file that is neither blank nor a comment
+/// (#).
+void for_each_line(const std::filesystem::path& path,
+                   const std::function<void(int, const std::vector<std::string_view>&)>& visit,
+                   char separator = ' ');
+
+}  // namespace uniquadric

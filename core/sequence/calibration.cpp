@@ -1,0 +1,58 @@
+#include "core/sequence/calibration.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/base/config.h"
+#include "core/base/files.h"
+
+namespace uniquadric {
+
+namespace {
+constexpr int kMaxImageSide = 16384;  // px: what OpenGL and 16-bit formats carry; a larger size is a mistake
+
+int image_side(const ConfigNode& node, const std::string& key) {
+  const int side = node.get<int>(key);
+  if (side < 1 || side > kMaxImageSide)
+    node.at(key).fail(fmt::format("expected 1 to {} px, found {}", kMaxImageSide, side));
+  return side;
+}
+}  // namespace
+
+Camera read_camera(const ConfigNode& node) {
+  Camera camera;
+  camera.width = image_side(node, "width");
+  camera.height = image_side(node, "height");
+  camera.fx = node.positive("fx");
+  camera.fy = node.positive("fy");
+  camera.cx = node.get<double>("cx");
+  camera.cy = node.get<double>("cy");
+  if (const auto distortion = node.find("distortion")) {
+    const auto values = distortion->as<std::vector<double>>();
+    if (values.size() != camera.distortion.size())
+      distortion->fail(fmt::format("expected 5 numbers k1, k2, p1, p2, k3, found {}", values.size()));
+    std::copy(values.begin(), values.end(), camera.distortion.begin());
+  }
+  return camera;
+}
+
+std::string camera_yaml(const Camera& camera) {
+  return fmt::format("width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}, distortion: [{}]", camera.width,
+                     camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
+                     fmt::join(camera.distortion, ", "));
+}
+
+Camera read_camera_yaml(const std::filesystem::path& path) {
+  const ConfigNode node = ConfigNode::load(path);
+  const Camera camera = read_camera(node);
+  node.refuse_unknown_keys();
+  return camera;
+}
+
+void write_camera_yaml(const std::filesystem::path& path, const Camera& camera) {
+  write_text(path, "{" + camera_yaml(camera) + "}\n");
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/geometry/camera.h"
+
+namespace uniquadric {
+
+class ConfigNode;
+
+/// What the truth says of one object, whatever the time.
+struct ObjectDescription {
+  int id = 0;
+  std::string name;
+  Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();  ///< half the extents of the mesh's tight box
+  std::string shape;                                      ///< kind of mesh: box, ball, ...; `mesh` for a file
+  std::string mesh;                                       ///< file name of a mesh that was loaded, else empty
+};
+
+/// truth/objects.yaml. Reading throws InputError with file and line; objects come in order of their ids.
+std::vector<ObjectDescription> read_objects_yaml(const std::filesystem::path& path);
+void write_objects_yaml(const std::filesystem::path& path, const std::vector<ObjectDescription>& objects);
+
+/// Keys of a camera's calibration: width, height, fx, fy, cx, cy, distortion [k1 k2 p1 p2 k3]. Leaves other
+/// keys of the map to the caller's check.
+Camera read_camera(const ConfigNode& node);
+/// One line of YAML flow map content: "width: 640, height: ..." (no braces).
+std::string camera_yaml(const Camera& camera);
+
+/// A file that holds a camera's calibration alone (truth/camera.yaml).
+Camera read_camera_yaml(const std::filesystem::path& path);
+void write_camera_yaml(const std::filesystem::path& path, const Camera& camera);
+
+}  // namespace uniquadric

@@ -1,0 +1,179 @@
+#include "core/sequence/sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/text.h"
+#include "core/sequence/calibration.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr int kSequenceSchema = 1;
+constexpr std::int64_t kMaxDepthOffsetNs = 20'000'000;  // TUM RGB-D's association rule: nearest within 0.02 s
+
+struct ListedFile {
+  std::int64_t stamp_ns;
+  std::int64_t arrival_ns;  // masks only
+  fs::path file;
+};
+
+// Reads rgb.txt, depth.txt (timestamp filename) or masks.txt (timestamp filename arrival).
+std::vector<ListedFile> read_list(const fs::path& folder, const std::string& name, bool has_arrival) {
+  const fs::path path = folder / name;
+  std::vector<ListedFile> files;
+  for_each_line(path, [&](int line, const std::vector<std::string_view>& fields) {
+    if (fields.size() != (has_arrival ? 3u : 2u))
+      throw InputError(path, line,
+                       has_arrival ? "expected: timestamp filename arrival" : "expected: timestamp filename");
+    ListedFile entry;
+    try {
+      entry.stamp_ns = parse_stamp_ns(fields[0]);
+      entry.arrival_ns = has_arrival ? parse_stamp_ns(fields[2]) : entry.stamp_ns;
+    } catch (const std::invalid_argument& e) {
+      throw InputError(path, line, e.what());
+    }
+    entry.file = fs::path(fields[1]);
+    if (!files.empty() && entry.stamp_ns <= files.back().stamp_ns)
+      throw InputError(
+          path, line,
+          fmt::format("timestamp {} does not come after {}", fields[0], format_stamp(files.back().stamp_ns)));
+    if (!fs::is_regular_file(folder / entry.file))
+      throw InputError(path, line, fmt::format("file {} is missing", entry.file.string()));
+    files.push_back(entry);
+  });
+  return files;
+}
+
+// Nearest entry within the allowed offset, each entry used for its nearest frame only once.
+void associate_depth(std::vector<SequenceFrame>& frames, const std::vector<ListedFile>& depth) {
+  std::size_t next = 0;
+  for (auto& frame : frames) {
+    const auto distance = [&](std::size_t i) { return std::abs(depth[i].stamp_ns - frame.stamp_ns); };
+    while (next + 1 < depth.size() && distance(next + 1) <= distance(next)) ++next;
+    if (next >= depth.size() || distance(next) > kMaxDepthOffsetNs) continue;
+    frame.depth = depth[next++].file;
+  }
+}
+
+void associate_masks(const fs::path& folder, std::vector<SequenceFrame>& frames,
+                     const std::vector<ListedFile>& masks) {
+  std::map<std::int64_t, SequenceFrame*> frame_at;
+  for (auto& frame : frames) frame_at[frame.stamp_ns] = &frame;
+  for (const auto& entry : masks) {
+    const auto found = frame_at.find(entry.stamp_ns);
+    if (found == frame_at.end())
+      throw InputError(folder / "masks.txt",
+                       fmt::format("stamp {} is no frame of rgb.txt", format_stamp(entry.stamp_ns)));
+    found->second->masks = entry.file;
+    found->second->masks_arrival_ns = entry.arrival_ns;
+  }
+}
+
+void check_image(const fs::path& path, const cv::Mat& image, const Camera& camera, int type,
+                 const char* expected) {
+  if (image.type() != type) throw InputError(path, fmt::format("expected {}", expected));
+  if (image.cols != camera.width || image.rows != camera.height)
+    throw InputError(path, fmt::format("is {}x{}, the camera says {}x{}", image.cols, image.rows,
+                                       camera.width, camera.height));
+}
+
+}  // namespace
+
+Sequence open_sequence(const fs::path& given_folder) {
+  if (!fs::is_directory(given_folder)) throw InputError(given_folder, "is not a folder");
+  // A folder that `simulate` wrote holds the sequence beside its truth.
+  const bool is_parent =
+      !fs::exists(given_folder / "sequence.yaml") && fs::exists(given_folder / "sequence/sequence.yaml");
+  const fs::path folder = is_parent ? given_folder / "sequence" : given_folder;
+  const ConfigNode root = ConfigNode::load(folder / "sequence.yaml");
+  if (const int schema = root.get<int>("schema"); schema != kSequenceSchema)
+    root.at("schema").fail(
+        fmt::format("version {} is not supported (this program reads {})", schema, kSequenceSchema));
+  Sequence sequence;
+  sequence.folder = folder;
+  sequence.program = root.get<std::string>("program", "");
+  sequence.name = root.get<std::string>("name");
+  sequence.scene_hash = root.get<std::string>("scene_hash", "");
+  sequence.seed = root.get<std::uint64_t>("seed", 0);
+  const ConfigNode camera = root.at("camera");
+  sequence.camera = read_camera(camera);
+  sequence.rate_hz = camera.positive("rate_hz");
+  camera.refuse_unknown_keys();
+  if (const auto depth = root.find("depth")) {
+    sequence.depth_units_per_m = depth->positive("units_per_m");
+    depth->refuse_unknown_keys();
+  }
+  root.refuse_unknown_keys();
+
+  for (const auto& entry : read_list(folder, "rgb.txt", false)) {
+    SequenceFrame frame;
+    frame.frame = std::ssize(sequence.frames);
+    frame.stamp_ns = entry.stamp_ns;
+    frame.rgb = entry.file;
+    sequence.frames.push_back(frame);
+  }
+  if (sequence.frames.empty()) throw InputError(folder / "rgb.txt", "names no image");
+  if (fs::exists(folder / "depth.txt"))
+    associate_depth(sequence.frames, read_list(folder, "depth.txt", false));
+  if (fs::exists(folder / "masks.txt"))
+    associate_masks(folder, sequence.frames, read_list(folder, "masks.txt", true));
+  if (fs::exists(folder / "camera_given.tum")) sequence.given_camera = read_tum(folder / "camera_given.tum");
+  return sequence;
+}
+
+void write_sequence_index(const fs::path& folder, const Sequence& sequence) {
+  std::string yaml = fmt::format("schema: {}\nprogram: \"{}\"\nname: {}\n", kSequenceSchema, sequence.program,
+                                 sequence.name);
+  if (!sequence.scene_hash.empty())
+    yaml += fmt::format("scene_hash: \"{}\"\nseed: {}\n", sequence.scene_hash, sequence.seed);
+  yaml += fmt::format("camera: {{{}, rate_hz: {}}}\n", camera_yaml(sequence.camera), sequence.rate_hz);
+  yaml += fmt::format("depth: {{units_per_m: {}}}\n", sequence.depth_units_per_m);
+
+  std::string rgb = "# timestamp filename\n", depth = rgb, masks = "# timestamp filename arrival\n";
+  bool has_depth = false, has_masks = false;
+  for (const auto& frame : sequence.frames) {
+    const std::string stamp = format_stamp(frame.stamp_ns);
+    rgb += fmt::format("{} {}\n", stamp, frame.rgb.string());
+    if (!frame.depth.empty()) depth += fmt::format("{} {}\n", stamp, frame.depth.string()), has_depth = true;
+    if (!frame.masks.empty())
+      masks += fmt::format("{} {} {}\n", stamp, frame.masks.string(), format_stamp(frame.masks_arrival_ns)),
+          has_masks = true;
+  }
+  write_text(folder / "rgb.txt", rgb);
+  if (has_depth) write_text(folder / "depth.txt", depth);
+  if (has_masks) write_text(folder / "masks.txt", masks);
+  if (sequence.given_camera) write_tum(folder / "camera_given.tum", *sequence.given_camera);
+  write_text(folder / "sequence.yaml", yaml);  // last: a folder without it is no sequence
+}
+
+cv::Mat read_rgb(const Sequence& sequence, const SequenceFrame& frame) {
+  const fs::path path = sequence.folder / frame.rgb;
+  const cv::Mat image = read_image(path);
+  check_image(path, image, sequence.camera, CV_8UC3, "an 8-bit colour image");
+  return image;
+}
+
+cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame) {
+  const fs::path path = sequence.folder / frame.depth;
+  const cv::Mat image = read_image(path);
+  check_image(path, image, sequence.camera, CV_16UC1, "a 16-bit grey image");
+  cv::Mat depth;
+  image.convertTo(depth, CV_32F, 1 / sequence.depth_units_per_m);
+  return depth;
+}
+
+cv::Mat read_masks(const Sequence& sequence, const SequenceFrame& frame) {
+  const fs::path path = sequence.folder / frame.masks;
+  const cv::Mat image = read_image(path);
+  check_image(path, image, sequence.camera, CV_16UC1, "a 16-bit grey image");
+  return image;
+}
+
+}  // namespace uniquadric

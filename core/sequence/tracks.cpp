@@ -1,0 +1,233 @@
+#include "core/sequence/tracks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/text.h"
+#include "core/sequence/calibration.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr int kTracksSchema = 1;
+const char* const kStateHeader =
+    "frame,timestamp_ns,id,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m,exponent_q,var_semi_axis_x_m2,var_semi_"
+    "axis_y_m2,"
+    "var_semi_axis_z_m2,var_translation_x_m2,var_translation_y_m2,var_translation_z_m2,var_rotation_x_rad2,"
+    "var_rotation_y_rad2,var_rotation_z_rad2,state";
+
+std::optional<ObjectStatus> parse_status(std::string_view text) {
+  for (const auto status :
+       {ObjectStatus::tentative, ObjectStatus::active, ObjectStatus::occluded, ObjectStatus::lost})
+    if (text == to_string(status)) return status;
+  return std::nullopt;
+}
+
+fs::path trajectory_file(const fs::path& folder, int id) {
+  return folder / "objects" / fmt::format("{}.tum", id);
+}
+
+std::vector<ObjectTrack> read_truth_objects(const fs::path& folder, const Trajectory& camera) {
+  std::map<std::int64_t, std::int64_t> frame_of_stamp;
+  for (const auto& pose : camera) frame_of_stamp.emplace(pose.stamp_ns, std::ssize(frame_of_stamp));
+  std::vector<ObjectTrack> tracks;
+  for (const ObjectDescription& object : read_objects_yaml(folder / "objects.yaml")) {
+    ObjectTrack track{object.id, object.name, {}};
+    const fs::path file = trajectory_file(folder, object.id);
+    for (const auto& [stamp_ns, pose] : read_tum(file)) {
+      const auto frame = frame_of_stamp.find(stamp_ns);
+      if (frame == frame_of_stamp.end())
+        throw InputError(file, fmt::format("stamp {} is no frame of camera.tum", format_stamp(stamp_ns)));
+      ObjectState state;
+      state.frame = frame->second;
+      state.stamp_ns = stamp_ns;
+      state.ellipsoid = {pose, object.semi_axes_m};
+      track.states.push_back(state);
+    }
+    tracks.push_back(std::move(track));
+  }
+  return tracks;
+}
+
+// One line of objects.csv, its pose still missing.
+ObjectState parse_state(const fs::path& path, int line, const std::vector<std::string_view>& fields,
+                        int& id) {
+  const auto fail = [&](std::size_t column) {
+    throw InputError(path, line,
+                     fmt::format("column {}: '{}' is not a valid value", split(kStateHeader, ',')[column],
+                                 fields[column]));
+  };
+  const auto integer = [&](std::size_t column) {
+    const auto value = parse_integer(fields[column]);
+    if (!value) fail(column);
+    return *value;
+  };
+  const auto positive = [&](std::size_t column) {
+    const auto value = parse_double(fields[column]);
+    if (!value || *value <= 0) fail(column);
+    return *value;
+  };
+  ObjectState state;
+  state.frame = integer(0);
+  state.stamp_ns = integer(1);
+  const auto number = integer(2);
+  if (number <= 0 || number > std::numeric_limits<int>::max()) fail(2);
+  id = static_cast<int>(number);
+  for (int i = 0; i < 3; ++i) state.ellipsoid.semi_axes_m[i] = positive(3 + i);
+  state.exponent = positive(6);
+  for (int i = 0; i < 9; ++i) {
+    if (fields[7 + i].empty()) continue;
+    const auto value = parse_double(fields[7 + i]);
+    if (!value || *value < 0) fail(7 + i);
+    state.covariance_diagonal[i] = *value;
+  }
+  const auto status = parse_status(fields[16]);
+  if (!status) fail(16);
+  state.status = *status;
+  return state;
+}
+
+std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
+  const fs::path file = folder / "objects.csv";
+  const std::size_t columns = split(kStateHeader, ',').size();
+  std::map<int, ObjectTrack> tracks;
+  bool header = true;
+  for_each_line(
+      file,
+      [&](int line, const std::vector<std::string_view>& fields) {
+        if (std::exchange(header, false)) {
+          if (fields != split(kStateHeader, ','))
+            throw InputError(file, line, fmt::format("expected the header {}", kStateHeader));
+          return;
+        }
+        if (fields.size() != columns)
+          throw InputError(file, line, fmt::format("expected {} columns, found {}", columns, fields.size()));
+        int id = 0;
+        const ObjectState state = parse_state(file, line, fields, id);
+        ObjectTrack& track = tracks[id];
+        track.id = id;
+        if (!track.states.empty() && state.stamp_ns <= track.states.back().stamp_ns)
+          throw InputError(file, line,
+                           fmt::format("timestamp {} of object {} does not come after {}", state.stamp_ns, id,
+                                       track.states.back().stamp_ns));
+        track.states.push_back(state);
+      },
+      ',');
+  if (header) throw InputError(file, "is empty, expected a header");
+  std::vector<ObjectTrack> result;
+  for (auto& [id, track] : tracks) {
+    const fs::path poses_file = trajectory_file(folder, id);
+    const Trajectory poses = read_tum(poses_file);
+    if (poses.size() != track.states.size())
+      throw InputError(poses_file, fmt::format("has {} poses, objects.csv has {} states of object {}",
+                                               poses.size(), track.states.size(), id));
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (poses[i].stamp_ns != track.states[i].stamp_ns)
+        throw InputError(poses_file, fmt::format("pose {} has stamp {} ns, objects.csv {} ns", i,
+                                                 poses[i].stamp_ns, track.states[i].stamp_ns));
+      track.states[i].ellipsoid.world_from_object = poses[i].pose;
+    }
+    result.push_back(std::move(track));
+  }
+  return result;
+}
+
+}  // namespace
+
+const char* to_string(ObjectStatus status) {
+  switch (status) {
+    case ObjectStatus::tentative:
+      return "tentative";
+    case ObjectStatus::active:
+      return "active";
+    case ObjectStatus::occluded:
+      return "occluded";
+    case ObjectStatus::lost:
+      return "lost";
+  }
+  return "";
+}
+
+std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
+  const ConfigNode root = ConfigNode::load(path);
+  if (const int schema = root.get<int>("schema"); schema != kTracksSchema)
+    root.at("schema").fail(
+        fmt::format("version {} is not supported (this program reads {})", schema, kTracksSchema));
+  std::vector<ObjectDescription> objects;
+  std::set<int> ids;
+  for (const ConfigNode& node : root.at("objects").items()) {
+    ObjectDescription object;
+    object.id = node.get<int>("id");
+    object.name = node.get<std::string>("name");
+    object.semi_axes_m = node.get<Eigen::Vector3d>("semi_axes_m");
+    object.shape = node.get<std::string>("shape", "");
+    object.mesh = node.get<std::string>("mesh", "");
+    node.refuse_unknown_keys();
+    if (object.id <= 0) node.at("id").fail("expected an integer greater than 0");
+    if (!ids.insert(object.id).second) node.at("id").fail(fmt::format("{} stands twice", object.id));
+    if (!(object.semi_axes_m.minCoeff() > 0)) node.at("semi_axes_m").fail("expected numbers greater than 0");
+    objects.push_back(object);
+  }
+  root.refuse_unknown_keys();
+  std::sort(objects.begin(), objects.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  return objects;
+}
+
+void write_objects_yaml(const fs::path& path, const std::vector<ObjectDescription>& objects) {
+  std::string text = fmt::format("schema: {}\nobjects:{}\n", kTracksSchema, objects.empty() ? " []" : "");
+  for (const auto& object : objects) {
+    const auto& a = object.semi_axes_m;
+    text += fmt::format("  - {{id: {}, name: {}, semi_axes_m: [{}, {}, {}], shape: {}, mesh: \"{}\"}}\n",
+                        object.id, object.name, a.x(), a.y(), a.z(), object.shape, object.mesh);
+  }
+  write_text(path, text);
+}
+
+Tracks read_tracks(const fs::path& folder) {
+  if (!fs::is_directory(folder)) throw InputError(folder, "is not a folder");
+  Tracks tracks;
+  tracks.camera = read_tum(folder / "camera.tum");
+  if (fs::exists(folder / "camera.yaml")) tracks.calibration = read_camera_yaml(folder / "camera.yaml");
+  if (fs::exists(folder / "objects.csv"))
+    tracks.objects = read_estimated_objects(folder);
+  else if (fs::exists(folder / "objects.yaml"))
+    tracks.objects = read_truth_objects(folder, tracks.camera);
+  else
+    throw InputError(folder, "has neither objects.yaml (truth) nor objects.csv (estimate)");
+  return tracks;
+}
+
+void write_estimate(const fs::path& folder, const Tracks& tracks) {
+  write_tum(folder / "camera.tum", tracks.camera);
+  fs::create_directories(folder / "objects");
+  std::vector<std::pair<int, const ObjectState*>> rows;
+  for (const auto& track : tracks.objects) {
+    Trajectory poses;
+    for (const auto& state : track.states) {
+      poses.push_back({state.stamp_ns, state.ellipsoid.world_from_object});
+      rows.emplace_back(track.id, &state);
+    }
+    write_tum(trajectory_file(folder, track.id), poses);
+  }
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const auto& a, const auto& b) { return a.second->stamp_ns < b.second->stamp_ns; });
+  std::string text = std::string(kStateHeader) + "\n";
+  for (const auto& [id, state] : rows) {
+    const auto& a = state->ellipsoid.semi_axes_m;
+    text += fmt::format("{},{},{},{},{},{},{}", state->frame, state->stamp_ns, id, a.x(), a.y(), a.z(),
+                        state->exponent);
+    for (const double variance : state->covariance_diagonal)
+      text += std::isnan(variance) ? "," : fmt::format(",{}", variance);
+    text += fmt::format(",{}\n", to_string(state->status));
+  }
+  write_text(folder / "objects.csv", text);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/camera.h"
+#include "core/geometry/ellipsoid.h"
+#include "core/sequence/trajectory.h"
+
+namespace uniquadric {
+
+using Vector9d = Eigen::Matrix<double, 9, 1>;
+
+/// Lifecycle of a tracked object.
+enum class ObjectStatus { tentative, active, occluded, lost };
+const char* to_string(ObjectStatus status);
+
+/// The 9-DoF state of one object at one time.
+struct ObjectState {
+  std::int64_t frame = 0;
+  std::int64_t stamp_ns = 0;
+  Ellipsoid ellipsoid;  ///< world_from_object and semi-axes [m]
+  double exponent = 2;  ///< dual exponent q of the superellipsoid: 2 is the ellipsoid
+  /// Variances: semi-axes [m^2], translation [m^2], rotation vector [rad^2]; NaN where not estimated.
+  Vector9d covariance_diagonal = Vector9d::Constant(std::numeric_limits<double>::quiet_NaN());
+  ObjectStatus status = ObjectStatus::active;
+};
+
+struct ObjectTrack {
+  int id = 0;                       ///< positive, unique in its Tracks
+  std::string name;                 ///< empty where unknown
+  std::vector<ObjectState> states;  ///< strictly increasing stamps
+};
+
+/// Camera and object trajectories: the one type of truth and estimate.
+struct Tracks {
+  Trajectory camera;                  ///< world_from_camera (optical frame)
+  std::vector<ObjectTrack> objects;   ///< in order of their ids
+  std::optional<Camera> calibration;  ///< camera that the poses belong to, where known
+};
+
+/// Reads a truth folder (objects.yaml: constant semi-axes) or an estimate folder (objects.csv: states over
+/// time). Throws InputError with file and line.
+Tracks read_tracks(const std::filesystem::path& folder);
+
+/// Writes `camera.tum`, `objects/ID.tum` and `objects.csv` of an estimate into an existing folder.
+void write_estimate(const std::filesystem::path& folder, const Tracks& tracks);
+
+}  // namespace uniquadric

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/geometry/pose.h"
+
+namespace uniquadric {
+
+struct StampedPose {
+  std::int64_t stamp_ns = 0;
+  Pose pose;  ///< world_from_camera or world_from_object
+};
+/// Poses in strictly increasing order of their stamps.
+using Trajectory = std::vector<StampedPose>;
+
+/// Decimal seconds to integer nanoseconds without passing through a double; further digits are rounded.
+/// Throws std::invalid_argument for anything else than an optionally signed decimal number.
+std::int64_t parse_stamp_ns(std::string_view seconds);
+/// Seconds with nine decimals.
+std::string format_stamp(std::int64_t stamp_ns);
+
+/// Reads TUM text: `timestamp tx ty tz qx qy qz qw`, comments after #. Throws InputError with the line for a
+/// malformed or non-finite number, a stamp that does not increase, or a quaternion whose norm is off 1 by
+/// more than 1e-3 (closer ones are normalised; within 1e-12 they are kept as they are, bit for bit).
+Trajectory read_tum(const std::filesystem::path& path);
+/// Writes TUM text with as many digits as reading back the same doubles needs.
+void write_tum(const std::filesystem::path& path, const Trajectory& trajectory);
+
+}  // namespace uniquadric

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "core/sequence/tracks.h"
+
+namespace uniquadric {
+
+struct EvaluateOptions {
+  int iou_samples = 100'000;  ///< Monte Carlo samples of the 3D IoU
+  std::uint64_t seed = 0;     ///< of those samples
+  bool quiet = false;
+  bool force = false;  ///< replace an existing output folder
+};
+
+/// Compares an estimate with the truth and writes `evaluation.json` (CLI contract: keys sorted, units in names) and
+/// `frames.csv` (one row per frame and object) to `out`.
+void evaluate(const std::filesystem::path& truth, const std::filesystem::path& estimate,
+              const EvaluateOptions& options, const std::filesystem::path& out);
+
+}  // namespace uniquadric

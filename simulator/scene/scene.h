@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/camera.h"
+#include "simulator/scene/mesh.h"
+#include "simulator/scene/motion.h"
+
+namespace uniquadric {
+
+/// A rigid body: its object frame lies at the centre of its meshes' tight box, axes along it.
+struct Body {
+  int id = 0;  ///< 1..65535 for objects (their instance id); 0 for parts of the static world
+  std::string name;
+  std::string shape;      ///< kind of primitive, or "mesh"
+  std::string mesh_file;  ///< file name of a loaded mesh, else empty
+  std::vector<Mesh> meshes;
+  Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();  ///< half the extents of the tight box
+  Motion motion;                                          ///< world_from_object
+};
+
+/// Depth noise (SENSORS: Noise). Depth is z along the optical axis.
+struct DepthNoise {
+  enum class Model { none, proportional, stereo };
+  Model model = Model::proportional;
+  double k = 0.005;               ///< proportional: sigma = k d, d the distance from the optical centre (paper; ours: k)
+  double baseline_m = 0.095;      ///< stereo: sigma = s z^2 / (f B), RealSense D455
+  double disparity_sigma_px = 0.08;  ///< stereo: s
+  double disparity_step_px = 1.0 / 32;  ///< stereo: quantisation
+  double edge_dropout = 0.3;      ///< probability that a pixel beside a depth edge is lost
+  double min_range_m = 0.1, max_range_m = 20;  ///< outside: no depth
+};
+
+struct ImageNoise {
+  double sigma = 2;  ///< grey levels, white Gaussian
+};
+
+/// Errors of the simulated segmenter, whose masks come from the true ones.
+struct SegmenterNoise {
+  double boundary_sigma_px = 1;  ///< the outline moves along its normal by smooth noise of this standard deviation
+  double boundary_length_px = 15;  ///< correlation length of that noise along the image
+  double miss_probability = 0.01;  ///< that an object is missing from one result
+  double latency_s = 0.1;          ///< from the frame's stamp to the result's arrival
+  int every_n_frames = 1;          ///< segmented frames: 1 is each
+  int min_pixels = 50;             ///< smaller masks are not found
+};
+
+/// What the simulator renders: read from YAML (scenes/README.md).
+struct Scene {
+  std::string name;
+  std::string hash;  ///< of the file and of every file it names
+  std::int64_t frames = 300;
+  double rate_hz = 30;
+  Camera camera;
+  Motion camera_motion;  ///< world_from_camera, optical frame
+  bool given_camera = true;  ///< whether the sequence carries the camera's poses as another system would give them
+  std::vector<Body> world;   ///< static, id 0
+  std::vector<Body> objects;
+  Eigen::Vector3d sun_direction = {0.3, 0.4, -0.85};  ///< direction the light travels in, world frame
+  double ambient = 0.55;     ///< share of light that comes from everywhere
+  DepthNoise depth_noise;
+  ImageNoise image_noise;
+  SegmenterNoise segmenter;
+
+  std::int64_t stamp_ns(std::int64_t frame) const;  ///< of a frame, from 0 on, rounded to the nanosecond
+};
+
+/// Loads a scene; meshes are generated or loaded, re-centred, scaled. Throws InputError with file and line.
+Scene load_scene(const std::filesystem::path& path);
+
+}  // namespace uniquadric
