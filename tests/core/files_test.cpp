@@ -1,0 +1,64 @@
+#include "core/base/files.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+TEST(PendingFolder, AppearsOnlyWhenCommitted) {
+  const TempFolder temp;
+  const fs::path out = temp.path() / "out";
+  {
+    PendingFolder pending(out, false);
+    write_text(pending.path() / "a.txt", "a");
+    EXPECT_FALSE(fs::exists(out));
+    pending.commit();
+  }
+  EXPECT_EQ(read_text(out / "a.txt"), "a");
+  EXPECT_EQ(std::distance(fs::directory_iterator(temp.path()), {}), 1);
+}
+
+TEST(PendingFolder, LeavesNothingBehindWhenAbandoned) {
+  const TempFolder temp;
+  { const PendingFolder pending(temp.path() / "out", false); }
+  EXPECT_TRUE(fs::is_empty(temp.path()));
+}
+
+TEST(PendingFolder, ReplacesOnlyWhenAsked) {
+  const TempFolder temp;
+  const fs::path out = temp.path() / "out";
+  fs::create_directory(out);
+  write_text(out / "old.txt", "old");
+  EXPECT_NE(input_error([&] { PendingFolder(out, false); }).find("not empty"), std::string::npos);
+  {
+    PendingFolder pending(out.string() + "/", true);  // a trailing slash names the same folder
+    write_text(pending.path() / "new.txt", "new");
+    EXPECT_TRUE(fs::exists(out / "old.txt"));
+    pending.commit();
+  }
+  EXPECT_FALSE(fs::exists(out / "old.txt"));
+  EXPECT_TRUE(fs::exists(out / "new.txt"));
+}
+
+TEST(PendingFolder, RefusesToReplaceAFile) {
+  const TempFolder temp;
+  write_text(temp.path() / "out", "precious");
+  EXPECT_NE(input_error([&] { PendingFolder(temp.path() / "out", true); }).find("not a folder"),
+            std::string::npos);
+  EXPECT_EQ(read_text(temp.path() / "out"), "precious");
+}
+
+TEST(Files, WriteTextLeavesNoAsideFile) {
+  const TempFolder temp;
+  write_text(temp.path() / "a.txt", "one");
+  write_text(temp.path() / "a.txt", "two");
+  EXPECT_EQ(read_text(temp.path() / "a.txt"), "two");
+  EXPECT_EQ(std::distance(fs::directory_iterator(temp.path()), {}), 1);
+  EXPECT_THROW(write_text(temp.path() / "no/such/folder.txt", "x"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace uniquadric

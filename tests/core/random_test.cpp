@@ -1,0 +1,56 @@
+#include "core/base/random.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace uniquadric {
+namespace {
+
+constexpr int kDraws = 100'000;
+
+TEST(RandomStream, SameKeySameNumbersAnyOtherKeyOthers) {
+  RandomStream a(7, "depth", 3, 1), b(7, "depth", 3, 1);
+  const auto first = a.bits();
+  EXPECT_EQ(first, b.bits());
+  std::set<std::uint32_t> seen{first};
+  seen.insert(RandomStream(8, "depth", 3, 1).bits());
+  seen.insert(RandomStream(7, "image", 3, 1).bits());
+  seen.insert(RandomStream(7, "depth", 4, 1).bits());
+  seen.insert(RandomStream(7, "depth", 3, 2).bits());
+  seen.insert(RandomStream(7, "depth", std::uint64_t{3} << 32, 1).bits());
+  EXPECT_EQ(seen.size(), 6u);
+}
+
+TEST(RandomStream, NormalHasTheMomentsOfANormal) {
+  RandomStream random(1, "moments");
+  double m1 = 0, m2 = 0, m3 = 0, m4 = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const double x = random.normal();
+    m1 += x, m2 += x * x, m3 += x * x * x, m4 += x * x * x * x;
+  }
+  // Standard errors of the moments of n normals: 1, sqrt 2, sqrt 15, sqrt 96 over sqrt n; 5 of them.
+  const double unit = 5 / std::sqrt(kDraws);
+  EXPECT_NEAR(m1 / kDraws, 0, unit);
+  EXPECT_NEAR(m2 / kDraws, 1, std::sqrt(2) * unit);
+  EXPECT_NEAR(m3 / kDraws, 0, std::sqrt(15) * unit);
+  EXPECT_NEAR(m4 / kDraws, 3, std::sqrt(96) * unit);
+}
+
+TEST(RandomStream, UniformAndBelowFillTheirRangesEvenly) {
+  RandomStream random(1, "ranges");
+  std::array<int, 7> counts{};
+  for (int i = 0; i < kDraws; ++i) {
+    const double u = random.uniform();
+    ASSERT_GT(u, 0);
+    ASSERT_LT(u, 1);
+    ++counts[random.below(7)];
+  }
+  double chi_square = 0;
+  for (const int count : counts) chi_square += std::pow(count - kDraws / 7.0, 2) / (kDraws / 7.0);
+  EXPECT_LT(chi_square, 27.9);  // 6 degrees of freedom, p = 1e-4
+}
+
+}  // namespace
+}  // namespace uniquadric

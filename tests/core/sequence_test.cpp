@@ -1,0 +1,118 @@
+#include "core/sequence/sequence.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "core/base/files.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+class SequenceFolder : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* sub : {"rgb", "depth", "masks"}) fs::create_directory(folder() / sub);
+    Sequence sequence;
+    sequence.name = "small";
+    sequence.program = "uniquadric test";
+    sequence.camera = {8, 6, 10, 10, 3.5, 2.5, {}};
+    sequence.rate_hz = 30;
+    sequence.depth_units_per_m = 1000;
+    for (int i = 0; i < 3; ++i) {
+      const std::string file = std::to_string(i) + ".png";
+      cv::Mat depth(6, 8, CV_16UC1, cv::Scalar(1500 + i)), masks(6, 8, CV_16UC1, cv::Scalar(300));
+      write_png(folder() / "rgb" / file, cv::Mat(6, 8, CV_8UC3, cv::Scalar(10, 20, 30 + i)));
+      write_png(folder() / "depth" / file, depth);
+      write_png(folder() / "masks" / file, masks);
+      sequence.frames.push_back(
+          {i, i * 33'333'333LL, "rgb/" + file, "depth/" + file, "masks/" + file, i * 33'333'333LL + 100});
+    }
+    sequence.given_camera = Trajectory{{0, {}}, {33'333'333, {}}};
+    write_sequence_index(folder(), sequence);
+  }
+  const fs::path& folder() const { return temp_.path(); }
+  std::string error() const {
+    return input_error([&] {
+      const Sequence sequence = open_sequence(folder());
+      for (const auto& frame : sequence.frames) {
+        read_rgb(sequence, frame);
+        read_depth(sequence, frame);
+        read_masks(sequence, frame);
+      }
+    });
+  }
+  void expect_error(const std::string& file, const std::string& what) const {
+    const std::string expected = (folder() / file).string() + what;
+    EXPECT_EQ(error().substr(0, expected.size()), expected);
+  }
+  void replace(const std::string& file, const std::string& find, const std::string& by) const {
+    std::string text = read_text(folder() / file);
+    ASSERT_NE(text.find(find), std::string::npos) << text;
+    write_text(folder() / file, text.replace(text.find(find), find.size(), by));
+  }
+
+ private:
+  TempFolder temp_;
+};
+
+TEST_F(SequenceFolder, ReadsBackAsItWasWritten) {
+  const Sequence sequence = open_sequence(folder());
+  EXPECT_EQ(sequence.name, "small");
+  EXPECT_EQ(sequence.camera.cx, 3.5);
+  ASSERT_EQ(sequence.frames.size(), 3u);
+  EXPECT_EQ(sequence.frames[2].masks_arrival_ns, 66'666'766);
+  EXPECT_EQ(read_rgb(sequence, sequence.frames[1]).at<cv::Vec3b>(3, 3), cv::Vec3b(10, 20, 31));
+  EXPECT_FLOAT_EQ(read_depth(sequence, sequence.frames[2]).at<float>(0, 0), 1.502f);
+  EXPECT_EQ(read_masks(sequence, sequence.frames[0]).at<std::uint16_t>(5, 7), 300);
+  ASSERT_TRUE(sequence.given_camera.has_value());
+  EXPECT_EQ(sequence.given_camera->size(), 2u);
+}
+
+TEST_F(SequenceFolder, DepthIsAssociatedWithin20ms) {
+  replace("depth.txt", "0.033333333 depth/1.png\n", "0.052 depth/1.png\n");
+  replace("depth.txt", "0.066666666 depth/2.png\n", "0.087 depth/2.png\n");
+  const Sequence sequence = open_sequence(folder());
+  EXPECT_EQ(sequence.frames[1].depth, "depth/1.png");
+  EXPECT_EQ(sequence.frames[2].depth, "");
+}
+
+TEST_F(SequenceFolder, RefusesImagesThatAreNotWhatTheySay) {
+  const std::string whole = read_text(folder() / "rgb/1.png");
+  write_text(folder() / "rgb/1.png", whole.substr(0, whole.size() / 2));
+  expect_error("rgb/1.png", ": is a truncated image");
+  write_text(folder() / "rgb/1.png", "");
+  expect_error("rgb/1.png", ": is empty");
+  write_text(folder() / "rgb/1.png", "not an image at all");
+  expect_error("rgb/1.png", ": is not an image that can be decoded");
+  write_png(folder() / "rgb/1.png", cv::Mat(6, 9, CV_8UC3, cv::Scalar()));
+  expect_error("rgb/1.png", ": is 9x6, the camera says 8x6");
+  write_text(folder() / "rgb/1.png", whole);
+  write_png(folder() / "depth/1.png", cv::Mat(6, 8, CV_8UC1, cv::Scalar()));
+  expect_error("depth/1.png", ": expected a 16-bit grey image");
+}
+
+TEST_F(SequenceFolder, RefusesBadIndexes) {
+  replace("rgb.txt", "0.033333333", "0.0");
+  expect_error("rgb.txt", ":3: timestamp 0.0 does not come after 0.000000000");
+  SetUp();
+  fs::remove(folder() / "depth/1.png");
+  expect_error("depth.txt", ":3: file depth/1.png is missing");
+  SetUp();
+  replace("masks.txt", " 0.033333433", "");
+  expect_error("masks.txt", ":3: expected: timestamp filename arrival");
+  SetUp();
+  replace("sequence.yaml", "fx: 10", "fx: 0");
+  expect_error("sequence.yaml", ":4: camera.fx: expected a number greater than 0, found 0");
+  SetUp();
+  replace("sequence.yaml", "schema: 1", "schema: 9");
+  expect_error("sequence.yaml", ":1: schema: version 9 is not supported");
+  SetUp();
+  replace("sequence.yaml", "name: small", "nmae: small");
+  expect_error("sequence.yaml", ":1: missing key 'name'");
+}
+
+}  // namespace
+}  // namespace uniquadric

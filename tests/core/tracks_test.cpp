@@ -1,0 +1,118 @@
+#include "core/sequence/tracks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/files.h"
+#include "core/sequence/calibration.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+Tracks two_objects() {
+  Tracks tracks;
+  for (int i = 0; i < 4; ++i) tracks.camera.push_back({i * 100, {exp_so3({0.1 * i, 0, 0}), {0.1 * i, 0, 0}}});
+  for (const int id : {3, 7}) {
+    ObjectTrack track{id, "", {}};
+    for (int i = id == 3 ? 0 : 2; i < 4; ++i) {
+      ObjectState state;
+      state.frame = i;
+      state.stamp_ns = i * 100;
+      state.ellipsoid = {{exp_so3({0, 0.1 * i, 0}), {1.0 / 3, 0, 0.1 * id}}, {0.1, 0.2, 1.0 / 7}};
+      state.exponent = 1.5;
+      state.covariance_diagonal[0] = 1e-4;
+      state.status = i == 3 ? ObjectStatus::occluded : ObjectStatus::active;
+      track.states.push_back(state);
+    }
+    tracks.objects.push_back(track);
+  }
+  return tracks;
+}
+
+TEST(Tracks, AnEstimateReadsBackAsItWasWritten) {
+  const TempFolder temp;
+  const Tracks written = two_objects();
+  write_estimate(temp.path(), written);
+  const Tracks read = read_tracks(temp.path());
+  ASSERT_EQ(read.camera.size(), 4u);
+  ASSERT_EQ(read.objects.size(), 2u);
+  EXPECT_EQ(read.objects[1].id, 7);
+  ASSERT_EQ(read.objects[1].states.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t i = 0; i < read.objects[k].states.size(); ++i) {
+      const ObjectState &a = written.objects[k].states[i], &b = read.objects[k].states[i];
+      EXPECT_EQ(a.frame, b.frame);
+      EXPECT_EQ(a.stamp_ns, b.stamp_ns);
+      EXPECT_EQ(a.ellipsoid.semi_axes_m, b.ellipsoid.semi_axes_m);
+      EXPECT_EQ(a.ellipsoid.world_from_object.translation, b.ellipsoid.world_from_object.translation);
+      EXPECT_EQ(a.ellipsoid.world_from_object.rotation.coeffs(),
+                b.ellipsoid.world_from_object.rotation.coeffs());
+      EXPECT_EQ(a.exponent, b.exponent);
+      EXPECT_EQ(a.status, b.status);
+      EXPECT_EQ(b.covariance_diagonal[0], 1e-4);
+      EXPECT_TRUE(std::isnan(b.covariance_diagonal[1]));
+    }
+}
+
+TEST(Tracks, ATruthFolderIsTracksToo) {
+  const TempFolder temp;
+  const Tracks tracks = two_objects();
+  fs::create_directories(temp.path() / "objects");
+  write_tum(temp.path() / "camera.tum", tracks.camera);
+  write_objects_yaml(temp.path() / "objects.yaml", {{7, "cube", {0.2, 0.2, 0.2}, "box", ""}});
+  write_tum(temp.path() / "objects/7.tum", {{200, {}}, {300, {}}});
+  write_camera_yaml(temp.path() / "camera.yaml", Camera{});
+  const Tracks read = read_tracks(temp.path());
+  ASSERT_EQ(read.objects.size(), 1u);
+  EXPECT_EQ(read.objects[0].name, "cube");
+  ASSERT_EQ(read.objects[0].states.size(), 2u);
+  EXPECT_EQ(read.objects[0].states[1].frame, 3);
+  EXPECT_EQ(read.objects[0].states[1].ellipsoid.semi_axes_m, Eigen::Vector3d::Constant(0.2));
+  ASSERT_TRUE(read.calibration.has_value());
+  EXPECT_EQ(read.calibration->fx, Camera{}.fx);
+}
+
+TEST(Tracks, BadFoldersAreRefusedByFileAndLine) {
+  const TempFolder temp;
+  write_estimate(temp.path(), two_objects());
+  const fs::path csv = temp.path() / "objects.csv";
+  const std::string good = read_text(csv);
+  const auto message = [&](const std::string& find, const std::string& replacement) {
+    std::string text = good;
+    text.replace(text.find(find), find.size(), replacement);
+    write_text(csv, text);
+    return input_error([&] { read_tracks(temp.path()); }).substr(csv.string().size());
+  };
+  EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,nan"), ":2: column semi_axis_x_m: 'nan' is not a valid value");
+  EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,-0.1"), ":2: column semi_axis_x_m: '-0.1' is not a valid value");
+  EXPECT_EQ(message("\n0,0,3,", "\n0,0,0,"), ":2: column id: '0' is not a valid value");
+  EXPECT_EQ(message("active\n1,", "asleep\n1,"), ":2: column state: 'asleep' is not a valid value");
+  EXPECT_EQ(message("active\n1,", "\n1,"), ":2: column state: '' is not a valid value");
+  EXPECT_EQ(message("\n1,100,3", "\n1,0,3"), ":3: timestamp 0 of object 3 does not come after 0");
+  EXPECT_EQ(message("frame,", "fraem,").substr(0, 22), ":1: expected the heade");
+  write_text(csv, good);
+  fs::remove(temp.path() / "objects/7.tum");
+  EXPECT_NE(input_error([&] { read_tracks(temp.path()); }).find("7.tum: cannot be read"), std::string::npos);
+  fs::remove(csv);
+  EXPECT_NE(input_error([&] { read_tracks(temp.path()); }).find("neither objects.yaml"), std::string::npos);
+}
+
+TEST(Tracks, DescriptionsWithBadAxesOrIdsAreRefused) {
+  const TempFolder temp;
+  const fs::path path = temp.path() / "objects.yaml";
+  const auto message = [&](const std::string& item) {
+    write_text(path, "schema: 1\nobjects:\n  - {id: 1, name: a, semi_axes_m: [1, 1, 1]}\n  - " + item + "\n");
+    return input_error([&] { read_objects_yaml(path); }).substr(path.string().size());
+  };
+  EXPECT_EQ(message("{id: 1, name: b, semi_axes_m: [1, 1, 1]}"), ":4: objects[1].id: 1 stands twice");
+  EXPECT_EQ(message("{id: 2, name: b, semi_axes_m: [1, 0, 1]}"),
+            ":4: objects[1].semi_axes_m: expected numbers greater than 0");
+  EXPECT_EQ(message("{id: 2, name: b, semi_axes_m: [1, .nan, 1]}"),
+            ":4: objects[1].semi_axes_m[1]: expected a finite number");
+}
+
+}  // namespace
+}  // namespace uniquadric
