@@ -8,59 +8,14 @@
 #include "core/base/config.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
-#include "core/base/text.h"
 #include "core/sequence/calibration.h"
+#include "core/sequence/file_list.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSequenceSchema = 1;
-constexpr std::int64_t kMaxDepthOffsetNs = 20'000'000;  // TUM RGB-D's association rule: nearest within 0.02 s
-
-struct ListedFile {
-  std::int64_t stamp_ns;
-  std::int64_t arrival_ns;  // masks only
-  fs::path file;
-};
-
-// Reads rgb.txt, depth.txt (timestamp filename) or masks.txt (timestamp filename arrival).
-std::vector<ListedFile> read_list(const fs::path& folder, const std::string& name, bool has_arrival) {
-  const fs::path path = folder / name;
-  std::vector<ListedFile> files;
-  for_each_line(path, [&](int line, const std::vector<std::string_view>& fields) {
-    if (fields.size() != (has_arrival ? 3u : 2u))
-      throw InputError(path, line,
-                       has_arrival ? "expected: timestamp filename arrival" : "expected: timestamp filename");
-    ListedFile entry;
-    try {
-      entry.stamp_ns = parse_stamp_ns(fields[0]);
-      entry.arrival_ns = has_arrival ? parse_stamp_ns(fields[2]) : entry.stamp_ns;
-    } catch (const std::invalid_argument& e) {
-      throw InputError(path, line, e.what());
-    }
-    entry.file = fs::path(fields[1]);
-    if (!files.empty() && entry.stamp_ns <= files.back().stamp_ns)
-      throw InputError(
-          path, line,
-          fmt::format("timestamp {} does not come after {}", fields[0], format_stamp(files.back().stamp_ns)));
-    if (!fs::is_regular_file(folder / entry.file))
-      throw InputError(path, line, fmt::format("file {} is missing", entry.file.string()));
-    files.push_back(entry);
-  });
-  return files;
-}
-
-// Nearest entry within the allowed offset, each entry used for its nearest frame only once.
-void associate_depth(std::vector<SequenceFrame>& frames, const std::vector<ListedFile>& depth) {
-  std::size_t next = 0;
-  for (auto& frame : frames) {
-    const auto distance = [&](std::size_t i) { return std::abs(depth[i].stamp_ns - frame.stamp_ns); };
-    while (next + 1 < depth.size() && distance(next + 1) <= distance(next)) ++next;
-    if (next >= depth.size() || distance(next) > kMaxDepthOffsetNs) continue;
-    frame.depth = depth[next++].file;
-  }
-}
 
 void associate_masks(const fs::path& folder, std::vector<SequenceFrame>& frames,
                      const std::vector<ListedFile>& masks) {
@@ -112,7 +67,7 @@ Sequence open_sequence(const fs::path& given_folder) {
   }
   root.refuse_unknown_keys();
 
-  for (const auto& entry : read_list(folder, "rgb.txt", false)) {
+  for (const auto& entry : read_file_list(folder, "rgb.txt", false)) {
     SequenceFrame frame;
     frame.frame = std::ssize(sequence.frames);
     frame.stamp_ns = entry.stamp_ns;
@@ -121,9 +76,9 @@ Sequence open_sequence(const fs::path& given_folder) {
   }
   if (sequence.frames.empty()) throw InputError(folder / "rgb.txt", "names no image");
   if (fs::exists(folder / "depth.txt"))
-    associate_depth(sequence.frames, read_list(folder, "depth.txt", false));
+    associate_depth(sequence.frames, read_file_list(folder, "depth.txt", false));
   if (fs::exists(folder / "masks.txt"))
-    associate_masks(folder, sequence.frames, read_list(folder, "masks.txt", true));
+    associate_masks(folder, sequence.frames, read_file_list(folder, "masks.txt", true));
   if (fs::exists(folder / "camera_given.tum")) sequence.given_camera = read_tum(folder / "camera_given.tum");
   return sequence;
 }
