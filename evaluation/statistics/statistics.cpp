@@ -1,0 +1,35 @@
+#include "evaluation/statistics/statistics.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace uniquadric {
+
+std::optional<Statistics> statistics(const std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  Statistics result;
+  result.n = values.size();
+  const double n = static_cast<double>(values.size());
+  double sum = 0;
+  for (const double value : values) {
+    assert(std::isfinite(value));
+    sum += value;
+    result.sse += value * value;
+  }
+  result.rmse = std::sqrt(result.sse / n);
+  std::vector<double> sorted = values;
+  std::sort(sorted.begin(), sorted.end());
+  result.min = sorted.front();
+  result.max = sorted.back();
+  // Rounding may carry the mean of equal values past them.
+  result.mean = std::clamp(sum / n, result.min, result.max);
+  double squares = 0;  // second pass: no cancellation for a small spread about a large mean
+  for (const double value : values) squares += (value - result.mean) * (value - result.mean);
+  result.std = std::sqrt(squares / n);
+  const std::size_t half = sorted.size() / 2;
+  result.median = sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
+  return result;
+}
+
+}  // namespace uniquadric
