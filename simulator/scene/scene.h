@@ -28,11 +28,11 @@ struct Body {
 struct DepthNoise {
   enum class Model { none, proportional, stereo };
   Model model = Model::proportional;
-  double k = 0.005;               ///< proportional: sigma = k d, d the distance from the optical centre (paper; ours: k)
-  double baseline_m = 0.095;      ///< stereo: sigma = s z^2 / (f B), RealSense D455
-  double disparity_sigma_px = 0.08;  ///< stereo: s
-  double disparity_step_px = 1.0 / 32;  ///< stereo: quantisation
-  double edge_dropout = 0.3;      ///< probability that a pixel beside a depth edge is lost
+  double k = 0.005;  ///< proportional: sigma = k d, d the distance from the optical centre (paper; ours: k)
+  double baseline_m = 0.095;                   ///< stereo: sigma = s z^2 / (f B), RealSense D455
+  double disparity_sigma_px = 0.08;            ///< stereo: s
+  double disparity_step_px = 1.0 / 32;         ///< stereo: quantisation
+  double edge_dropout = 0.3;                   ///< probability that a pixel beside a depth edge is lost
   double min_range_m = 0.1, max_range_m = 20;  ///< outside: no depth
 };
 
@@ -42,7 +42,8 @@ struct ImageNoise {
 
 /// Errors of the simulated segmenter, whose masks come from the true ones.
 struct SegmenterNoise {
-  double boundary_sigma_px = 1;  ///< the outline moves along its normal by smooth noise of this standard deviation
+  double boundary_sigma_px =
+      1;  ///< the outline moves along its normal by smooth noise of this standard deviation
   double boundary_length_px = 15;  ///< correlation length of that noise along the image
   double miss_probability = 0.01;  ///< that an object is missing from one result
   double latency_s = 0.1;          ///< from the frame's stamp to the result's arrival
@@ -58,11 +59,12 @@ struct Scene {
   double rate_hz = 30;
   Camera camera;
   Motion camera_motion;  ///< world_from_camera, optical frame
-  bool given_camera = true;  ///< whether the sequence carries the camera's poses as another system would give them
-  std::vector<Body> world;   ///< static, id 0
+  bool given_camera =
+      true;  ///< whether the sequence carries the camera's poses as another system would give them
+  std::vector<Body> world;  ///< static, id 0
   std::vector<Body> objects;
   Eigen::Vector3d sun_direction = {0.3, 0.4, -0.85};  ///< direction the light travels in, world frame
-  double ambient = 0.55;     ///< share of light that comes from everywhere
+  double ambient = 0.55;                              ///< share of light that comes from everywhere
   DepthNoise depth_noise;
   ImageNoise image_noise;
   SegmenterNoise segmenter;

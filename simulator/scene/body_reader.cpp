@@ -1,0 +1,114 @@
+#include "simulator/scene/body_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "simulator/scene/mesh_building.h"
+#include "simulator/scene/mesh_import.h"
+#include "simulator/scene/motion_reader.h"
+#include "simulator/scene/named_motions.h"
+#include "simulator/scene/shape_reader.h"
+
+namespace uniquadric {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMaxId = 65535;  // instance images are 16-bit, 0 is background
+
+void place(Body& body, const Pose& object_from_mesh) {
+  transform(body.meshes, object_from_mesh);
+  const Eigen::AlignedBox3d box = tight_box(body.meshes);
+  transform(body.meshes, {Eigen::Quaterniond::Identity(), -box.center()});
+  body.semi_axes_m = box.sizes() / 2;
+}
+
+void read_mesh_file(const ConfigNode& node, const ConfigNode& mesh, Body& body,
+                    std::vector<fs::path>& files) {
+  for (const char* key : {"primitive", "size_m", "material"})
+    if (const auto other = node.find(key))
+      other->fail("does not go with 'mesh', which has its own; a mesh is sized by 'scale'");
+  const fs::path path = resolve_path(mesh);
+  if (!fs::is_regular_file(path)) {
+    const bool by_default =
+        mesh.as<std::string>().starts_with("${UNIQUADRIC_DATA}") && !std::getenv("UNIQUADRIC_DATA");
+    mesh.fail(fmt::format("no such file: {}{}", path.string(),
+                          by_default ? " (set UNIQUADRIC_DATA to the folder that holds the data)" : ""));
+  }
+  ImportedMesh imported = import_mesh(path);
+  files.insert(files.end(), imported.files.begin(), imported.files.end());
+  body.shape = "mesh";
+  body.mesh_file = path.filename().string();
+  body.meshes = std::move(imported.meshes);
+  const double scale = node.positive("scale", 1);
+  fit_to_box(body.meshes, tight_box(body.meshes).sizes() * scale);
+  Pose turned;
+  if (const auto rpy = node.find("mesh_rpy_deg")) turned.rotation = read_rpy_deg(*rpy);
+  place(body, turned);
+  if (!(body.semi_axes_m.minCoeff() > 0)) mesh.fail("is flat: an object needs an extent along every axis");
+}
+
+Body read_body(const ConfigNode& node, std::uint64_t default_seed, std::vector<fs::path>& files) {
+  Body body;
+  body.name = node.get<std::string>("name");
+  if (body.name.empty()) node.at("name").fail("cannot be empty");
+  if (const auto mesh = node.find("mesh")) {
+    read_mesh_file(node, *mesh, body, files);
+  } else {
+    Shape shape = read_shape(node, default_seed);
+    body.shape = std::move(shape.name);
+    body.meshes = std::move(shape.meshes);
+    body.semi_axes_m = shape.size_m / 2;
+  }
+  return body;
+}
+
+}  // namespace
+
+fs::path resolve_path(const ConfigNode& node) {
+  auto text = node.as<std::string>();
+  const fs::path folder = node.file().parent_path();
+  if (const auto begin = text.find("${"); begin != text.npos) {
+    const auto end = text.find('}', begin);
+    if (end == text.npos) node.fail("'${' without '}'");
+    const std::string variable = text.substr(begin + 2, end - begin - 2);
+    const char* value = std::getenv(variable.c_str());
+    if (!value && variable != "UNIQUADRIC_DATA")
+      node.fail(fmt::format("environment variable {} is not set", variable));
+    text.replace(begin, end + 1 - begin, value ? value : "../../shared/data");
+  }
+  return (folder / text).lexically_normal();
+}
+
+Body read_static_body(const ConfigNode& node, std::uint64_t default_seed, std::vector<fs::path>& files) {
+  Body body = read_body(node, default_seed, files);
+  Pose pose;
+  if (const auto given = node.find("pose")) {
+    pose = read_pose(*given, Mover::body);
+    given->refuse_unknown_keys();
+  } else if (body.shape == "room") {
+    pose.translation.z() = body.semi_axes_m.z();  // the floor at z = 0
+  }
+  body.motion = static_motion(pose);
+  node.refuse_unknown_keys();
+  return body;
+}
+
+Body read_object(const ConfigNode& node, std::vector<fs::path>& files) {
+  const int id = node.get<int>("id");
+  if (id < 1 || id > kMaxId) node.at("id").fail(fmt::format("expected 1 to {}, found {}", kMaxId, id));
+  Body body = read_body(node, static_cast<std::uint64_t>(id), files);
+  body.id = id;
+  if (body.shape == "room" || body.shape == "plane")
+    node.at("primitive").fail("is for the world, not for objects");
+  body.motion = read_motion(node.at("motion"), Mover::body);
+  node.refuse_unknown_keys();
+  return body;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,129 @@
+#include "simulator/scene/mesh_import.h"
+
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <assimp/DefaultIOSystem.h>
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/error.h"
+#include "core/sequence/sequence.h"
+
+namespace uniquadric {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Remembers what assimp opens (an OBJ names its material file), so that a scene's hash covers it.
+class RecordingFiles final : public Assimp::DefaultIOSystem {
+ public:
+  explicit RecordingFiles(std::vector<fs::path>& opened) : opened_(opened) {}
+  Assimp::IOStream* Open(const char* file, const char* mode = "rb") override {
+    Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+    if (stream && std::find(opened_.begin(), opened_.end(), fs::path(file)) == opened_.end())
+      opened_.emplace_back(file);
+    return stream;
+  }
+
+ private:
+  std::vector<fs::path>& opened_;
+};
+
+cv::Mat to_bgr(const cv::Mat& image, const fs::path& path) {
+  if (image.depth() != CV_8U) throw InputError(path, "texture has more than 8 bits a channel");
+  cv::Mat bgr;
+  if (image.channels() == 1)
+    cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
+  else if (image.channels() == 4)
+    cv::cvtColor(image, bgr, cv::COLOR_BGRA2BGR);
+  else
+    bgr = image;
+  return bgr;
+}
+
+cv::Mat embedded_texture(const aiTexture& texture, const fs::path& path) {
+  cv::Mat image;
+  if (texture.mHeight == 0) {  // a compressed file of mWidth bytes
+    const cv::Mat bytes(1, static_cast<int>(texture.mWidth), CV_8UC1, texture.pcData);
+    image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  } else {
+    image =
+        cv::Mat(static_cast<int>(texture.mHeight), static_cast<int>(texture.mWidth), CV_8UC4, texture.pcData)
+            .clone();
+  }
+  if (image.empty()) throw InputError(path, "embedded texture cannot be decoded");
+  return to_bgr(image, path);
+}
+
+void read_material(const aiScene& scene, const aiMaterial& material, const fs::path& path, Mesh& mesh,
+                   std::vector<fs::path>& files) {
+  aiColor3D diffuse(1, 1, 1);
+  aiString name;
+  const bool textured = material.GetTexture(aiTextureType_DIFFUSE, 0, &name) == AI_SUCCESS;
+  // Files often leave a dark or black diffuse colour beside a texture that holds the whole look.
+  if (!textured && material.Get(AI_MATKEY_COLOR_DIFFUSE, diffuse) == AI_SUCCESS)
+    mesh.color = {diffuse.r, diffuse.g, diffuse.b};
+  if (!textured) return;
+  if (const aiTexture* embedded = scene.GetEmbeddedTexture(name.C_Str())) {
+    mesh.texture = embedded_texture(*embedded, path);
+    return;
+  }
+  std::string file = name.C_Str();
+  std::replace(file.begin(), file.end(), '\\', '/');
+  const fs::path texture = path.parent_path() / file;
+  mesh.texture = to_bgr(read_image(texture), texture);
+  if (std::find(files.begin(), files.end(), texture) == files.end()) files.push_back(texture);
+}
+
+Mesh convert(const aiMesh& source, const fs::path& path) {
+  Mesh mesh;
+  for (unsigned i = 0; i < source.mNumVertices; ++i) {
+    const aiVector3D &p = source.mVertices[i], &n = source.mNormals[i];
+    const aiVector3D uv = source.HasTextureCoords(0) ? source.mTextureCoords[0][i] : aiVector3D();
+    mesh.positions.emplace_back(p.x, p.y, p.z);
+    mesh.normals.emplace_back(n.x, n.y, n.z);
+    mesh.uvs.emplace_back(uv.x, uv.y);
+    if (!mesh.positions.back().allFinite()) throw InputError(path, fmt::format("vertex {} is not finite", i));
+    if (!mesh.uvs.back().allFinite())
+      throw InputError(path, fmt::format("texture coordinate {} is not finite", i));
+    // A vertex without an area around it has no normal; any unit vector keeps the shading finite.
+    if (!mesh.normals.back().allFinite() || !(mesh.normals.back().norm() > 0))
+      mesh.normals.back() = Eigen::Vector3f::UnitZ();
+    mesh.normals.back().normalize();
+  }
+  for (unsigned i = 0; i < source.mNumFaces; ++i) {
+    const aiFace& face = source.mFaces[i];
+    mesh.triangles.push_back({face.mIndices[0], face.mIndices[1], face.mIndices[2]});
+  }
+  return mesh;
+}
+
+}  // namespace
+
+ImportedMesh import_mesh(const fs::path& path) {
+  if (!fs::is_regular_file(path)) throw InputError(path, "no such mesh file");
+  ImportedMesh result;
+  Assimp::Importer importer;
+  importer.SetIOHandler(new RecordingFiles(result.files));  // the importer owns it
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  const aiScene* scene = importer.ReadFile(
+      path.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_GenSmoothNormals |
+                         aiProcess_JoinIdenticalVertices | aiProcess_SortByPType | aiProcess_FlipUVs);
+  if (!scene) throw InputError(path, fmt::format("cannot be read as a mesh: {}", importer.GetErrorString()));
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
+    const aiMesh& source = *scene->mMeshes[i];
+    if (source.mNumFaces == 0) continue;
+    result.meshes.push_back(convert(source, path));
+    read_material(*scene, *scene->mMaterials[source.mMaterialIndex], path, result.meshes.back(),
+                  result.files);
+  }
+  if (result.meshes.empty()) throw InputError(path, "has no faces");
+  return result;
+}
+
+}  // namespace uniquadric

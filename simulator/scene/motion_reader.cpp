@@ -1,0 +1,194 @@
+#include "simulator/scene/motion_reader.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "simulator/scene/named_motions.h"
+#include "simulator/scene/spline.h"
+
+namespace uniquadric {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kUnitTolerance = 1e-3;  // of a quaternion's norm, as for trajectories that are read
+
+double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+Quaterniond read_quaternion(const ConfigNode& node) {
+  const auto q = node.as<std::vector<double>>();
+  if (q.size() != 4) node.fail(fmt::format("expected 4 numbers x, y, z, w, found {}", q.size()));
+  const Quaterniond rotation(q[3], q[0], q[1], q[2]);
+  if (std::abs(rotation.norm() - 1) > kUnitTolerance)
+    node.fail(fmt::format("norm is {:.6g}, expected 1", rotation.norm()));
+  return rotation.normalized();
+}
+
+Vector3d read_direction(const ConfigNode& node, const std::string& key, const Vector3d& fallback) {
+  const auto value = node.find(key);
+  if (!value) return fallback;
+  const Vector3d direction = value->as<Vector3d>();
+  if (!(direction.norm() > 0)) value->fail("a direction cannot be zero");
+  return direction.normalized();
+}
+
+double read_nonzero(const ConfigNode& node, const std::string& key) {
+  const double value = node.get<double>(key);
+  if (value == 0) node.at(key).fail("cannot be 0");
+  return value;
+}
+
+/// Identity when the map says nothing of the orientation; `target` is what way-points look at unless they say
+/// otherwise.
+Quaterniond read_orientation(const ConfigNode& node, Mover mover, const Vector3d& position_m,
+                             const std::optional<ConfigNode>& target = {}) {
+  const auto rpy = node.find("rpy_deg"), quaternion = node.find("quaternion_xyzw"),
+             own_target = node.find("look_at_m");
+  if (rpy.has_value() + quaternion.has_value() + own_target.has_value() > 1)
+    node.fail("give one of rpy_deg, quaternion_xyzw, look_at_m");
+  const auto roll = node.find("roll_deg");
+  if (rpy) return read_rpy_deg(*rpy);
+  if (quaternion) return read_quaternion(*quaternion);
+  const auto& looked_at = own_target ? own_target : target;
+  if (!looked_at) {
+    if (roll) roll->fail("belongs to look_at_m");
+    return Quaterniond::Identity();
+  }
+  if (mover != Mover::camera) looked_at->fail("is for cameras; give rpy_deg or quaternion_xyzw");
+  try {
+    return look_at(position_m, looked_at->as<Vector3d>(), roll ? radians(roll->as<double>()) : 0).rotation;
+  } catch (const InputError& error) {
+    node.fail(error.what());
+  }
+}
+
+Pose read_start(const ConfigNode& node, Mover mover) {
+  const auto start = node.find("start");
+  if (!start) return {};
+  const Pose pose = read_pose(*start, mover);
+  start->refuse_unknown_keys();
+  return pose;
+}
+
+Motion read_spline(const ConfigNode& node, Mover mover) {
+  std::vector<Waypoint> waypoints;
+  const auto target = node.find("look_at_m");
+  for (const ConfigNode& item : node.at("waypoints").items()) {
+    const auto position = item.get<Vector3d>("position_m");
+    const double time_s = item.get<double>("time_s");
+    if (!waypoints.empty() && time_s <= waypoints.back().time_s)
+      item.fail(fmt::format("time_s {} does not follow {}", time_s, waypoints.back().time_s));
+    waypoints.push_back({time_s, {read_orientation(item, mover, position, target), position}});
+    item.refuse_unknown_keys();
+  }
+  try {
+    return spline_motion(waypoints);
+  } catch (const InputError& error) {
+    node.fail(error.what());
+  }
+}
+
+Motion read_line(const ConfigNode& node, Mover mover) {
+  std::optional<double> rolling;
+  if (node.has("rolling_radius_m")) rolling = node.positive("rolling_radius_m");
+  return line_motion(read_start(node, mover), node.get<Vector3d>("velocity_mps"), rolling);
+}
+
+Motion read_circle(const ConfigNode& node, Mover mover) {
+  CircleOptions options;
+  options.center_m = node.get<Vector3d>("center_m");
+  options.normal = read_direction(node, "normal", options.normal);
+  options.radius_m = node.positive("radius_m");
+  options.start_rad = radians(node.get<double>("start_deg", 0));
+  options.rate_radps = radians(node.get<double>("rate_degps"));
+  options.sway_rad = radians(node.get<double>("sway_deg", 0));
+  options.sway_period_s = node.positive("sway_period_s", options.sway_period_s);
+  options.optical = mover == Mover::camera;
+  const std::string facing = node.choice("facing", {"fixed", "tangent", "target", "rolling"}, "fixed");
+  if (facing == "target") {
+    options.facing = CircleOptions::Facing::target;
+    options.target_m = node.get<Vector3d>("look_at_m");
+    if (mover != Mover::camera) node.at("facing").fail("target is for cameras");
+    return circle_motion(options);
+  }
+  options.orientation = read_orientation(node, mover, options.center_m);
+  if (facing == "tangent") options.facing = CircleOptions::Facing::tangent;
+  if (facing == "rolling") {
+    options.facing = CircleOptions::Facing::rolling;
+    options.rolling_radius_m = node.positive("rolling_radius_m");
+  }
+  return circle_motion(options);
+}
+
+Motion read_swing(const ConfigNode& node, Mover mover) {
+  SwingOptions options;
+  options.pivot_m = node.get<Vector3d>("pivot_m");
+  options.axis = read_direction(node, "axis", options.axis);
+  if (options.axis.z() != 0) node.at("axis").fail("a pendulum's axis is horizontal");
+  options.length_m = node.positive("length_m");
+  options.amplitude_rad = radians(node.get<double>("amplitude_deg"));
+  options.period_s = node.positive("period_s");
+  options.phase_rad = radians(node.get<double>("phase_deg", 0));
+  options.orientation = read_orientation(node, mover, options.pivot_m - options.length_m * Vector3d::UnitZ());
+  return swing_motion(options);
+}
+
+Motion read_screw(const ConfigNode& node, Mover mover) {
+  ScrewOptions options;
+  options.start = read_start(node, mover);
+  options.axis = read_direction(node, "axis", options.axis);
+  options.point_m = node.get<Vector3d>("point_m", options.start.translation);
+  options.rate_radps = radians(read_nonzero(node, "rate_degps"));
+  options.pitch_m = node.get<double>("pitch_m", 0);
+  return screw_motion(options);
+}
+
+Motion read_composed(const ConfigNode& node, Mover mover) {
+  std::vector<Motion> parts;
+  for (const ConfigNode& item : node.at("parts").items()) parts.push_back(read_motion(item, mover));
+  if (parts.empty()) node.at("parts").fail("expected at least one motion");
+  return composed_motion(std::move(parts));
+}
+
+Motion read_kind(const ConfigNode& node, Mover mover) {
+  const std::string kind =
+      node.choice("kind", {"static", "line", "circle", "swing", "screw", "spline", "compose"}, "");
+  if (kind == "static") return static_motion(read_pose(node, mover));
+  if (kind == "line") return read_line(node, mover);
+  if (kind == "circle") return read_circle(node, mover);
+  if (kind == "swing") return read_swing(node, mover);
+  if (kind == "screw") return read_screw(node, mover);
+  if (kind == "spline") return read_spline(node, mover);
+  if (kind == "compose") return read_composed(node, mover);
+  node.fail("missing key 'kind'");
+}
+
+}  // namespace
+
+Eigen::Quaterniond read_rpy_deg(const ConfigNode& node) {
+  const Vector3d rpy = node.as<Vector3d>() * (std::numbers::pi / 180);
+  return (exp_so3(rpy.z() * Vector3d::UnitZ()) * exp_so3(rpy.y() * Vector3d::UnitY()) *
+          exp_so3(rpy.x() * Vector3d::UnitX()))
+      .normalized();
+}
+
+Pose read_pose(const ConfigNode& node, Mover mover) {
+  const auto position = node.get<Vector3d>("position_m", Vector3d::Zero());
+  return {read_orientation(node, mover, position), position};
+}
+
+Motion read_motion(const ConfigNode& node, Mover mover) {
+  const Motion motion = read_kind(node, mover);
+  node.refuse_unknown_keys();
+  return motion;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,91 @@
+#include "simulator/scene/scene.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/base/config.h"
+#include "core/base/files.h"
+#include "core/base/hash.h"
+#include "core/sequence/calibration.h"
+#include "simulator/scene/body_reader.h"
+#include "simulator/scene/motion_reader.h"
+#include "simulator/scene/sensor_reader.h"
+
+namespace uniquadric {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kMaxFrames = 10'000'000;
+constexpr double kMaxRate_hz = 10'000;
+constexpr std::uint64_t kWorldSeed = 100'000;  // material seeds of the world, clear of the objects' ids
+
+void read_clock(const ConfigNode& root, Scene& scene) {
+  scene.frames = root.get<std::int64_t>("frames", scene.frames);
+  if (scene.frames < 1 || scene.frames > kMaxFrames)
+    root.at("frames").fail(fmt::format("expected 1 to {}, found {}", kMaxFrames, scene.frames));
+  scene.rate_hz = root.positive("rate_hz", scene.rate_hz);
+  if (scene.rate_hz > kMaxRate_hz)
+    root.at("rate_hz").fail(fmt::format("expected at most {} Hz", kMaxRate_hz));
+}
+
+void read_camera_section(const ConfigNode& node, Scene& scene) {
+  if (const auto calibration = node.find("calibration")) {
+    scene.camera = read_camera(*calibration);
+    calibration->refuse_unknown_keys();
+  }
+  scene.given_camera = node.get<bool>("given", scene.given_camera);
+  scene.camera_motion = read_motion(node.at("motion"), Mover::camera);
+  node.refuse_unknown_keys();
+}
+
+void read_objects(const ConfigNode& list, Scene& scene, std::vector<fs::path>& files) {
+  std::set<int> ids;
+  std::set<std::string> names;
+  for (const ConfigNode& item : list.items()) {
+    scene.objects.push_back(read_object(item, files));
+    const Body& body = scene.objects.back();
+    if (!ids.insert(body.id).second)
+      item.at("id").fail(fmt::format("{} is the id of another object", body.id));
+    if (!names.insert(body.name).second)
+      item.at("name").fail(fmt::format("'{}' is the name of another object", body.name));
+  }
+}
+
+// The text, then the files in the order they are named: the same scene elsewhere has the same hash.
+std::string scene_hash(const std::string& text, const std::vector<fs::path>& files) {
+  Hash hash;
+  hash.add("scene").add(text);
+  for (const fs::path& file : files) hash.add_file(file);
+  return hash.hex();
+}
+
+}  // namespace
+
+std::int64_t Scene::stamp_ns(std::int64_t frame) const {
+  return std::llround(static_cast<double>(frame) * 1e9 / rate_hz);
+}
+
+Scene load_scene(const fs::path& path) {
+  const std::string text = read_text(path);
+  const ConfigNode root = ConfigNode::parse(text, path);
+  Scene scene;
+  std::vector<fs::path> files;
+  scene.name = root.get<std::string>("name", path.stem().string());
+  read_clock(root, scene);
+  read_camera_section(root.at("camera"), scene);
+  read_sensor_models(root, scene);
+  if (const auto world = root.find("world"))
+    for (const ConfigNode& item : world->items())
+      scene.world.push_back(read_static_body(item, kWorldSeed + scene.world.size(), files));
+  if (const auto objects = root.find("objects")) read_objects(*objects, scene, files);
+  if (scene.world.empty() && scene.objects.empty())
+    root.fail("has neither world nor objects: nothing to see");
+  root.refuse_unknown_keys();
+  scene.hash = scene_hash(text, files);
+  return scene;
+}
+
+}  // namespace uniquadric

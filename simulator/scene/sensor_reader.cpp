@@ -1,0 +1,73 @@
+#include "simulator/scene/sensor_reader.h"
+
+#include <fmt/format.h>
+
+#include "core/base/config.h"
+
+namespace uniquadric {
+namespace {
+
+double at_least_0(const ConfigNode& node, const std::string& key, double fallback) {
+  const double value = node.get<double>(key, fallback);
+  if (value < 0) node.at(key).fail(fmt::format("cannot be negative, found {}", value));
+  return value;
+}
+
+double probability(const ConfigNode& node, const std::string& key, double fallback) {
+  const double value = at_least_0(node, key, fallback);
+  if (value > 1) node.at(key).fail(fmt::format("expected 0 to 1, found {}", value));
+  return value;
+}
+
+void read_light(const ConfigNode& node, Scene& scene) {
+  scene.sun_direction = node.get<Eigen::Vector3d>("sun_direction", scene.sun_direction);
+  if (!(scene.sun_direction.norm() > 0)) node.at("sun_direction").fail("a direction cannot be zero");
+  scene.ambient = probability(node, "ambient", scene.ambient);
+}
+
+void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
+  const std::string model = node.choice("model", {"none", "proportional", "stereo"}, "proportional");
+  noise.model = model == "none"           ? DepthNoise::Model::none
+                : model == "proportional" ? DepthNoise::Model::proportional
+                                          : DepthNoise::Model::stereo;
+  noise.k = at_least_0(node, "k", noise.k);
+  noise.baseline_m = node.positive("baseline_m", noise.baseline_m);
+  noise.disparity_sigma_px = at_least_0(node, "disparity_sigma_px", noise.disparity_sigma_px);
+  noise.disparity_step_px = at_least_0(node, "disparity_step_px", noise.disparity_step_px);
+  noise.edge_dropout = probability(node, "edge_dropout", noise.edge_dropout);
+  noise.min_range_m = node.positive("min_range_m", noise.min_range_m);
+  noise.max_range_m = node.positive("max_range_m", noise.max_range_m);
+  if (noise.max_range_m <= noise.min_range_m)
+    node.fail(
+        fmt::format("max_range_m {} is not above min_range_m {}", noise.max_range_m, noise.min_range_m));
+}
+
+void read_segmenter(const ConfigNode& node, SegmenterNoise& noise) {
+  noise.boundary_sigma_px = at_least_0(node, "boundary_sigma_px", noise.boundary_sigma_px);
+  noise.boundary_length_px = node.positive("boundary_length_px", noise.boundary_length_px);
+  noise.miss_probability = probability(node, "miss_probability", noise.miss_probability);
+  noise.latency_s = at_least_0(node, "latency_s", noise.latency_s);
+  noise.every_n_frames = node.get<int>("every_n_frames", noise.every_n_frames);
+  if (noise.every_n_frames < 1) node.at("every_n_frames").fail("expected at least 1");
+  noise.min_pixels = node.get<int>("min_pixels", noise.min_pixels);
+  if (noise.min_pixels < 1) node.at("min_pixels").fail("expected at least 1");
+}
+
+}  // namespace
+
+void read_sensor_models(const ConfigNode& root, Scene& scene) {
+  const auto section = [&](const std::string& key, const auto& read) {
+    const auto node = root.find(key);
+    if (!node) return;
+    read(*node);
+    node->refuse_unknown_keys();
+  };
+  section("light", [&](const ConfigNode& node) { read_light(node, scene); });
+  section("depth_noise", [&](const ConfigNode& node) { read_depth_noise(node, scene.depth_noise); });
+  section("image_noise", [&](const ConfigNode& node) {
+    scene.image_noise.sigma = at_least_0(node, "sigma", scene.image_noise.sigma);
+  });
+  section("segmenter", [&](const ConfigNode& node) { read_segmenter(node, scene.segmenter); });
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,117 @@
+#include "simulator/scene/shape_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "core/base/config.h"
+#include "simulator/scene/shapes.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kLargestBody_m = 10000;  // beyond it single precision is coarser than a millimetre
+constexpr int kMaxSegments = 512, kMaxFurniture = 100, kMinTexture_px = 16, kMaxTexture_px = 4096;
+
+double share(const ConfigNode& node, const std::string& key, double fallback) {
+  const double value = node.get<double>(key, fallback);
+  if (value < 0 || value > 1) node.at(key).fail(fmt::format("expected 0 to 1, found {}", value));
+  return value;
+}
+
+int integer(const ConfigNode& node, const std::string& key, int fallback, int low, int high) {
+  const int value = node.get<int>(key, fallback);
+  if (value < low || value > high)
+    node.at(key).fail(fmt::format("expected {} to {}, found {}", low, high, value));
+  return value;
+}
+
+Eigen::Vector3d color(const ConfigNode& node, const std::string& key, const Eigen::Vector3d& fallback) {
+  const auto value = node.get<Eigen::Vector3d>(key, fallback);
+  if (value.minCoeff() < 0 || value.maxCoeff() > 1)
+    node.at(key).fail("expected red, green, blue from 0 to 1");
+  return value;
+}
+
+Material read_material(const ConfigNode& body, std::uint64_t default_seed, const std::string& primitive) {
+  Material material;
+  material.seed = default_seed;
+  if (primitive == "room") material.size_px = 1024;  // walls are seen from nearer than their own size
+  const auto node = body.find("material");
+  if (!node) return material;
+  const std::vector<std::string> styles(kTextureStyleNames.begin(), kTextureStyleNames.end());
+  const std::string style = node->choice("style", styles, styles.front());
+  material.style = static_cast<TextureStyle>(std::find(styles.begin(), styles.end(), style) - styles.begin());
+  material.color = color(*node, "color", material.color);
+  material.accent = color(*node, "accent", material.accent);
+  material.contrast = share(*node, "contrast", material.contrast);
+  material.seed = node->get<std::uint64_t>("seed", material.seed);
+  material.size_px = integer(*node, "texture_px", material.size_px, kMinTexture_px, kMaxTexture_px);
+  node->refuse_unknown_keys();
+  return material;
+}
+
+Eigen::Vector3d read_size(const ConfigNode& node, const std::string& primitive) {
+  const ConfigNode size = node.at("size_m");
+  auto values = size.as<std::vector<double>>();
+  const std::size_t expected = primitive == "plane" ? 2 : 3;
+  if (values.size() != expected)
+    size.fail(fmt::format("expected {} numbers, found {}", expected, values.size()));
+  for (const double value : values)
+    if (value <= 0 || value > kLargestBody_m)
+      size.fail(fmt::format("extents must be above 0 and at most {} m, found {}", kLargestBody_m, value));
+  values.resize(3);
+  return {values[0], values[1], values[2]};
+}
+
+RoundedBoxOptions read_rounding(const ConfigNode& node, const Eigen::Vector3d& size_m) {
+  RoundedBoxOptions options;
+  const double least = size_m.minCoeff();
+  options.radius_m = node.get<double>("radius_m", 0.05 * least);
+  if (options.radius_m < 0 || options.radius_m > least / 2)
+    node.at("radius_m").fail(fmt::format("expected 0 to half the least extent, {}", least / 2));
+  options.recess_depth_m = node.get<double>("recess_depth_m", 0);
+  if (options.recess_depth_m < 0 || options.recess_depth_m >= least / 2)
+    node.at("recess_depth_m").fail(fmt::format("expected 0 to below half the least extent, {}", least / 2));
+  options.recess_share = share(node, "recess_share", options.recess_share);
+  options.segments = integer(node, "segments", options.segments, 1, kMaxSegments);
+  return options;
+}
+
+std::vector<Mesh> build(const ConfigNode& node, const Shape& shape, const Material& material) {
+  const std::string& name = shape.name;
+  const Eigen::Vector3d& size_m = shape.size_m;
+  if (name == "box") return rounded_box(size_m, {.radius_m = 0}, material);
+  if (name == "rounded_box") return rounded_box(size_m, read_rounding(node, size_m), material);
+  if (name == "ball" && size_m.maxCoeff() != size_m.minCoeff())
+    node.at("size_m").fail("a ball has three equal extents; use 'ellipsoid'");
+  if (name == "ball" || name == "ellipsoid")
+    return ellipsoid(size_m, integer(node, "segments", 20, 2, kMaxSegments), material);
+  if (name == "cylinder") {
+    const int segments = integer(node, "segments", 96, 4, kMaxSegments);
+    if (segments % 4 != 0) node.at("segments").fail("expected a multiple of 4, so that the extents are met");
+    return cylinder(size_m, segments, material);
+  }
+  if (name == "skateboard") return skateboard(size_m, material);
+  if (name == "car") return car(size_m, material);
+  if (name == "carriage") return carriage(size_m, material);
+  if (name == "plane") return plane(size_m.head<2>(), material);
+  return room(size_m, integer(node, "furniture", 6, 0, kMaxFurniture), material);
+}
+
+}  // namespace
+
+Shape read_shape(const ConfigNode& node, std::uint64_t default_seed) {
+  Shape shape;
+  shape.name = node.choice("primitive",
+                           {"box", "rounded_box", "ball", "ellipsoid", "cylinder", "skateboard", "car",
+                            "carriage", "plane", "room"},
+                           "");
+  if (shape.name.empty()) node.fail("missing key 'primitive' (or 'mesh')");
+  shape.size_m = read_size(node, shape.name);
+  shape.meshes = build(node, shape, read_material(node, default_seed, shape.name));
+  return shape;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "simulator/scene/mesh.h"
+
+namespace uniquadric {
+
+class ConfigNode;
+
+struct Shape {
+  std::string name;  ///< of the primitive
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  std::vector<Mesh> meshes;
+};
+
+/// Reads `primitive`, `size_m`, the primitive's own keys and `material` of a body's map and builds the
+/// meshes. Leaves other keys to the caller's check. Throws InputError with file and line.
+Shape read_shape(const ConfigNode& node, std::uint64_t default_seed);
+
+}  // namespace uniquadric
