@@ -11,12 +11,18 @@ struct EstimateOptions {
   std::uint64_t seed = 0;
   int threads = 0;  ///< 0: as many as the machine has
   bool quiet = false;
-  bool force = false;          ///< replace an existing output folder
-  std::filesystem::path prompts;  ///< file or folder of prompts; empty: everything
+  bool force = false;             ///< replace an existing output folder
+  std::filesystem::path prompts;  ///< file or folder of prompts (read_box_prompts); empty: everything
 };
 
-/// Runs a variant of the estimator on a sequence folder and writes Tracks, timing.csv and run.yaml to `out`. The same
-/// sequence, variant and seed give the same bytes (timing.csv excepted) for any number of threads.
+/// Runs a variant of the estimator on a sequence folder, of which it reads observations alone, and writes to
+/// `out`: Tracks (camera.tum, objects/ID.tum, objects.csv), camera.yaml, timing.csv (frame,stage,ms),
+/// run.yaml (program, seed, counts and all resolved options) and, where the segmenter worked from prompts,
+/// the masks it found (masks/FRAME.png, 16-bit ids). Frames without depth, masks or a camera pose, and
+/// objects with too few points, have no state and are counted in run.yaml. The same sequence, variant and
+/// seed give the same bytes (timing.csv excepted) for any number of threads. Throws InputError for bad
+/// sequences and prompts, and when the camera's poses are to be given and are not; then nothing is left at
+/// `out`.
 void estimate(const std::filesystem::path& sequence, const Variant& variant, const EstimateOptions& options,
               const std::filesystem::path& out);
 

@@ -1,0 +1,151 @@
+#include "estimator/perception/grabcut_depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <vector>
+
+#include "estimator/perception/support_planes.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr int kMaxPlanes = 3;              // a floor and two walls
+constexpr std::size_t kRingPoints = 2000;  // enough to find a plane of a seventh of them
+
+cv::Rect pixel_rect(double x, double y, double width, double height, const cv::Mat& image) {
+  const cv::Point low(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
+  const cv::Point high(static_cast<int>(std::ceil(x + width)), static_cast<int>(std::ceil(y + height)));
+  return cv::Rect(low, high) & cv::Rect(0, 0, image.cols, image.rows);
+}
+
+// Median of the depth in the middle half of the box, where the object is most likely.
+std::optional<double> median_depth(const cv::Mat& depth, const BoxPrompt& box) {
+  const cv::Rect middle =
+      pixel_rect(box.x + box.width / 4, box.y + box.height / 4, box.width / 2, box.height / 2, depth);
+  std::vector<float> values;
+  for (int v = middle.y; v < middle.br().y; ++v)
+    for (int u = middle.x; u < middle.br().x; ++u)
+      if (depth.at<float>(v, u) > 0) values.push_back(depth.at<float>(v, u));
+  if (values.empty()) return std::nullopt;
+  const auto half = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), half, values.end());
+  return *half;
+}
+
+std::optional<Eigen::Vector3d> point_at(const cv::Mat& depth, const Camera& camera, int u, int v) {
+  const double z = depth.at<float>(v, u);
+  if (!(z > 0)) return std::nullopt;
+  const auto ray = camera.unproject({u, v});
+  if (!ray) return std::nullopt;
+  return z * *ray;
+}
+
+std::vector<Plane> planes_of_ring(const cv::Mat& depth, const Camera& camera, const cv::Rect& outer,
+                                  const cv::Rect& inner, const GrabcutOptions& options,
+                                  RandomStream& random) {
+  std::vector<Eigen::Vector3d> points;
+  for (int v = outer.y; v < outer.br().y; ++v)
+    for (int u = outer.x; u < outer.br().x; ++u)
+      if (!inner.contains({u, v}))
+        if (const auto p = point_at(depth, camera, u, v)) points.push_back(*p);
+  const std::size_t step = points.size() / kRingPoints + 1;
+  std::vector<Eigen::Vector3d> some;
+  for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
+  return find_planes(std::move(some), options.plane_threshold_m, options.plane_share, kMaxPlanes, random);
+}
+
+// 255 where depth says that a pixel of the box cannot be the object.
+cv::Mat excluded_by_depth(const cv::Mat& depth, const Camera& camera, const cv::Rect& inner, double median_m,
+                          double reach_m, const std::vector<Plane>& planes, const GrabcutOptions& options) {
+  cv::Mat excluded = cv::Mat::zeros(depth.size(), CV_8UC1);
+  for (int v = inner.y; v < inner.br().y; ++v)
+    for (int u = inner.x; u < inner.br().x; ++u) {
+      const auto p = point_at(depth, camera, u, v);
+      if (!p) continue;
+      const auto on = [&](const Plane& plane) { return plane.distance(*p) < options.plane_threshold_m; };
+      if (std::abs(p->z() - median_m) > reach_m || std::any_of(planes.begin(), planes.end(), on))
+        excluded.at<unsigned char>(v, u) = 255;
+    }
+  return excluded;
+}
+
+// GrabCut's labels for the cut `outer`: certain background outside `inner` and where excluded, else likely
+// foreground.
+cv::Mat run_grabcut(const cv::Mat& rgb, const cv::Mat& excluded, const cv::Rect& outer, const cv::Rect& inner,
+                    const GrabcutOptions& options, RandomStream& random) {
+  cv::Mat labels(rgb.size(), CV_8UC1, cv::Scalar(cv::GC_BGD));
+  labels(inner).setTo(cv::GC_PR_FGD);
+  labels.setTo(cv::GC_BGD, excluded);
+  cv::Mat image, small;
+  const double scale = 1.0 / options.downscale;
+  cv::resize(rgb(outer), image, {}, scale, scale, cv::INTER_AREA);
+  cv::resize(labels(outer), small, image.size(), 0, 0, cv::INTER_NEAREST);
+  cv::Mat foreground = cv::Mat::zeros(rgb.size(), CV_8UC1);
+  if (cv::countNonZero(small == cv::GC_PR_FGD) == 0 || cv::countNonZero(small == cv::GC_BGD) == 0)
+    return labels == cv::GC_PR_FGD;  // nothing to tell apart by colour
+  cv::theRNG().state =
+      (std::uint64_t{random.bits()} << 32) | random.bits();  // k-means draws from the thread's own
+  cv::Mat background_model, foreground_model;
+  cv::grabCut(image, small, {}, background_model, foreground_model, options.iterations,
+              cv::GC_INIT_WITH_MASK);
+  cv::Mat enlarged;
+  cv::resize(small == cv::GC_PR_FGD, enlarged, outer.size(), 0, 0, cv::INTER_NEAREST);
+  enlarged.copyTo(foreground(outer));
+  foreground.setTo(0, excluded);
+  return foreground;
+}
+
+// 255 at pixels whose right or lower neighbour is at another depth.
+cv::Mat depth_jumps(const cv::Mat& depth, const cv::Rect& inner, double jump) {
+  cv::Mat edges = cv::Mat::zeros(depth.size(), CV_8UC1);
+  for (int v = inner.y; v + 1 < inner.br().y; ++v)
+    for (int u = inner.x; u + 1 < inner.br().x; ++u) {
+      const float z = depth.at<float>(v, u);
+      for (const float other : {depth.at<float>(v, u + 1), depth.at<float>(v + 1, u)})
+        if (z > 0 && other > 0 && std::abs(other - z) > jump * std::min(z, other))
+          edges.at<unsigned char>(v, u) = 255;
+    }
+  return edges;
+}
+
+cv::Mat largest_component(const cv::Mat& mask) {
+  cv::Mat labels, statistics, centroids;
+  const int count = cv::connectedComponentsWithStats(mask, labels, statistics, centroids, 4);
+  int best = 0;
+  for (int i = 1; i < count; ++i)
+    if (best == 0 || statistics.at<int>(i, cv::CC_STAT_AREA) > statistics.at<int>(best, cv::CC_STAT_AREA))
+      best = i;
+  return best == 0 ? cv::Mat(cv::Mat::zeros(mask.size(), CV_8UC1)) : cv::Mat(labels == best);
+}
+
+cv::Mat without_holes(const cv::Mat& mask) {
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(mask, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  cv::Mat filled = cv::Mat::zeros(mask.size(), CV_8UC1);
+  cv::drawContours(filled, outlines, -1, cv::Scalar(255), cv::FILLED);
+  return filled;
+}
+
+}  // namespace
+
+cv::Mat grabcut_depth(const cv::Mat& rgb, const cv::Mat& depth, const Camera& camera, const BoxPrompt& box,
+                      const GrabcutOptions& options, RandomStream& random) {
+  const auto median_m = median_depth(depth, box);
+  if (!median_m) return cv::Mat::zeros(rgb.size(), CV_8UC1);
+  const cv::Rect inner = pixel_rect(box.x, box.y, box.width, box.height, rgb);
+  const double dx = options.context * box.width, dy = options.context * box.height;
+  const cv::Rect outer = pixel_rect(box.x - dx, box.y - dy, box.width + 2 * dx, box.height + 2 * dy, rgb);
+  const double size_m = *median_m * std::max(box.width / camera.fx, box.height / camera.fy);
+  const auto planes = planes_of_ring(depth, camera, outer, inner, options, random);
+  const cv::Mat excluded =
+      excluded_by_depth(depth, camera, inner, *median_m, options.depth_reach * size_m, planes, options);
+  cv::Mat mask = run_grabcut(rgb, excluded, outer, inner, options, random);
+  mask.setTo(0, depth_jumps(depth, inner, options.depth_jump));
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3});
+  cv::morphologyEx(mask, mask, cv::MORPH_OPEN, disc);
+  return without_holes(largest_component(mask));
+}
+
+}  // namespace uniquadric

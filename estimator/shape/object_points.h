@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "core/geometry/camera.h"
+
+namespace uniquadric {
+
+/// How an object's points are taken from depth and mask. All numbers are ours: the paper gives none.
+struct PointOptions {
+  int erode_px = 2;          // a segmenter's boundary is off by a pixel or two
+  double edge_ratio = 0.03;  // relative jump to a neighbour; a face seen at 80 degrees has 0.01
+  double max_depth_m = 50;   // beyond every sensor here; 65.535 m is a common mark of invalid depth
+  double voxel_m = 0.01;     // evens out the density of near and far, frontal and slanted faces
+  int outlier_neighbours = 12;
+  double outlier_sigmas = 2.5;  // 0: no outlier is dropped
+  int max_points = 3000;        // bounds the time of Alg. 1
+  int min_points = 30;          // fewer say nothing about a shape
+};
+
+/// Points (3 x n, camera frame, metres) of the pixels under a mask (CV_8UC1, not 0) of a depth image
+/// (CV_32FC1, z in metres, 0 where there is none): the mask is eroded, pixels at depth edges are left out,
+/// the rest is averaged in voxels, statistical outliers are dropped and the number is capped at even steps.
+/// Fewer than min_points come back as none.
+Eigen::Matrix3Xd object_points(const cv::Mat& depth, const cv::Mat& mask, const Camera& camera,
+                               const PointOptions& options);
+
+/// One point per occupied cube of side `voxel_m`: the mean of those inside, in the order of the cubes.
+Eigen::Matrix3Xd voxel_means(const Eigen::Matrix3Xd& points, double voxel_m);
+
+/// Without the points whose mean distance to their k nearest neighbours exceeds the cloud's mean of it by
+/// `sigmas` standard deviations (Rusu et al., "Towards 3D point cloud based object maps", 2008).
+Eigen::Matrix3Xd drop_outliers(const Eigen::Matrix3Xd& points, int neighbours, double sigmas);
+
+}  // namespace uniquadric
