@@ -1,0 +1,95 @@
+#include "evaluation/align/alignment.h"
+
+#include <Eigen/SVD>
+#include <cassert>
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kRankTolerance = 1e-12;  // of the largest singular value: rounding of the sums
+
+Eigen::Matrix3Xd positions(const std::vector<Pose>& poses) {
+  Eigen::Matrix3Xd points(3, poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    points.col(static_cast<Eigen::Index>(i)) = poses[i].translation;
+  return points;
+}
+
+// Sums of the centred positions, from which every least-squares fit follows.
+struct Moments {
+  Eigen::Vector3d reference_mean, estimate_mean;
+  Eigen::Matrix3d covariance;  // reference * estimate^T / n
+  double estimate_variance;
+
+  Moments(const std::vector<Pose>& reference, const std::vector<Pose>& estimate) {
+    if (reference.size() < 3) throw InputError("alignment needs at least 3 pairs of poses");
+    Eigen::Matrix3Xd x = positions(estimate), y = positions(reference);
+    estimate_mean = x.rowwise().mean();
+    reference_mean = y.rowwise().mean();
+    x.colwise() -= estimate_mean;
+    y.colwise() -= reference_mean;
+    const double n = static_cast<double>(x.cols());
+    covariance = y * x.transpose() / n;
+    estimate_variance = x.squaredNorm() / n;
+  }
+};
+
+Alignment umeyama(const Moments& m, bool with_scale) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(m.covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Vector3d singular = svd.singularValues();
+  if (!(singular[1] > kRankTolerance * singular[0]))
+    throw InputError("alignment: the positions lie on a line or in a point, which leaves the rotation open");
+  const Eigen::Matrix3d U = svd.matrixU(), V = svd.matrixV();
+  Eigen::Vector3d signs = Eigen::Vector3d::Ones();
+  if (U.determinant() * V.determinant() < 0) signs.z() = -1;
+  Alignment result;
+  const Eigen::Matrix3d R = U * signs.asDiagonal() * V.transpose();
+  result.reference_from_estimate.rotation = Eigen::Quaterniond(R).normalized();
+  if (with_scale) result.scale = singular.dot(signs) / m.estimate_variance;
+  result.reference_from_estimate.translation = m.reference_mean - result.scale * (R * m.estimate_mean);
+  return result;
+}
+
+Alignment yaw_and_position(const Moments& m) {
+  const double sine = m.covariance(1, 0) - m.covariance(0, 1);
+  const double cosine = m.covariance(0, 0) + m.covariance(1, 1);
+  if (!(std::hypot(sine, cosine) > 0))
+    throw InputError("alignment: the positions lie on a vertical line, which leaves the yaw open");
+  Alignment result;
+  auto& pose = result.reference_from_estimate;
+  pose.rotation = Eigen::AngleAxisd(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ());
+  pose.translation = m.reference_mean - pose.rotation * m.estimate_mean;
+  return result;
+}
+
+}  // namespace
+
+Pose Alignment::operator*(const Pose& pose) const {
+  const auto& [rotation, translation] = reference_from_estimate;
+  return {rotation * pose.rotation, scale * (rotation * pose.translation) + translation};
+}
+
+Alignment align(AlignmentKind kind, const std::vector<Pose>& reference, const std::vector<Pose>& estimate) {
+  assert(reference.size() == estimate.size());
+  switch (kind) {
+    case AlignmentKind::none:
+      return {};
+    case AlignmentKind::first:
+      if (reference.empty()) throw InputError("alignment needs at least one pair of poses");
+      return {1, reference.front() * estimate.front().inverse()};
+    case AlignmentKind::se3:
+      return umeyama(Moments(reference, estimate), false);
+    case AlignmentKind::sim3:
+      return umeyama(Moments(reference, estimate), true);
+    case AlignmentKind::scale:
+      return {umeyama(Moments(reference, estimate), true).scale, {}};
+    case AlignmentKind::posyaw:
+      return yaw_and_position(Moments(reference, estimate));
+  }
+  return {};
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/geometry/pose.h"
+
+namespace uniquadric {
+
+enum class AlignmentKind { none, first, se3, sim3, scale, posyaw };
+
+/// x -> scale * (rotation x) + translation, applied to an estimate from the left (world frame).
+struct Alignment {
+  double scale = 1;
+  Pose reference_from_estimate;
+
+  /// The pose's position is scaled, its rotation only turned.
+  Pose operator*(const Pose& pose) const;
+};
+
+/// The transform of `kind` that carries the estimate's poses onto the reference's: `first` makes the first
+/// poses coincide, `se3` and `sim3` are least squares of the positions (Umeyama, "Least-squares estimation of
+/// transformation parameters between two point patterns", PAMI 1991), `scale` keeps only the scale of sim3
+/// (evo's correct_scale), `posyaw` fits positions by a translation and a turn about the world's z axis. Lists
+/// of equal length, in pairs. Throws InputError when the positions do not determine the transform: fewer than
+/// 3, or all on one line (se3, sim3, scale), or all in one point of the plane (posyaw).
+Alignment align(AlignmentKind kind, const std::vector<Pose>& reference, const std::vector<Pose>& estimate);
+
+}  // namespace uniquadric

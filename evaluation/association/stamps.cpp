@@ -1,0 +1,69 @@
+#include "evaluation/association/stamps.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <tuple>
+
+namespace uniquadric {
+namespace {
+
+using Stamps = std::vector<std::int64_t>;
+
+std::size_t nearest_index(const Stamps& stamps, std::int64_t stamp) {
+  const auto after = std::lower_bound(stamps.begin(), stamps.end(), stamp);
+  if (after == stamps.begin()) return 0;
+  const std::size_t before = static_cast<std::size_t>(after - stamps.begin()) - 1;
+  if (after == stamps.end()) return before;
+  return stamp - stamps[before] <= *after - stamp ? before : before + 1;
+}
+
+std::vector<IndexPair> nearest_pairs(const Stamps& reference, const Stamps& estimate, std::int64_t limit) {
+  const bool estimate_is_longer = estimate.size() > reference.size();
+  const Stamps& shorter = estimate_is_longer ? reference : estimate;
+  const Stamps& longer = estimate_is_longer ? estimate : reference;
+  std::vector<IndexPair> pairs;
+  for (std::size_t i = 0; i < shorter.size() && !longer.empty(); ++i) {
+    const std::size_t j = nearest_index(longer, shorter[i]);
+    if (std::abs(longer[j] - shorter[i]) > limit) continue;
+    pairs.push_back(estimate_is_longer ? IndexPair{i, j} : IndexPair{j, i});
+  }
+  return pairs;
+}
+
+std::vector<IndexPair> exclusive_pairs(const Stamps& reference, const Stamps& estimate, std::int64_t limit) {
+  std::vector<std::tuple<std::int64_t, std::size_t, std::size_t>> candidates;
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    while (first < estimate.size() && estimate[first] < reference[i] - limit) ++first;
+    for (std::size_t j = first; j < estimate.size() && estimate[j] <= reference[i] + limit; ++j)
+      candidates.emplace_back(std::abs(estimate[j] - reference[i]), i, j);
+  }
+  std::sort(candidates.begin(), candidates.end());
+  std::vector<bool> reference_taken(reference.size()), estimate_taken(estimate.size());
+  std::vector<IndexPair> pairs;
+  for (const auto& [difference, i, j] : candidates) {
+    if (reference_taken[i] || estimate_taken[j]) continue;
+    reference_taken[i] = estimate_taken[j] = true;
+    pairs.push_back({i, j});
+  }
+  std::sort(pairs.begin(), pairs.end(),
+            [](const auto& a, const auto& b) { return a.reference < b.reference; });
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<IndexPair> associate(const Stamps& reference_ns, const Stamps& estimate_ns,
+                                 const StampOptions& options) {
+  return options.rule == StampRule::nearest
+             ? nearest_pairs(reference_ns, estimate_ns, options.max_difference_ns)
+             : exclusive_pairs(reference_ns, estimate_ns, options.max_difference_ns);
+}
+
+Stamps stamps_of(const Trajectory& trajectory) {
+  Stamps stamps;
+  for (const StampedPose& pose : trajectory) stamps.push_back(pose.stamp_ns);
+  return stamps;
+}
+
+}  // namespace uniquadric

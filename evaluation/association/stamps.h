@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/sequence/trajectory.h"
+
+namespace uniquadric {
+
+enum class StampRule {
+  nearest,     ///< evo's: for each pose of the shorter list the nearest of the other; one may be taken twice
+  one_to_one,  ///< closest pairs first, each pose once
+};
+
+struct StampOptions {
+  StampRule rule = StampRule::nearest;
+  std::int64_t max_difference_ns = 10'000'000;  ///< inclusive; evo's default
+};
+
+struct IndexPair {
+  std::size_t reference = 0, estimate = 0;
+  bool operator==(const IndexPair&) const = default;
+};
+
+/// Pairs of poses that belong to one time, in order of the reference. Stamps are strictly increasing. Of two
+/// that are equally near the earlier one is taken; of lists of equal length the estimate counts as the
+/// shorter (evo's choice).
+std::vector<IndexPair> associate(const std::vector<std::int64_t>& reference_ns,
+                                 const std::vector<std::int64_t>& estimate_ns, const StampOptions& options);
+
+std::vector<std::int64_t> stamps_of(const Trajectory& trajectory);
+
+}  // namespace uniquadric

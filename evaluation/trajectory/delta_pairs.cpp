@@ -1,0 +1,82 @@
+#include "evaluation/trajectory/delta_pairs.h"
+
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+
+#include "core/base/error.h"
+
+namespace uniquadric {
+namespace {
+
+std::vector<IndexStep> frame_steps(std::size_t count, std::size_t delta, bool all_pairs) {
+  std::vector<IndexStep> steps;
+  for (std::size_t i = 0; i + delta < count; i += all_pairs ? 1 : delta) steps.push_back({i, i + delta});
+  return steps;
+}
+
+using Distance =
+    std::function<double(std::size_t, std::size_t)>;  // from pose i to pose j > i, in delta's unit
+
+Distance path_m(const std::vector<Pose>& poses) {
+  std::vector<double> along = {0};
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    along.push_back(along.back() + (poses[i].translation - poses[i - 1].translation).norm());
+  return [along = std::move(along)](std::size_t i, std::size_t j) { return along[j] - along[i]; };
+}
+
+Distance distance_in(DeltaUnit unit, const std::vector<Pose>& poses,
+                     const std::vector<std::int64_t>& stamps_ns) {
+  if (unit == DeltaUnit::metres) return path_m(poses);
+  if (unit == DeltaUnit::seconds)
+    return
+        [&](std::size_t i, std::size_t j) { return static_cast<double>(stamps_ns[j] - stamps_ns[i]) * 1e-9; };
+  return [&](std::size_t i, std::size_t j) {
+    const Eigen::Matrix3d turn = (poses[i].rotation.conjugate() * poses[j].rotation).toRotationMatrix();
+    return rotation_angle(turn) * 180 / std::numbers::pi;
+  };
+}
+
+// The pose after i that is nearest to delta. Path and time only grow, so that the search may end past them;
+// an angle may shrink again: there the first pose that reaches the tolerance's band begins the search and
+// leaving it ends it.
+std::optional<std::size_t> step_end(std::size_t i, std::size_t count, const DeltaOptions& options,
+                                    const Distance& distance) {
+  const double tolerance = options.tolerance * options.delta;
+  std::optional<std::size_t> best;
+  double least = tolerance;
+  for (std::size_t j = i + 1; j < count; ++j) {
+    const double off = distance(i, j) - options.delta;
+    if (std::abs(off) < least || (!best && std::abs(off) <= least)) {
+      best = j;
+      least = std::abs(off);
+    }
+    if (off > tolerance || (best && std::abs(off) > tolerance)) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<IndexStep> delta_steps(const std::vector<Pose>& poses, const std::vector<std::int64_t>& stamps_ns,
+                                   const DeltaOptions& options) {
+  assert(poses.size() == stamps_ns.size());
+  if (!(options.delta > 0) || !std::isfinite(options.delta)) throw InputError("delta must be greater than 0");
+  if (options.unit == DeltaUnit::frames) {
+    if (options.delta != std::floor(options.delta))
+      throw InputError("delta in frames must be a whole number");
+    return frame_steps(poses.size(), static_cast<std::size_t>(options.delta), options.all_pairs);
+  }
+  const Distance distance = distance_in(options.unit, poses, stamps_ns);
+  std::vector<IndexStep> steps;
+  for (std::size_t i = 0; i < poses.size();) {
+    const auto j = step_end(i, poses.size(), options, distance);
+    if (j) steps.push_back({i, *j});
+    i = j && !options.all_pairs ? *j : i + 1;
+  }
+  return steps;
+}
+
+}  // namespace uniquadric
