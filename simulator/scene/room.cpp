@@ -66,6 +66,7 @@ std::vector<Mesh> furniture_piece(const Eigen::Vector3d& room_m, int index, int 
   Material paint = part_material(material, static_cast<std::uint64_t>(index), color);
   paint.style = static_cast<TextureStyle>(random.below(kTextureStyleNames.size()));
   paint.size_px = std::max(128, material.size_px / 4);
+  paint.marks = 12;
   return along_x ? block({along, away, z}, {width, depth, height}, 0, paint)
                  : block({away, along, z}, {depth, width, height}, 0, paint);
 }

@@ -12,7 +12,8 @@ namespace uniquadric {
 namespace {
 
 constexpr double kLargestBody_m = 10000;  // beyond it single precision is coarser than a millimetre
-constexpr int kMaxSegments = 512, kMaxFurniture = 100, kMinTexture_px = 16, kMaxTexture_px = 4096;
+constexpr int kMaxSegments = 512, kMaxFurniture = 100, kMinTexture_px = 16, kMaxTexture_px = 4096,
+              kMaxMarks = 200;
 
 double share(const ConfigNode& node, const std::string& key, double fallback) {
   const double value = node.get<double>(key, fallback);
@@ -37,7 +38,10 @@ Eigen::Vector3d color(const ConfigNode& node, const std::string& key, const Eige
 Material read_material(const ConfigNode& body, std::uint64_t default_seed, const std::string& primitive) {
   Material material;
   material.seed = default_seed;
-  if (primitive == "room") material.size_px = 1024;  // walls are seen from nearer than their own size
+  if (primitive == "room") {  // walls are seen from nearer than their own size
+    material.size_px = 1024;
+    material.marks = 24;
+  }
   const auto node = body.find("material");
   if (!node) return material;
   const std::vector<std::string> styles(kTextureStyleNames.begin(), kTextureStyleNames.end());
@@ -48,6 +52,7 @@ Material read_material(const ConfigNode& body, std::uint64_t default_seed, const
   material.contrast = share(*node, "contrast", material.contrast);
   material.seed = node->get<std::uint64_t>("seed", material.seed);
   material.size_px = integer(*node, "texture_px", material.size_px, kMinTexture_px, kMaxTexture_px);
+  material.marks = integer(*node, "marks", material.marks, 1, kMaxMarks);
   node->refuse_unknown_keys();
   return material;
 }

@@ -170,7 +170,10 @@ cv::Mat paint_texture(const Material& material, std::uint32_t part, double width
   const auto side_px = [&](double side_m) {
     return std::max(16, static_cast<int>(std::lround(material.size_px * side_m / long_side_m)));
   };
-  Painter p{material, RandomStream(material.seed, "texture", part), {}, std::max(4, material.size_px / 24)};
+  Painter p{material,
+            RandomStream(material.seed, "texture", part),
+            {},
+            std::max(4, material.size_px / material.marks)};
   // Each part leans to its own tone, so that one side is told from another.
   const double gain = 1 + 0.35 * material.contrast * p.random.uniform(-1, 1);
   p.image = cv::Mat(side_px(height_m), side_px(width_m), CV_8UC3, p.shade(material.color, gain));

@@ -21,6 +21,7 @@ struct Material {
   double contrast = 0.6;                     ///< in [0, 1]: 0 is a flat colour
   std::uint64_t seed = 0;                    ///< other seeds, other marks
   int size_px = 512;                         ///< longer side of a texture
+  int marks = 10;  ///< medium marks along the longer side; small ones are a tenth, large ones twice
 };
 
 /// Paints the texture of one part (face, wall) of a body, CV_8UC3 (blue, green, red); the shorter side
