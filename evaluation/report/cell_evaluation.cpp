@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/text.h"
+#include "evaluation/report/metrics.h"
+#include "evaluation/report/results.h"
+#include "evaluation/report/series.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kEvaluationSchema = 1;
+
+json parse_json(const fs::path& file) {
+  const std::string text = read_text(file);
+  try {
+    return json::parse(text);
+  } catch (const json::parse_error& e) {
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size()));
+    throw InputError(file, 1 + static_cast<int>(std::count(text.begin(), end, '\n')), "is not valid JSON");
+  } catch (const json::out_of_range&) {
+    throw InputError(file, "holds a number that no double can");
+  }
+}
+
+[[noreturn]] void fail(const fs::path& file, const std::string& field, const std::string& what) {
+  throw InputError(file, fmt::format("field {}: {}", field, what));
+}
+
+// "/objects/1/ape" -> "objects[1].ape"
+std::string field_name(const std::string& pointer) {
+  std::string name;
+  for (const auto part : split(std::string_view(pointer).substr(1), '/'))
+    name +=
+        parse_integer(part) ? fmt::format("[{}]", part) : fmt::format("{}{}", name.empty() ? "" : ".", part);
+  return name;
+}
+
+// The number at a pointer; nothing when it, or what it stands in, is absent or null.
+std::optional<double> number_at(const fs::path& file, const json& root, const std::string& pointer) {
+  const json* node = &root;
+  std::string walked;
+  for (const auto part : split(std::string_view(pointer).substr(1), '/')) {
+    if (!node->is_object() && !node->is_array())
+      fail(file, field_name(walked), "expected an object with named values");
+    if (node->is_array()) {
+      node = &node->at(static_cast<std::size_t>(*parse_integer(part)));
+    } else {
+      const auto found = node->find(part);
+      if (found == node->end() || found->is_null()) return std::nullopt;
+      node = &*found;
+    }
+    walked += fmt::format("/{}", part);
+  }
+  if (!node->is_number()) fail(file, field_name(pointer), "expected a number");
+  return node->get<double>();
+}
+
+SubjectFigures read_figures(const fs::path& file, const json& root, const std::string& base,
+                            const std::string& subject, MetricScope scope) {
+  SubjectFigures figures{subject, {}};
+  for (const Metric& metric : all_metrics())
+    if (metric.scopes & static_cast<int>(scope))
+      if (const auto value = number_at(file, root, base + metric.pointer))
+        figures.value[metric.name] = *value;
+  return figures;
+}
+
+// Lower-case names as in scores.csv; objects without a name, or with one that stands twice, by their id.
+std::vector<NamedObject> read_names(const fs::path& file, const json& root) {
+  const auto objects = root.find("objects");
+  if (objects == root.end() || !objects->is_array()) fail(file, "objects", "expected a list");
+  std::vector<NamedObject> named;
+  for (std::size_t i = 0; i < objects->size(); ++i) {
+    const json& object = (*objects)[i];
+    const std::string field = fmt::format("objects[{}]", i);
+    if (!object.is_object()) fail(file, field, "expected an object with named values");
+    if (!object.contains("id") || !object["id"].is_number_integer())
+      fail(file, field + ".id", "expected an integer");
+    const json name = object.value("name", json(""));
+    if (!name.is_string()) fail(file, field + ".name", "expected a text");
+    NamedObject entry{object["id"].get<long long>(), name.get<std::string>()};
+    for (char& c : entry.subject) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    named.push_back(entry);
+  }
+  const std::vector<NamedObject> plain = named;
+  for (NamedObject& entry : named) {
+    const auto same =
+        std::count_if(plain.begin(), plain.end(), [&](const auto& o) { return o.subject == entry.subject; });
+    if (entry.subject.empty())
+      entry.subject = fmt::format("object_{}", entry.id);
+    else if (same > 1)
+      entry.subject += fmt::format("_{}", entry.id);
+  }
+  return named;
+}
+
+std::string text_of(const json& root, const char* key) {
+  const auto found = root.find(key);
+  if (found == root.end() || found->is_null()) return "";
+  return found->is_string() ? found->get<std::string>() : found->dump();
+}
+
+}  // namespace
+
+CellEvaluation read_cell_evaluation(const fs::path& folder) {
+  const fs::path file = folder / "evaluation.json";
+  const json root = parse_json(file);
+  if (!root.is_object()) throw InputError(file, "expected an object with named values");
+  if (const auto schema = number_at(file, root, "/schema"); !schema || *schema != kEvaluationSchema)
+    fail(file, "schema", fmt::format("this program reads version {}", kEvaluationSchema));
+  CellEvaluation evaluation;
+  evaluation.program = text_of(root, "program");
+  evaluation.config = text_of(root, "config");
+  const std::vector<NamedObject> names = read_names(file, root);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    evaluation.subjects.push_back(
+        read_figures(file, root, fmt::format("/objects/{}", i), names[i].subject, MetricScope::object));
+  for (const auto& [base, subject, scope] :
+       {std::tuple{"/camera", "camera", MetricScope::camera}, std::tuple{"", "all", MetricScope::all}})
+    if (SubjectFigures figures = read_figures(file, root, base, subject, scope); !figures.value.empty())
+      evaluation.subjects.push_back(std::move(figures));
+  evaluation.series = read_series(folder / "frames.csv", names);
+  return evaluation;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,113 @@
+#include "evaluation/report/drawing.h"
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+namespace uniquadric {
+namespace {
+
+constexpr int kOutlinePoints = 120;  // chords under 0.1 px off an ellipse of 250 px
+const cv::Scalar kBlack(0, 0, 0);
+constexpr double kTint = 0.35;  // ours: the surface stays visible
+
+// Blue, magenta, cyan, ...: neither the green of the truth nor the orange of the estimate.
+const cv::Vec3b kIdColors[] = {{255, 120, 60}, {220, 60, 200}, {230, 210, 40},
+                               {200, 90, 120}, {120, 60, 250}, {255, 200, 160}};
+
+// A closed curve given in the rectified image, drawn where the lens puts it.
+void draw_curve(Canvas& canvas, const std::vector<Eigen::Vector2d>& rectified, const cv::Scalar& color,
+                int line) {
+  constexpr int kShift = 4;  // OpenCV's fixed point: sixteenths of a pixel
+  std::vector<cv::Point> points;
+  const Camera& camera = canvas.camera;
+  for (const Eigen::Vector2d& p : rectified) {
+    Eigen::Vector2d pixel = p;
+    if (camera.has_distortion()) {
+      const auto bent = camera.project({(p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy, 1});
+      if (!bent) return;
+      pixel = *bent;
+    }
+    const cv::Point2d q = canvas.at(pixel) * (1 << kShift);
+    if (!(std::abs(q.x) < 1e8 && std::abs(q.y) < 1e8)) return;  // beyond what the fixed point holds
+    points.emplace_back(static_cast<int>(std::lround(q.x)), static_cast<int>(std::lround(q.y)));
+  }
+  cv::polylines(canvas.image, points, true, color, line, cv::LINE_AA, kShift);
+}
+
+std::vector<Eigen::Vector2d> ellipse_points(const Ellipse& e) {
+  const Eigen::Rotation2Dd rotation(e.angle_rad);
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < kOutlinePoints; ++i) {
+    const double t = 2 * M_PI * i / kOutlinePoints;
+    points.push_back(e.center +
+                     rotation * Eigen::Vector2d(e.semi_major * std::cos(t), e.semi_minor * std::sin(t)));
+  }
+  return points;
+}
+
+// Sides cut into pieces: the lens bends them.
+std::vector<Eigen::Vector2d> rectangle_points(const Ellipse& e) {
+  constexpr int kPieces = 8;
+  const Eigen::Rotation2Dd rotation(e.angle_rad);
+  const Eigen::Vector2d corners[] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  std::vector<Eigen::Vector2d> points;
+  for (int side = 0; side < 4; ++side)
+    for (int i = 0; i < kPieces; ++i) {
+      const Eigen::Vector2d p = corners[side] + (corners[(side + 1) % 4] - corners[side]) * i / kPieces;
+      points.push_back(e.center + rotation * Eigen::Vector2d(e.semi_major * p.x(), e.semi_minor * p.y()));
+    }
+  return points;
+}
+
+}  // namespace
+
+cv::Point2d Canvas::at(const Eigen::Vector2d& pixel) const {
+  return {(pixel.x() + 0.5) * scale - 0.5, (pixel.y() + 0.5) * scale - 0.5};
+}
+
+Canvas make_canvas(const cv::Mat& image, const Camera& camera, int width_px) {
+  Canvas canvas{{}, camera, static_cast<double>(width_px) / camera.width};
+  const cv::Size size(width_px, std::max(1, static_cast<int>(std::lround(camera.height * canvas.scale))));
+  cv::resize(image, canvas.image, size, 0, 0, canvas.scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return canvas;
+}
+
+void tint_masks(Canvas& canvas, const cv::Mat& masks) {
+  cv::Mat ids;
+  cv::resize(masks, ids, canvas.image.size(), 0, 0, cv::INTER_NEAREST);
+  for (int y = 0; y < ids.rows; ++y)
+    for (int x = 0; x < ids.cols; ++x) {
+      const int id = ids.at<std::uint16_t>(y, x);
+      if (id == 0) continue;
+      const bool border = (x > 0 && ids.at<std::uint16_t>(y, x - 1) != id) ||
+                          (y > 0 && ids.at<std::uint16_t>(y - 1, x) != id) ||
+                          (x + 1 < ids.cols && ids.at<std::uint16_t>(y, x + 1) != id) ||
+                          (y + 1 < ids.rows && ids.at<std::uint16_t>(y + 1, x) != id);
+      const cv::Vec3b tint = kIdColors[static_cast<std::size_t>(id - 1) % std::size(kIdColors)];
+      auto& pixel = canvas.image.at<cv::Vec3b>(y, x);
+      const double share = border ? 2 * kTint : kTint;
+      for (int c = 0; c < 3; ++c)
+        pixel[c] = cv::saturate_cast<std::uint8_t>((1 - share) * pixel[c] + share * tint[c]);
+    }
+}
+
+void draw_ellipse(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& color, int line_px) {
+  draw_curve(canvas, ellipse_points(ellipse), color, line_px);
+}
+
+void draw_rectangle(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& color, int line_px) {
+  draw_curve(canvas, rectangle_points(ellipse), color, line_px);
+}
+
+void draw_label(Canvas& canvas, const std::string& text, cv::Point2d at, const cv::Scalar& color) {
+  constexpr double kSize = 0.45;
+  const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kSize, 1, nullptr);
+  const cv::Point corner(
+      std::clamp(static_cast<int>(at.x) - size.width / 2, 2, std::max(2, canvas.image.cols - size.width - 2)),
+      std::clamp(static_cast<int>(at.y), size.height + 2, std::max(size.height + 2, canvas.image.rows - 4)));
+  cv::putText(canvas.image, text, corner, cv::FONT_HERSHEY_SIMPLEX, kSize, kBlack, 3, cv::LINE_AA);
+  cv::putText(canvas.image, text, corner, cv::FONT_HERSHEY_SIMPLEX, kSize, color, 1, cv::LINE_AA);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/base/version.h"
+#include "evaluation/report/metrics.h"
+#include "evaluation/report/page.h"
+
+namespace uniquadric {
+namespace {
+
+// Text inside a table's cell.
+std::string cell_text(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != text.npos; at += 2) text.replace(at, 1, "\\|");
+  return text;
+}
+
+std::string line(const std::vector<std::string>& fields) {
+  return fmt::format("| {} |\n", fmt::join(fields, " | "));
+}
+
+std::string figure(const SummaryRow& row, const char* metric) {
+  const auto found = row.spread.find(metric);
+  if (found == row.spread.end()) return "-";
+  const std::string text = format_figure(found->second.median);
+  return found->second.best ? fmt::format("**{}**", text) : text;
+}
+
+std::string paper_line(const SummaryRow& row, const char* column, const PaperFigures& figures) {
+  std::vector<std::string> fields = {row.scene, row.object, fmt::format("*paper: {}*", column), ""};
+  for (const char* metric : summary_metrics()) {
+    const auto value = figures.of(metric);
+    fields.push_back(value ? fmt::format("*{:.3f}*", *value) : "");
+  }
+  return line(fields);
+}
+
+bool ends_object(const std::vector<SummaryRow>& summary, std::size_t i) {
+  return i + 1 == summary.size() || summary[i + 1].object != summary[i].object ||
+         summary[i + 1].scene != summary[i].scene;
+}
+
+std::string table(const std::vector<SummaryRow>& summary) {
+  std::vector<std::string> head = {"scene", "object", "variant", "runs"},
+                           rule = {"---", "---", "---", "---:"};
+  for (const char* name : summary_metrics()) {
+    const Metric& metric = find_metric(name);
+    head.push_back(*metric.unit ? fmt::format("{} [{}]", metric.label, metric.unit) : metric.label);
+    rule.push_back("---:");
+  }
+  std::string text = line(head) + line(rule);
+  for (std::size_t i = 0; i < summary.size(); ++i) {
+    const SummaryRow& row = summary[i];
+    if (row.object == "all" && row.good > 0) continue;  // tracking and time: in scores.csv and the page
+    std::vector<std::string> fields = {row.scene, row.object, row.variant,
+                                       fmt::format("{}/{}", row.good, row.runs)};
+    for (const char* metric : summary_metrics()) fields.push_back(figure(row, metric));
+    text += line(fields);
+    if (!row.paper || !ends_object(summary, i)) continue;
+    text += paper_line(row, "Single Frame OBB", row.paper->single_frame_obb);
+    text += paper_line(row, "Proposed", row.paper->proposed);
+  }
+  return text;
+}
+
+std::string failures(const Results& results) {
+  std::string text;
+  for (const Cell& cell : results.cells)
+    if (cell.status != CellStatus::ok)
+      text += line({cell.scene, cell.variant, std::to_string(cell.seed),
+                    cell.status == CellStatus::failed ? cell_text(cell.message) : "not run"});
+  if (text.empty()) return "";
+  return "\n## Runs without a result\n" + line({"scene", "variant", "seed", "why"}) +
+         line({"---", "---", "---:", "---"}) + text;
+}
+
+}  // namespace
+
+std::string page_markdown(const Results& results, const std::vector<SummaryRow>& summary) {
+  std::string text = fmt::format(
+      "# {}\nMedians over seeds; the best variant of an object in bold; runs: with a result / all.\n\n",
+      results.name);
+  text += table(summary) + failures(results) + "\n## How it was made\n";
+  if (!results.command.empty()) text += fmt::format("- command: `{}`\n", results.command);
+  text += fmt::format("- program: {} (report: {})\n", fmt::join(programs_of(results), ", "), kProgram);
+  text += fmt::format("- seeds: {}\n", fmt::join(seeds_of(results), ", "));
+  if (!results.hardware.empty()) text += fmt::format("- hardware: {}\n", results.hardware);
+  text += "\n## What the figures mean\n";
+  for (const char* name : summary_metrics()) {
+    const Metric& metric = find_metric(name);
+    text += fmt::format("- **{}**{}: {}\n", metric.label,
+                        *metric.unit ? fmt::format(" [{}]", metric.unit) : "", metric.definition);
+  }
+  return text +
+         "\nThe paper: UniQuadric, arXiv 2309.17036, Table III; it prints no unit of rotation, taken as "
+         "radians.\n";
+}
+
+}  // namespace uniquadric

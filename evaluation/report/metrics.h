@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace uniquadric {
+
+/// Whose figure a metric is: an object's, the camera's, the tracking's as a whole, or the run's.
+enum class MetricScope { object = 1, camera = 2, all = 4 };
+
+/// One figure of scores.csv (names: CLI contract).
+struct Metric {
+  const char* name;        ///< with its unit, as in scores.csv
+  const char* label;       ///< short, for table heads
+  const char* unit;        ///< empty for ratios and counts
+  bool lower_is_better;    ///< else higher
+  int scopes;              ///< MetricScope bits
+  const char* pointer;     ///< JSON pointer from the object, the camera, or the whole evaluation.json
+  const char* definition;  ///< a sentence or two for readers of the report
+};
+
+/// All metrics, in the order of scores.csv.
+std::span<const Metric> all_metrics();
+
+/// The metric of that name; asserts that there is one.
+const Metric& find_metric(std::string_view name);
+
+/// Columns of the short tables, in order.
+std::span<const char* const> summary_metrics();
+
+}  // namespace uniquadric

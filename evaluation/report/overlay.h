@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+
+namespace uniquadric {
+
+/// Draws `count` evenly spaced frames (the first and the last among them) to `out`/NNNNNN.jpg, 640 px wide:
+/// the segmenter's masks tinted, the outlines of the true ellipsoids green, of the estimated ones orange with
+/// their rotated rectangle thin. An estimate's own masks (`estimate`/masks/NNNNNN.png) come before the
+/// sequence's. Objects whose projection is no ellipse are not outlined. `truth` may be empty (recordings).
+/// Also writes `out`/sheet.jpg, all of them in one grid. Throws InputError for folders that cannot be read,
+/// and for an `out` that exists, unless `force` replaces it.
+void write_overlays(const std::filesystem::path& sequence, const std::filesystem::path& truth,
+                    const std::filesystem::path& estimate, const std::filesystem::path& out, int count,
+                    bool force);
+
+/// All NNNNNN.jpg of a folder in one grid picture, in order of their names. Throws InputError when there is
+/// none or one cannot be read.
+void write_contact_sheet(const std::filesystem::path& overlays, const std::filesystem::path& picture);
+
+}  // namespace uniquadric

@@ -1,0 +1,79 @@
+#include "evaluation/report/page.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "evaluation/report/page_assets.h"
+
+namespace uniquadric {
+namespace {
+
+// A template with its {{name}} filled in, in one pass: what is filled in is never searched.
+std::string fill(std::string_view text, const std::vector<std::pair<std::string, std::string>>& values) {
+  std::string result;
+  while (true) {
+    const std::size_t open = text.find("{{"), close = text.find("}}", open);
+    if (open == text.npos || close == text.npos) break;
+    const auto name = text.substr(open + 2, close - open - 2);
+    const auto found =
+        std::find_if(values.begin(), values.end(), [&](const auto& v) { return v.first == name; });
+    assert(found != values.end());
+    result.append(text.substr(0, open)).append(found->second);
+    text.remove_prefix(close + 2);
+  }
+  return result.append(text);
+}
+
+// JSON inside a script element must not end it.
+std::string inside_script(std::string json) {
+  for (std::size_t at = 0; (at = json.find('<', at)) != json.npos;) json.replace(at, 1, "\\u003c");
+  return json;
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '>')
+      result += "&gt;";
+    else
+      result += c;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string page_html(const Results& results, const std::vector<SummaryRow>& summary,
+                      const PageOptions& options) {
+  std::string scripts;
+  for (const char* name : {"data.js", "table.js", "charts.js", "frames.js", "main.js"})
+    scripts += page_asset(name);
+  return fill(page_asset("page.html"), {{"title", escaped(results.name)},
+                                        {"style", std::string(page_asset("page.css"))},
+                                        {"data", inside_script(page_data(results, summary, options))},
+                                        {"images", inside_script(page_images(results, options))},
+                                        {"chart_js", std::string(page_asset("chart.min.js"))},
+                                        {"script", scripts}});
+}
+
+std::vector<std::string> programs_of(const Results& results) {
+  std::vector<std::string> programs;
+  for (const Cell& cell : results.cells)
+    if (cell.evaluation && !cell.evaluation->program.empty() &&
+        std::find(programs.begin(), programs.end(), cell.evaluation->program) == programs.end())
+      programs.push_back(cell.evaluation->program);
+  return programs;
+}
+
+std::vector<std::uint64_t> seeds_of(const Results& results) {
+  std::vector<std::uint64_t> seeds;
+  for (const Cell& cell : results.cells)
+    if (std::find(seeds.begin(), seeds.end(), cell.seed) == seeds.end()) seeds.push_back(cell.seed);
+  return seeds;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "evaluation/report/results.h"
+#include "evaluation/report/summary.h"
+
+namespace uniquadric {
+
+struct PageOptions {
+  std::size_t image_bytes =
+      9'000'000;          ///< ours: of all pictures together; a third more in base64, under 15 MB a page
+  int series_digits = 4;  ///< ours: finer than a pixel of a plot, half the page of full doubles
+};
+
+/// The page as one file that needs nothing else (page/ and Chart.js inlined).
+std::string page_html(const Results& results, const std::vector<SummaryRow>& summary,
+                      const PageOptions& options = {});
+
+/// The page's data: everything but the pictures. JSON text, keys sorted.
+std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
+                      const PageOptions& options);
+
+/// The frames with overlays as JSON text: [{"scene", "variant", "seed", "available", "frames": [{"frame",
+/// "jpeg" (base64)}]}], for each scene and variant those of its first good seed. When they exceed
+/// `options.image_bytes`, every run keeps the same smaller number of evenly spaced frames.
+std::string page_images(const Results& results, const PageOptions& options);
+
+/// The report as Markdown: the summary, the failures, how it was made.
+std::string page_markdown(const Results& results, const std::vector<SummaryRow>& summary);
+
+/// `total` evenly spaced down to `count` (first and last kept), as indices. Asserts 0 <= count <= total.
+std::vector<std::size_t> evenly_spaced(std::size_t total, std::size_t count);
+
+/// The programs (name and version) that made the evaluations, and the seeds, each distinct and in order.
+std::vector<std::string> programs_of(const Results& results);
+std::vector<std::uint64_t> seeds_of(const Results& results);
+
+}  // namespace uniquadric

@@ -1,0 +1,117 @@
+// Plots over time of one object: errors, IoU, semi-axes against truth.
+const kPlots = [
+  { title: "APE translation", unit: "m", column: "ape_translation_m", error: true },
+  { title: "APE rotation", unit: "rad", column: "ape_rotation_rad", error: true },
+  { title: "3D IoU", unit: "", column: "iou3d", range: [0, 1] },
+  { title: "2D IoU, rotated rectangles", unit: "", column: "iou2d", range: [0, 1] },
+  { title: "Semi-axis x", unit: "m", column: "est_semi_axis_x_m", truth: "true_semi_axis_x_m" },
+  { title: "Semi-axis y", unit: "m", column: "est_semi_axis_y_m", truth: "true_semi_axis_y_m" },
+  { title: "Semi-axis z", unit: "m", column: "est_semi_axis_z_m", truth: "true_semi_axis_z_m" },
+  { title: "RPE translation", unit: "m", column: "rpe_translation_m", error: true },
+  { title: "RPE rotation", unit: "rad", column: "rpe_rotation_rad", error: true },
+];
+const chart_state = { scene: null, object: null, variants: new Set(variants), seeds: new Set(data.seeds), log: false, time: null };
+let charts = [];
+
+function series_of(scene, object) {
+  return data.cells.filter((cell) => cell.scene === scene)
+    .flatMap((cell) => cell.series.filter((s) => s.object === object).map((s) => ({ cell, ...s })));
+}
+
+const has_values = (list) => list?.some((value) => value !== null);
+
+// Times count from the scene's first stamp, in all its plots and pictures.
+function scene_start_ns(scene) {
+  return Math.min(...data.cells.filter((cell) => cell.scene === scene)
+    .flatMap((cell) => cell.series.map((s) => s.stamps_ns[0] ?? Infinity)));
+}
+
+function points(series, column, start_ns) {
+  const values = series.columns[column];
+  return series.stamps_ns.map((stamp, i) => ({ x: (stamp - start_ns) / 1e9, y: values[i] ?? NaN, frame: series.frames[i] }));
+}
+
+function line(label, list, color, width, extra = {}) {
+  return { label, data: list, borderColor: color, backgroundColor: color, borderWidth: width, pointRadius: 0,
+    pointHoverRadius: 3, pointHitRadius: 0, spanGaps: false, ...extra };
+}
+
+function datasets(plot, all, start_ns) {
+  const shown = all.filter((s) => chart_state.variants.has(s.cell.variant) && chart_state.seeds.has(s.cell.seed));
+  const sets = shown.filter((s) => has_values(s.columns[plot.column])).map((s) => {
+    const fade = data.seeds.length > 1 ? Math.max(0x70, 0xff - 0x40 * data.seeds.indexOf(s.cell.seed)) : 0xff;
+    return line(`${s.cell.variant} · seed ${s.cell.seed}`, points(s, plot.column, start_ns),
+      variant_color(s.cell.variant) + fade.toString(16), 1.6);
+  });
+  const longest = all.filter((s) => plot.truth && has_values(s.columns[plot.truth]))
+    .sort((a, b) => b.stamps_ns.length - a.stamps_ns.length)[0];
+  if (longest) sets.push(line("truth", points(longest, plot.truth, start_ns), css("--ink"), 1.5, { borderDash: [5, 4] }));
+  return sets;
+}
+
+// A vertical line at the time pointed at, in all plots.
+const crosshair = {
+  id: "crosshair",
+  afterDraw(chart) {
+    const { x, y } = chart.scales;
+    if (chart_state.time === null || chart_state.time < x.min || chart_state.time > x.max) return;
+    const at = x.getPixelForValue(chart_state.time), context = chart.ctx;
+    context.save();
+    context.strokeStyle = css("--soft");
+    context.lineWidth = 1;
+    context.setLineDash([2, 3]);
+    context.beginPath();
+    context.moveTo(at, y.top);
+    context.lineTo(at, y.bottom);
+    context.stroke();
+    context.restore();
+  },
+  afterEvent(chart, { event }) {
+    const { left, right } = chart.chartArea;
+    const inside = event.type !== "mouseout" && event.x >= left && event.x <= right;
+    const time = inside ? chart.scales.x.getValueForPixel(event.x) : null;
+    if (time === chart_state.time) return;
+    chart_state.time = time;
+    for (const other of charts) other.draw();
+  },
+};
+
+function axis(options) {
+  return { grid: { color: css("--line"), drawBorder: false }, ...options,
+    ticks: { color: css("--soft"), maxRotation: 0, font: { size: 11 }, ...options.ticks } };
+}
+
+function chart_options(plot) {
+  const log = plot.error && chart_state.log;
+  const y = { type: log ? "logarithmic" : "linear", beginAtZero: !log,
+    ticks: { maxTicksLimit: 6, callback: (value) => (value === 0 ? "0" : String(Number(value.toPrecision(3)))) } };
+  if (plot.range) Object.assign(y, { min: plot.range[0], max: plot.range[1] });
+  return {
+    animation: false, parsing: false, normalized: true, responsive: true, maintainAspectRatio: false,
+    interaction: { mode: "nearest", axis: "x", intersect: false },
+    scales: { x: axis({ type: "linear", bounds: "data", ticks: { callback: (value) => `${Number(value.toFixed(2))} s`, maxTicksLimit: 7 } }), y: axis(y) },
+    plugins: { legend: { display: false }, tooltip: {
+      boxPadding: 4, usePointStyle: true, itemSort: (a, b) => a.parsed.y - b.parsed.y,
+      callbacks: {
+        title: (items) => (items.length ? `frame ${items[0].raw.frame} · ${items[0].parsed.x.toFixed(2)} s` : ""),
+        label: (item) => `${item.dataset.label}: ${format_figure(item.parsed.y)} ${plot.unit}`,
+      } } },
+    onClick: (event, items, chart) => show_nearest(chart_state.scene, chart.scales.x.getValueForPixel(event.x)),
+  };
+}
+
+function draw_charts() {
+  for (const chart of charts) chart.destroy();
+  const all = series_of(chart_state.scene, chart_state.object);
+  const start_ns = scene_start_ns(chart_state.scene);
+  const plots = kPlots.filter((plot) => all.some((s) => has_values(s.columns[plot.column])));
+  const canvases = plots.map(() => el("canvas", { role: "img" }));
+  by_id("charts").replaceChildren(...plots.map((plot, i) => {
+    canvases[i].setAttribute("aria-label", `${plot.title} of ${chart_state.object} in ${chart_state.scene} over time`);
+    return el("figure", {}, el("figcaption", {}, plot.title, " ", el("small", {}, plot.unit ? `[${plot.unit}]` : "")),
+      el("div", { class: "plot" }, canvases[i]));
+  }));
+  if (plots.length === 0) by_id("charts").replaceChildren(el("p", {}, "No frames with results."));
+  charts = plots.map((plot, i) => new Chart(canvases[i], { type: "line", plugins: [crosshair],
+    data: { datasets: datasets(plot, all, start_ns) }, options: chart_options(plot) }));
+}

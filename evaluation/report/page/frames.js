@@ -1,0 +1,55 @@
+// Frames with overlays, and the viewer that enlarges them.
+const galleries = JSON.parse(document.getElementById("images").textContent);
+const viewer_state = { gallery: null, index: 0 };
+
+const source_of = (frame) => `data:image/jpeg;base64,${frame.jpeg}`;
+
+function gallery_node(gallery) {
+  const partly = gallery.frames.length < gallery.available;
+  const count = partly ? `${gallery.frames.length} of ${gallery.available} frames (the rest is in the results folder)`
+    : `${gallery.frames.length} frames`;
+  return el("div", {}, el("h3", {}, gallery.variant, " ", el("small", {}, `seed ${gallery.seed} · ${count}`)),
+    el("div", { class: "gallery" }, ...gallery.frames.map((frame, index) =>
+      el("button", { type: "button", "aria-label": `Enlarge frame ${frame.frame}`, click: () => show_frame(gallery, index) },
+        el("img", { src: source_of(frame), alt: `${gallery.scene}, ${gallery.variant}: frame ${frame.frame} with outlines`, loading: "lazy" })))));
+}
+
+function draw_galleries(scene) {
+  by_id("galleries").replaceChildren(...galleries.filter((g) => g.scene === scene).map(gallery_node));
+}
+
+function show_frame(gallery, index) {
+  const count = gallery.frames.length;
+  Object.assign(viewer_state, { gallery, index: (index + count) % count });
+  const frame = gallery.frames[viewer_state.index];
+  const viewer = by_id("viewer");
+  const image = viewer.querySelector("img");
+  image.src = source_of(frame);
+  image.alt = `frame ${frame.frame} with outlines`;
+  viewer.querySelector("span").textContent = `${gallery.scene} · ${gallery.variant} · frame ${frame.frame}`;
+  if (!viewer.open) viewer.showModal();
+}
+
+// The picture nearest to a time [s from the scene's start], of the first variant that is shown in the plots.
+function show_nearest(scene, time) {
+  const gallery = galleries.find((g) => g.scene === scene && chart_state.variants.has(g.variant));
+  const series = series_of(scene, chart_state.object)[0];
+  if (!gallery || !series) return;
+  const start_ns = scene_start_ns(scene);
+  const distance = (i) => Math.abs((series.stamps_ns[i] - start_ns) / 1e9 - time);
+  const nearest = series.frames.reduce((best, _, i) => (distance(i) < distance(best) ? i : best), 0);
+  const off = (i) => Math.abs(gallery.frames[i].frame - series.frames[nearest]);
+  show_frame(gallery, gallery.frames.reduce((best, _, i) => (off(i) < off(best) ? i : best), 0));
+}
+
+function start_viewer() {
+  const viewer = by_id("viewer");
+  const step = (by) => show_frame(viewer_state.gallery, viewer_state.index + by);
+  for (const button of viewer.querySelectorAll("[data-step]"))
+    button.addEventListener("click", () => step(Number(button.dataset.step)));
+  viewer.querySelector("[data-close]").addEventListener("click", () => viewer.close());
+  viewer.addEventListener("click", (event) => event.target === viewer && viewer.close());
+  viewer.addEventListener("keydown", (event) => {
+    if (event.key === "ArrowLeft" || event.key === "ArrowRight") step(event.key === "ArrowLeft" ? -1 : 1);
+  });
+}

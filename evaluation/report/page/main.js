@@ -1,0 +1,106 @@
+// Puts the parts together.
+const scenes = distinct(data.cells.map((cell) => cell.scene));
+const subjects = scenes.flatMap((scene) => distinct(data.cells.filter((cell) => cell.scene === scene)
+  .flatMap((cell) => cell.series.map((s) => s.object))).map((object) => ({ scene, object })));
+
+const object_hash = (scene, object) => `#object/${encodeURIComponent(scene)}/${encodeURIComponent(object)}`;
+
+function draw_facts() {
+  const good = data.cells.filter((cell) => cell.status === "ok").length, all = data.cells.length;
+  const fact = (name, value, bad) => el("div", { class: bad ? "bad" : null }, el("dt", {}, name), el("dd", {}, value));
+  by_id("facts").replaceChildren(fact("runs with a result", `${good} / ${all}`, good < all),
+    fact("scenes", scenes.length), fact("objects", subjects.length), fact("variants", variants.length), fact("seeds", data.seeds.length));
+}
+
+function draw_failures() {
+  const failed = data.cells.filter((cell) => cell.status !== "ok");
+  by_id("failures").hidden = failed.length === 0;
+  by_id("failures").querySelector("tbody").replaceChildren(...failed.map((cell) => el("tr", {}, el("td", {}, cell.scene),
+    el("td", {}, cell.variant), el("td", { class: "number" }, cell.seed), el("td", {}, cell.status === "failed" ? cell.message : "not run"))));
+}
+
+function draw_definitions() {
+  const present = data.metrics.filter((m) => data.summary.some((row) => m.name in row.spread));
+  by_id("metric-list").replaceChildren(...present.flatMap((m) => [
+    el("dt", {}, m.label, el("small", {}, `${m.unit ? `${m.unit}, ` : ""}${m.better} is better`)),
+    el("dd", {}, m.definition, " ", el("code", {}, m.name))]));
+}
+
+function draw_made() {
+  const entry = (name, value) => (value ? [el("dt", {}, name), el("dd", {}, value)] : []);
+  by_id("made-list").replaceChildren(...entry("command", data.command && el("code", {}, data.command)),
+    ...entry("program", data.programs.join(", ")), ...entry("this page by", data.report_program),
+    ...entry("seeds", data.seeds.join(", ")), ...entry("hardware", data.hardware));
+  by_id("config").textContent = data.config || "not recorded";
+  by_id("run-table").tBodies[0].replaceChildren(...data.cells.map((cell) => el("tr", {}, el("td", {}, cell.scene), el("td", {}, cell.variant),
+    el("td", { class: "number" }, cell.seed), el("td", { class: `status-${cell.status}` }, cell.status),
+    el("td", {}, ...(cell.status !== "ok" ? [] : [el("a", { href: `${cell.folder}/evaluation/evaluation.json` }, "evaluation.json"), " ",
+      el("a", { href: `${cell.folder}/evaluation/frames.csv` }, "frames.csv")])))));
+}
+
+function draw_object_chips() {
+  chips(by_id("object-chips"), "", subjects, subjects.filter((s) => s.scene === chart_state.scene && s.object === chart_state.object), {
+    text: (s) => `${s.scene} / ${s.object}`,
+    change: ([s]) => {
+      history.replaceState(null, "", object_hash(s.scene, s.object));
+      show_object(s);
+    },
+  });
+}
+
+function draw_filter_chips() {
+  chips(by_id("variant-chips"), "variants", variants, chart_state.variants, { many: true, color: variant_color,
+    change: (chosen) => { chart_state.variants = new Set(chosen); draw_charts(); } });
+  chips(by_id("seed-chips"), "seeds", data.seeds, chart_state.seeds, { many: true,
+    change: (chosen) => { chart_state.seeds = new Set(chosen); draw_charts(); } });
+}
+
+function show_object({ scene, object }) {
+  Object.assign(chart_state, { scene, object, time: null });
+  draw_object_chips();
+  draw_charts();
+  show_scene(scene);
+}
+
+function show_scene(scene) {
+  const shown = distinct(galleries.map((g) => g.scene));
+  chips(by_id("scene-chips"), "", shown, [scene], { change: ([chosen]) => show_scene(chosen) });
+  draw_galleries(scene);
+}
+
+// The object that the address names, #object/SCENE/OBJECT.
+function follow_address() {
+  const [kind, scene, object] = location.hash.slice(1).split("/").map(decodeURIComponent);
+  const found = kind === "object" && subjects.find((s) => s.scene === scene && s.object === object);
+  if (!found) return;
+  show_object(found);
+  by_id("objects").scrollIntoView();
+}
+
+function start() {
+  draw_facts();
+  draw_failures();
+  draw_table();
+  draw_definitions();
+  draw_made();
+  by_id("all-metrics").addEventListener("change", (e) => { summary_state.all = e.target.checked; draw_table(); });
+  by_id("paper-rows").addEventListener("change", (e) => { summary_state.paper = e.target.checked; draw_table(); });
+  by_id("original-order").addEventListener("click", () => { summary_state.sort = null; draw_table(); });
+  by_id("log-errors").addEventListener("change", (e) => { chart_state.log = e.target.checked; draw_charts(); });
+  by_id("frames").hidden = galleries.length === 0;
+  by_id("objects").hidden = subjects.length === 0;
+  start_viewer();
+  if (subjects.length > 0) {
+    draw_filter_chips();
+    show_object(subjects[0]);
+  } else if (galleries.length > 0) show_scene(galleries[0].scene);
+  dark_mode.addEventListener("change", () => {
+    if (subjects.length === 0) return;
+    draw_filter_chips();
+    draw_charts();
+  });
+  window.addEventListener("hashchange", follow_address);
+  follow_address();
+}
+
+start();

@@ -1,0 +1,108 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/text.h"
+#include "core/base/version.h"
+#include "evaluation/report/metrics.h"
+#include "evaluation/report/page.h"
+
+namespace uniquadric {
+namespace {
+using nlohmann::json;
+
+json metrics_json() {
+  json list = json::array();
+  for (const Metric& metric : all_metrics())
+    list.push_back({{"name", metric.name},
+                    {"label", metric.label},
+                    {"unit", metric.unit},
+                    {"better", metric.lower_is_better ? "lower" : "higher"},
+                    {"definition", metric.definition}});
+  return list;
+}
+
+json figures_json(const PaperFigures& figures) {
+  json values = json::object();
+  for (const Metric& metric : all_metrics())
+    if (const auto value = figures.of(metric.name)) values[metric.name] = *value;
+  return values;
+}
+
+json row_json(const SummaryRow& row) {
+  json spread = json::object();
+  for (const auto& [metric, s] : row.spread)
+    spread[metric] = {{"median", s.median}, {"min", s.min}, {"max", s.max}, {"n", s.n}, {"best", s.best}};
+  return {{"scene", row.scene}, {"object", row.object}, {"variant", row.variant},
+          {"runs", row.runs},   {"good", row.good},     {"spread", spread}};
+}
+
+// Rounded to what a plot shows: the page stays small. Figures in tables keep all their digits.
+json rounded(const std::optional<double>& value, int digits) {
+  return value ? json(*parse_double(fmt::format("{:.{}g}", *value, digits))) : json(nullptr);
+}
+
+json series_json(const ObjectSeries& series, int digits) {
+  json columns = json::object();
+  for (const auto& [name, values] : series.columns) {
+    json list = json::array();
+    for (const auto& value : values) list.push_back(rounded(value, digits));
+    columns[name] = list;
+  }
+  return {{"object", series.subject},
+          {"frames", series.frames},
+          {"stamps_ns", series.stamps_ns},
+          {"columns", columns}};
+}
+
+const char* to_string(CellStatus status) {
+  switch (status) {
+    case CellStatus::ok:
+      return "ok";
+    case CellStatus::failed:
+      return "failed";
+    case CellStatus::missing:
+      return "missing";
+  }
+  return "";
+}
+
+json cell_json(const Cell& cell, int digits) {
+  json series = json::array();
+  if (cell.evaluation)
+    for (const ObjectSeries& s : cell.evaluation->series) series.push_back(series_json(s, digits));
+  return {{"scene", cell.scene},
+          {"variant", cell.variant},
+          {"seed", cell.seed},
+          {"status", to_string(cell.status)},
+          {"folder", cell.folder.generic_string()},
+          {"message", cell.message},
+          {"series", series}};
+}
+
+}  // namespace
+
+std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
+                      const PageOptions& options) {
+  json rows = json::array(), paper = json::object(), cells = json::array();
+  for (const SummaryRow& row : summary) rows.push_back(row_json(row));
+  for (const PaperRow& row : paper_rows())
+    paper[row.object] = {{"single_frame_obb", figures_json(row.single_frame_obb)},
+                         {"proposed", figures_json(row.proposed)}};
+  for (const Cell& cell : results.cells) cells.push_back(cell_json(cell, options.series_digits));
+  const json data = {{"name", results.name},
+                     {"report_program", kProgram},
+                     {"programs", programs_of(results)},
+                     {"seeds", seeds_of(results)},
+                     {"config", results.config},
+                     {"command", results.command},
+                     {"hardware", results.hardware},
+                     {"metrics", metrics_json()},
+                     {"summary_metrics", summary_metrics()},
+                     {"summary", rows},
+                     {"paper", paper},
+                     {"cells", cells}};
+  return data.dump(-1, ' ', false, json::error_handler_t::replace);  // messages may hold any bytes
+}
+
+}  // namespace uniquadric

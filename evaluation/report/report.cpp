@@ -1,0 +1,23 @@
+#include "evaluation/report/report.h"
+
+#include "core/base/files.h"
+#include "evaluation/report/page.h"
+#include "evaluation/report/scores.h"
+
+namespace uniquadric {
+
+void write_report(const std::filesystem::path& folder) {
+  const Results results = read_results(folder);
+  const std::vector<SummaryRow> summary = summarize(results);
+  const std::string html = page_html(results, summary);  // all made before the first is written
+  const std::string markdown = page_markdown(results, summary);
+  write_text(folder / "scores.csv", scores_csv(scores(results)));
+  write_text(folder / "report.md", markdown);
+  write_text(folder / "report.html", html);
+}
+
+std::string summary_table(const std::filesystem::path& folder) {
+  return summary_text(summarize(read_results(folder)));
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace uniquadric {
+
+/// Writes `report.html` (self-contained: no network when it is looked at), `report.md` and `scores.csv` into
+/// a results folder of `bench` (docs/report.md). The same folder gives the same bytes. Throws InputError for
+/// a folder that is no results folder, and with file and field or line for results that cannot be read.
+void write_report(const std::filesystem::path& results);
+
+/// The table `bench` prints: per scene, object and variant the medians over seeds, the paper's figures beside
+/// where it has the object. Plain text, ends in a newline. Throws as `write_report`.
+std::string summary_table(const std::filesystem::path& results);
+
+}  // namespace uniquadric

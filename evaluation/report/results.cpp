@@ -1,0 +1,131 @@
+#include "evaluation/report/results.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/text.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+const char* const kCellsHeader = "scene,variant,seed,status,folder,message";
+
+CellStatus parse_cell_status(const fs::path& file, int line, std::string_view text) {
+  if (text == "ok") return CellStatus::ok;
+  if (text == "failed") return CellStatus::failed;
+  if (text == "missing") return CellStatus::missing;
+  throw InputError(file, line, fmt::format("status '{}' is none of ok, failed, missing", text));
+}
+
+Cell parse_cell(const fs::path& file, int line, const std::vector<std::string_view>& fields) {
+  if (fields.size() < 6)
+    throw InputError(file, line,
+                     fmt::format("expected 6 columns ({}), found {}", kCellsHeader, fields.size()));
+  Cell cell;
+  cell.scene = fields[0];
+  cell.variant = fields[1];
+  const auto seed = parse_integer(fields[2]);
+  if (!seed || *seed < 0)
+    throw InputError(file, line, fmt::format("seed '{}' is no whole number", fields[2]));
+  cell.seed = static_cast<std::uint64_t>(*seed);
+  cell.status = parse_cell_status(file, line, fields[3]);
+  cell.folder = fields[4];
+  if (cell.scene.empty() || cell.variant.empty()) throw InputError(file, line, "scene or variant is empty");
+  if (cell.folder.is_absolute()) throw InputError(file, line, "folder is not relative to the results folder");
+  cell.message = fields[5];  // the last column: commas in it are its own
+  for (std::size_t i = 6; i < fields.size(); ++i) cell.message += fmt::format(", {}", fields[i]);
+  return cell;
+}
+
+std::vector<Cell> read_cells(const fs::path& file) {
+  std::vector<Cell> cells;
+  std::set<std::tuple<std::string, std::string, std::uint64_t>> seen;
+  bool header = true;
+  for_each_line(
+      file,
+      [&](int line, const std::vector<std::string_view>& fields) {
+        if (std::exchange(header, false)) {
+          if (fields != split(kCellsHeader, ','))
+            throw InputError(file, line, fmt::format("expected the header {}", kCellsHeader));
+          return;
+        }
+        cells.push_back(parse_cell(file, line, fields));
+        if (!seen.emplace(cells.back().scene, cells.back().variant, cells.back().seed).second)
+          throw InputError(file, line, "this scene, variant and seed stand twice");
+      },
+      ',');
+  if (header) throw InputError(file, "is empty, expected a header");
+  return cells;
+}
+
+// Without blanks and line ends at its end; empty when there is no such file.
+std::string read_optional(const fs::path& file) {
+  if (!fs::exists(file)) return "";
+  std::string text = read_text(file);
+  text.erase(text.find_last_not_of(" \t\r\n") + 1);
+  return text;
+}
+
+void add_distinct(std::vector<std::string>& list, const std::string& value) {
+  if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
+}
+
+}  // namespace
+
+Results read_results(const fs::path& folder) {
+  if (!fs::is_directory(folder)) throw InputError(folder, "is not a folder");
+  if (!fs::exists(folder / "cells.csv"))
+    throw InputError(folder, "is no results folder: it has no cells.csv");
+  Results results;
+  results.folder = folder;
+  results.cells = read_cells(folder / "cells.csv");
+  results.config = read_optional(folder / "bench.yaml");
+  results.command = read_optional(folder / "command.txt");
+  results.hardware = read_optional(folder / "hardware.txt");
+  results.name = "bench";
+  if (!results.config.empty())
+    results.name = ConfigNode::parse(results.config, folder / "bench.yaml").get<std::string>("name", "bench");
+  for (Cell& cell : results.cells)
+    if (cell.status == CellStatus::ok)
+      cell.evaluation = read_cell_evaluation(folder / cell.folder / "evaluation");
+  return results;
+}
+
+std::vector<std::string> scenes_of(const Results& results) {
+  std::vector<std::string> scenes;
+  for (const Cell& cell : results.cells) add_distinct(scenes, cell.scene);
+  return scenes;
+}
+
+std::vector<std::string> variants_of(const Results& results, const std::string& scene) {
+  std::vector<std::string> variants;
+  for (const Cell& cell : results.cells)
+    if (cell.scene == scene) add_distinct(variants, cell.variant);
+  return variants;
+}
+
+std::vector<std::string> subjects_of(const Results& results, const std::string& scene) {
+  std::vector<std::string> subjects;
+  for (const Cell& cell : results.cells)
+    if (cell.scene == scene && cell.evaluation)
+      for (const SubjectFigures& figures : cell.evaluation->subjects) add_distinct(subjects, figures.subject);
+  std::stable_partition(subjects.begin(), subjects.end(),
+                        [](const std::string& s) { return s != "camera" && s != "all"; });
+  return subjects;
+}
+
+const SubjectFigures* find_subject(const Cell& cell, const std::string& subject) {
+  if (!cell.evaluation) return nullptr;
+  for (const SubjectFigures& figures : cell.evaluation->subjects)
+    if (figures.subject == subject) return &figures;
+  return nullptr;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace uniquadric {
+
+/// Figures of one subject of one run: an object, `camera` for the ego, or `all`.
+struct SubjectFigures {
+  std::string subject;                  ///< name in lower case, as in scores.csv
+  std::map<std::string, double> value;  ///< by metric name; absent where the evaluation has none
+};
+
+/// One object's rows of frames.csv. All columns are as long as `stamps_ns`.
+struct ObjectSeries {
+  std::string subject;
+  std::vector<std::int64_t> frames, stamps_ns;
+  std::map<std::string, std::vector<std::optional<double>>> columns;  ///< by header name, units in it
+};
+
+/// What `evaluate` wrote for one run.
+struct CellEvaluation {
+  std::string program, config;           ///< as written in evaluation.json; empty where absent
+  std::vector<SubjectFigures> subjects;  ///< objects in their order, then `camera`, then `all`
+  std::vector<ObjectSeries> series;      ///< objects in order of their ids
+};
+
+enum class CellStatus { ok, failed, missing };
+
+/// One (scene, variant, seed) of a bench.
+struct Cell {
+  std::string scene, variant;
+  std::uint64_t seed = 0;
+  CellStatus status = CellStatus::missing;
+  std::filesystem::path folder;              ///< relative to the results folder
+  std::string message;                       ///< why it failed
+  std::optional<CellEvaluation> evaluation;  ///< of cells that are ok
+};
+
+/// A results folder (docs/report.md).
+struct Results {
+  std::filesystem::path folder;
+  std::string name;                       ///< of the bench
+  std::string config, command, hardware;  ///< bench.yaml, command.txt, hardware.txt; empty where absent
+  std::vector<Cell> cells;                ///< in order of cells.csv
+};
+
+/// Reads a results folder with all its evaluations. Throws InputError: not a results folder, a line of
+/// cells.csv or frames.csv, a field of evaluation.json.
+Results read_results(const std::filesystem::path& folder);
+
+/// Reads one `evaluation` folder: evaluation.json and frames.csv. Throws InputError.
+CellEvaluation read_cell_evaluation(const std::filesystem::path& folder);
+
+/// Distinct values in order of their first appearance.
+std::vector<std::string> scenes_of(const Results& results);
+std::vector<std::string> variants_of(const Results& results, const std::string& scene);
+/// Subjects of a scene over all its runs: objects first, then `camera` and `all`.
+std::vector<std::string> subjects_of(const Results& results, const std::string& scene);
+
+/// The figures of a subject in a run; null where the run has none.
+const SubjectFigures* find_subject(const Cell& cell, const std::string& subject);
+
+}  // namespace uniquadric

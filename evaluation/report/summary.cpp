@@ -1,0 +1,129 @@
+#include "evaluation/report/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "evaluation/report/metrics.h"
+
+namespace uniquadric {
+namespace {
+
+Spread spread_of(const std::vector<double>& values) {
+  const auto [min, max] = std::minmax_element(values.begin(), values.end());
+  return {median(values), *min, *max, static_cast<int>(values.size())};
+}
+
+SummaryRow summarize_row(const Results& results, const std::string& scene, const std::string& object,
+                         const std::string& variant) {
+  SummaryRow row{scene, object, variant, 0, 0, {}, paper_row(object)};
+  std::map<std::string, std::vector<double>> values;
+  for (const Cell& cell : results.cells) {
+    if (cell.scene != scene || cell.variant != variant) continue;
+    ++row.runs;
+    const SubjectFigures* figures = find_subject(cell, object);
+    if (!figures) continue;
+    ++row.good;
+    for (const auto& [metric, value] : figures->value) values[metric].push_back(value);
+  }
+  for (const auto& [metric, list] : values) row.spread[metric] = spread_of(list);
+  return row;
+}
+
+// Marks the best of the rows of one scene and object.
+void mark_best(std::vector<SummaryRow>::iterator begin, std::vector<SummaryRow>::iterator end) {
+  for (const Metric& metric : all_metrics()) {
+    std::vector<double> medians;
+    for (auto row = begin; row != end; ++row)
+      if (const auto found = row->spread.find(metric.name); found != row->spread.end())
+        medians.push_back(found->second.median);
+    if (medians.empty()) continue;
+    const auto [min, max] = std::minmax_element(medians.begin(), medians.end());
+    if (*min == *max) continue;
+    const double best = metric.lower_is_better ? *min : *max;
+    for (auto row = begin; row != end; ++row)
+      if (const auto found = row->spread.find(metric.name); found != row->spread.end())
+        found->second.best = found->second.median == best;
+  }
+}
+
+std::string text_cell(const SummaryRow& row, const char* metric) {
+  const auto found = row.spread.find(metric);
+  return found == row.spread.end() ? "-"
+                                   : format_figure(found->second.median) + (found->second.best ? "*" : " ");
+}
+
+// Columns padded to their widest cell; the first three to the left.
+std::string aligned(const std::vector<std::vector<std::string>>& lines) {
+  std::vector<std::size_t> width(lines.front().size());
+  for (const auto& line : lines)
+    for (std::size_t i = 0; i < line.size(); ++i) width[i] = std::max(width[i], line[i].size());
+  std::string text;
+  for (const auto& line : lines) {
+    std::string row;
+    for (std::size_t i = 0; i < line.size(); ++i)
+      row += i < 3 ? fmt::format("{:<{}}  ", line[i], width[i]) : fmt::format("{:>{}}  ", line[i], width[i]);
+    row.erase(row.find_last_not_of(' ') + 1);
+    text += row + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  assert(!values.empty());
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+std::string format_figure(double value) {
+  const double size = std::abs(value);
+  if (size == 0) return "0";
+  if (size < 1e-4 || size >= 1e6) return fmt::format("{:.2e}", value);
+  if (size >= 1000) return fmt::format("{:.0f}", value);
+  return fmt::format("{:.{}f}", value, size >= 100 ? 1 : size >= 10 ? 2 : size >= 0.01 ? 3 : 5);
+}
+
+std::vector<SummaryRow> summarize(const Results& results) {
+  std::vector<SummaryRow> rows;
+  for (const std::string& scene : scenes_of(results)) {
+    std::vector<std::string> subjects = subjects_of(results, scene);
+    if (subjects.empty()) subjects.push_back("all");
+    for (const std::string& subject : subjects) {
+      const auto first = rows.size();
+      for (const std::string& variant : variants_of(results, scene))
+        rows.push_back(summarize_row(results, scene, subject, variant));
+      mark_best(rows.begin() + static_cast<std::ptrdiff_t>(first), rows.end());
+    }
+  }
+  return rows;
+}
+
+std::string summary_text(const std::vector<SummaryRow>& rows) {
+  std::vector<std::vector<std::string>> lines = {{"scene", "object", "variant", "runs"}};
+  for (const char* metric : summary_metrics())
+    lines[0].push_back(std::string(find_metric(metric).label) + " ");
+  lines[0].push_back("paper, single-frame OBB");
+  for (const SummaryRow& row : rows) {
+    if (row.object == "camera" || (row.object == "all" && row.good > 0)) continue;
+    std::vector<std::string> line = {row.scene, row.object, row.variant,
+                                     fmt::format("{}/{}", row.good, row.runs)};
+    for (const char* metric : summary_metrics()) line.push_back(text_cell(row, metric));
+    const PaperFigures* paper = row.paper ? &row.paper->single_frame_obb : nullptr;
+    line.push_back(!paper ? "-"
+                          : fmt::format("{:.3f} {:.3f} {:.3f} {:.3f}", paper->ape_translation_m,
+                                        paper->ape_rotation_rad, paper->rpe_translation_m,
+                                        paper->rpe_rotation_rad));
+    lines.push_back(line);
+  }
+  return aligned(lines) +
+         "medians over seeds; APE.t, RPE.t in m, APE.r, RPE.r in rad (root mean squares); * best of its "
+         "object; the paper's "
+         "figures in the same order\n";
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluation/report/paper_table.h"
+#include "evaluation/report/results.h"
+
+namespace uniquadric {
+
+/// A metric over the seeds of one (scene, object, variant).
+struct Spread {
+  double median = 0, min = 0, max = 0;
+  int n = 0;
+  bool best = false;  ///< no variant of the same scene and object has a better median, and one has a worse
+};
+
+/// A row of the summary.
+struct SummaryRow {
+  std::string scene, object, variant;
+  int runs = 0, good = 0;                ///< cells tried or planned, and those with a result for this object
+  std::map<std::string, Spread> spread;  ///< by metric name; absent where no run has the figure
+  std::optional<PaperRow> paper;         ///< of the object's name
+};
+
+/// Rows by scene, object (`camera` and `all` last) and variant, in the order of cells.csv. A scene without a
+/// single good run has one row a variant with the object `all`.
+std::vector<SummaryRow> summarize(const Results& results);
+
+/// Plain text; camera and tracking are left to the report.
+std::string summary_text(const std::vector<SummaryRow>& rows);
+
+/// The median of values (of an even number the mean of the middle two); asserts that there are any.
+double median(std::vector<double> values);
+
+/// Digits for people: four significant ones, no exponent for ordinary sizes.
+std::string format_figure(double value);
+
+}  // namespace uniquadric
