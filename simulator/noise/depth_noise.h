@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+
+#include "core/geometry/camera.h"
+#include "simulator/scene/scene.h"
+
+namespace uniquadric {
+
+/// What a depth sensor makes of exact depth. Both images 32FC1: z along the optical axis [m], 0 = nothing.
+/// `proportional`: the point moves along its ray by N(0, k d), d its distance from the optical centre; as z
+/// is proportional to d along a ray, z is multiplied by 1 + N(0, k). `stereo`: the disparity f_x B / z gets
+/// N(0, s) and is rounded to its step; near sigma_z = s z^2 / (f_x B). Then pixels beside a depth edge are
+/// lost with probability edge_dropout, and those out of range always. With `none` the depth is exact: no edge
+/// is lost, the range holds.
+cv::Mat add_depth_noise(const cv::Mat& depth_m, const Camera& camera, const DepthNoise& noise,
+                        std::uint64_t seed, std::int64_t frame);
+
+/// Pixels (8UC1, 255) with a 4-neighbour that is nothing or whose z differs by more than 5 % of the nearer
+/// one's.
+cv::Mat depth_edges(const cv::Mat& depth_m);
+
+}  // namespace uniquadric

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "simulator/render/gl_functions.h"
+#include "simulator/scene/mesh.h"
+
+namespace uniquadric {
+
+/// A mesh in the memory of an OpenGL context; it lives as long as the context.
+struct GpuMesh {
+  unsigned vertex_array = 0, texture = 0;
+  int index_count = 0;
+  Eigen::Vector3f color = Eigen::Vector3f::Ones();  ///< (red, green, blue)
+};
+
+/// Copies a mesh and its texture, with mipmaps. Asserts that normals and uvs match the positions in number.
+GpuMesh upload_mesh(const GlFunctions& gl, const Mesh& mesh);
+
+}  // namespace uniquadric

@@ -1,0 +1,77 @@
+#include "simulator/render/program.h"
+
+#include <GL/glcorearb.h>
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace uniquadric {
+namespace {
+
+const char* const kVertexShader = R"(#version 450 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 uv;
+layout(location = 0) uniform mat4 camera_from_object;
+layout(location = 1) uniform mat4 clip_from_camera;
+out vec3 normal_in_camera;
+out vec2 texture_uv;
+void main() {
+  normal_in_camera = mat3(camera_from_object) * normal;
+  texture_uv = uv;
+  gl_Position = clip_from_camera * (camera_from_object * vec4(position, 1));
+}
+)";
+
+// 1 / gl_FragCoord.w is clip w interpolated over the triangle with the right perspective: z in the camera
+// frame.
+const char* const kFragmentShader = R"(#version 450 core
+in vec3 normal_in_camera;
+in vec2 texture_uv;
+layout(location = 2) uniform uint instance_id;
+layout(location = 3) uniform vec3 color;
+layout(location = 4) uniform vec3 sun_direction;
+layout(location = 5) uniform float ambient;
+layout(binding = 0) uniform sampler2D surface;
+layout(location = 0) out vec4 out_color;
+layout(location = 1) out uint out_id;
+layout(location = 2) out float out_depth_m;
+void main() {
+  vec3 n = normalize(gl_FrontFacing ? normal_in_camera : -normal_in_camera);
+  float light = ambient + (1 - ambient) * max(0, -dot(n, sun_direction));
+  vec3 rgb = texture(surface, texture_uv).rgb * color * light;
+  out_color = vec4(rgb.bgr, 1);  // OpenCV's order
+  out_id = instance_id;
+  out_depth_m = 1 / gl_FragCoord.w;
+}
+)";
+
+unsigned compile(const GlFunctions& gl, unsigned kind, const char* source) {
+  const unsigned shader = gl.CreateShader(kind);
+  gl.ShaderSource(shader, 1, &source, nullptr);
+  gl.CompileShader(shader);
+  int done = 0;
+  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
+  if (done) return shader;
+  std::string log(4096, '\0');
+  gl.GetShaderInfoLog(shader, static_cast<int>(log.size()), nullptr, log.data());
+  throw std::runtime_error(fmt::format("shader does not compile: {}", log.c_str()));
+}
+
+}  // namespace
+
+unsigned make_program(const GlFunctions& gl) {
+  const unsigned program = gl.CreateProgram();
+  gl.AttachShader(program, compile(gl, GL_VERTEX_SHADER, kVertexShader));
+  gl.AttachShader(program, compile(gl, GL_FRAGMENT_SHADER, kFragmentShader));
+  gl.LinkProgram(program);
+  int done = 0;
+  gl.GetProgramiv(program, GL_LINK_STATUS, &done);
+  if (done) return program;
+  std::string log(4096, '\0');
+  gl.GetProgramInfoLog(program, static_cast<int>(log.size()), nullptr, log.data());
+  throw std::runtime_error(fmt::format("shader program does not link: {}", log.c_str()));
+}
+
+}  // namespace uniquadric

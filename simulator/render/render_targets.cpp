@@ -1,0 +1,77 @@
+#include "simulator/render/render_targets.h"
+
+#include <GL/glcorearb.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <stdexcept>
+
+namespace uniquadric {
+namespace {
+
+void attach(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, unsigned place,
+            unsigned format) {
+  unsigned buffer = 0;
+  gl.CreateRenderbuffers(1, &buffer);
+  gl.NamedRenderbufferStorage(buffer, format, targets.width, targets.height);
+  gl.NamedFramebufferRenderbuffer(framebuffer, place, GL_RENDERBUFFER, buffer);
+}
+
+void check_complete(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer) {
+  if (gl.CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw std::runtime_error(
+        fmt::format("OpenGL cannot draw images of {}x{} px", targets.width, targets.height));
+}
+
+void read(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, unsigned format,
+          unsigned type, int mat_type, cv::Mat& image) {
+  image.create(targets.height, targets.width, mat_type);
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
+  gl.ReadPixels(0, 0, targets.width, targets.height, format, type, image.data);
+}
+
+void read_image(const GlFunctions& gl, const RenderTargets& targets, unsigned draw_buffer, unsigned format,
+                unsigned type, int mat_type, cv::Mat& image) {
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, targets.image);
+  gl.ReadBuffer(GL_COLOR_ATTACHMENT0 + draw_buffer);
+  read(gl, targets, targets.image, format, type, mat_type, image);
+}
+
+}  // namespace
+
+RenderTargets make_render_targets(const GlFunctions& gl, int width, int height) {
+  RenderTargets targets{width, height};
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.CreateFramebuffers(1, &targets.image);
+  attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT0, GL_RGBA8);
+  attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT1, GL_R16UI);
+  attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT2, GL_R32F);
+  attach(gl, targets, targets.image, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F);
+  constexpr std::array<unsigned, 3> buffers = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1,
+                                               GL_COLOR_ATTACHMENT2};
+  gl.NamedFramebufferDrawBuffers(targets.image, buffers.size(), buffers.data());
+  gl.CreateFramebuffers(1, &targets.silhouettes);
+  attach(gl, targets, targets.silhouettes, GL_STENCIL_ATTACHMENT, GL_STENCIL_INDEX8);
+  check_complete(gl, targets, targets.image);
+  check_complete(gl, targets, targets.silhouettes);
+  return targets;
+}
+
+void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& bgra) {
+  read_image(gl, targets, 0, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, bgra);
+}
+
+void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids) {
+  read_image(gl, targets, 1, GL_RED_INTEGER, GL_UNSIGNED_SHORT, CV_16UC1, ids);
+}
+
+void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& depth_m) {
+  read_image(gl, targets, 2, GL_RED, GL_FLOAT, CV_32FC1, depth_m);
+}
+
+void read_silhouettes(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& bits) {
+  read(gl, targets, targets.silhouettes, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, CV_8UC1, bits);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "simulator/scene/scene.h"
+
+namespace uniquadric {
+
+/// Where everything that moves is at one time.
+struct ScenePoses {
+  Pose world_from_camera;               ///< optical frame
+  std::vector<Pose> world_from_object;  ///< one an object, in the scene's order
+};
+ScenePoses poses_at(const Scene& scene, double time_s);
+
+/// How much of one object the camera sees.
+struct ObjectView {
+  int id = 0;
+  std::int64_t visible_px = 0;     ///< pixels whose nearest surface is the object's
+  std::int64_t silhouette_px = 0;  ///< pixels inside the image that it would cover if nothing stood before it
+  bool touches_border = false;     ///< that silhouette reaches the image's outermost row or column
+
+  /// Share of the silhouette inside the image that no other body hides; 0 when there is none. What lies
+  /// outside the image counts as neither: see touches_border.
+  double visible_fraction() const;
+};
+
+struct RenderedFrame {
+  cv::Mat rgb;                      ///< 8UC3, blue, green, red
+  cv::Mat ids;                      ///< 16UC1: the object's id, 0 for the world and where nothing is
+  cv::Mat depth_m;                  ///< 32FC1: z along the optical axis [m], 0 where nothing is
+  std::vector<ObjectView> objects;  ///< in the scene's order
+};
+
+/// Throws InputError when the camera has lens distortion, which a linear projection cannot draw, or when an
+/// object's id is outside 1..65535 or stands twice.
+void check_can_render(const Scene& scene);
+
+/// Draws a scene off screen. Pixel centres lie at integer coordinates: the value of pixel (u, v) is what the
+/// ray through (u, v) meets, so that it agrees with Camera::project. Surfaces nearer than 1 cm are not drawn.
+/// Images do not depend on the time, the thread or what was drawn before. A renderer may be used by one
+/// thread at a time; renderers of several threads work at the same time.
+class Renderer {
+ public:
+  /// Copies the scene's meshes; checks the scene first (check_can_render).
+  explicit Renderer(const Scene& scene);
+  ~Renderer();
+
+  RenderedFrame render(const ScenePoses& poses);
+
+  /// The steps of render(), apart, for measurements: draws colour, ids and depth;
+  void draw(const ScenePoses& poses);
+  /// copies them as they are (colour with a fourth channel) into images that are reused.
+  void read_back(cv::Mat& bgra, cv::Mat& ids, cv::Mat& depth_m);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,77 @@
+#include "simulator/render/silhouettes.h"
+
+#include <GL/glcorearb.h>
+
+#include <algorithm>
+#include <array>
+
+namespace uniquadric {
+namespace {
+
+constexpr std::size_t kBits = 8;  // of the stencil buffer
+
+void draw_pass(const GlFunctions& gl, const RenderTargets& targets, std::size_t first, std::size_t last,
+               const std::function<void(std::size_t)>& draw) {
+  constexpr int kNoBit = 0;
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.silhouettes);
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Enable(GL_STENCIL_TEST);
+  gl.StencilMask(0xff);
+  gl.ClearBufferiv(GL_STENCIL, 0, &kNoBit);
+  gl.StencilFunc(GL_ALWAYS, 0xff, 0xff);
+  gl.StencilOp(GL_KEEP, GL_REPLACE, GL_REPLACE);
+  for (std::size_t i = first; i < last; ++i) {
+    gl.StencilMask(1u << (i - first));
+    draw(i);
+  }
+  gl.Disable(GL_STENCIL_TEST);
+}
+
+// Pixels of each bit in a row of the image, and whether the row has any.
+std::array<std::int64_t, kBits> count_bits(const unsigned char* pixels, int count, int step) {
+  std::array<std::int64_t, 256> histogram{};
+  for (int i = 0; i < count; ++i) ++histogram[pixels[i * step]];
+  std::array<std::int64_t, kBits> counts{};
+  for (std::size_t value = 1; value < histogram.size(); ++value)
+    for (std::size_t bit = 0; bit < kBits; ++bit)
+      if (value >> bit & 1) counts[bit] += histogram[value];
+  return counts;
+}
+
+void count_pass(const cv::Mat& bits, std::size_t first, std::size_t last, std::vector<ObjectView>& views) {
+  const int rows = bits.rows, columns = bits.cols;
+  const auto all = count_bits(bits.data, rows * columns, 1);
+  const auto top = count_bits(bits.ptr(0), columns, 1), bottom = count_bits(bits.ptr(rows - 1), columns, 1);
+  const auto left = count_bits(bits.data, rows, columns);
+  const auto right = count_bits(bits.data + columns - 1, rows, columns);
+  for (std::size_t i = first; i < last; ++i) {
+    const std::size_t bit = i - first;
+    views[i].silhouette_px = all[bit];
+    views[i].touches_border = top[bit] + bottom[bit] + left[bit] + right[bit] > 0;
+  }
+}
+
+}  // namespace
+
+void draw_silhouettes(const GlFunctions& gl, const RenderTargets& targets,
+                      const std::function<void(std::size_t)>& draw, cv::Mat& bits,
+                      std::vector<ObjectView>& views) {
+  for (std::size_t first = 0; first < views.size(); first += kBits) {
+    const std::size_t last = std::min(first + kBits, views.size());
+    draw_pass(gl, targets, first, last, draw);
+    read_silhouettes(gl, targets, bits);
+    count_pass(bits, first, last, views);
+  }
+  check_gl(gl, "drawing silhouettes");
+}
+
+void count_visible(const cv::Mat& ids, std::vector<ObjectView>& views) {
+  std::vector<std::int64_t> pixels(65536);
+  for (int v = 0; v < ids.rows; ++v) {
+    const auto* row = ids.ptr<std::uint16_t>(v);
+    for (int u = 0; u < ids.cols; ++u) ++pixels[row[u]];
+  }
+  for (ObjectView& view : views) view.visible_px = pixels[static_cast<std::size_t>(view.id)];
+}
+
+}  // namespace uniquadric

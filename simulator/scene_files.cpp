@@ -1,0 +1,72 @@
+#include "simulator/scene_files.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/base/version.h"
+#include "core/sequence/calibration.h"
+#include "core/sequence/sequence.h"
+#include "core/sequence/trajectory.h"
+#include "simulator/frame_files.h"
+#include "simulator/noise/segmenter.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+Trajectory sample(const Scene& scene, const Motion& motion, std::int64_t frames) {
+  Trajectory trajectory;
+  for (std::int64_t frame = 0; frame < frames; ++frame)
+    trajectory.push_back({scene.stamp_ns(frame), motion.at(frame_time_s(scene, frame))});
+  return trajectory;
+}
+
+SequenceFrame list_frame(const Scene& scene, std::int64_t frame) {
+  const std::string file = fmt::format("{:06}.png", frame);
+  SequenceFrame listed;
+  listed.frame = frame;
+  listed.stamp_ns = scene.stamp_ns(frame);
+  listed.rgb = fs::path("rgb") / file;
+  listed.depth = fs::path("depth") / file;
+  if (is_segmented(scene.segmenter, frame)) {
+    listed.masks = fs::path("masks") / file;
+    listed.masks_arrival_ns = listed.stamp_ns + std::llround(scene.segmenter.latency_s * 1e9);
+  }
+  return listed;
+}
+
+}  // namespace
+
+double frame_time_s(const Scene& scene, std::int64_t frame) {
+  return static_cast<double>(scene.stamp_ns(frame)) * 1e-9;
+}
+
+void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t frames,
+                          const fs::path& folder) {
+  Sequence sequence;
+  sequence.program = kProgram;
+  sequence.name = scene.name;
+  sequence.scene_hash = scene.hash;
+  sequence.seed = seed;
+  sequence.camera = scene.camera;
+  sequence.rate_hz = scene.rate_hz;
+  sequence.depth_units_per_m = depth_units_per_m(scene.depth_noise);
+  for (std::int64_t frame = 0; frame < frames; ++frame) sequence.frames.push_back(list_frame(scene, frame));
+  if (scene.given_camera) sequence.given_camera = sample(scene, scene.camera_motion, frames);
+  write_sequence_index(folder, sequence);
+}
+
+void write_truth_files(const Scene& scene, std::int64_t frames, const fs::path& folder) {
+  fs::create_directories(folder / "objects");
+  write_tum(folder / "camera.tum", sample(scene, scene.camera_motion, frames));
+  write_camera_yaml(folder / "camera.yaml", scene.camera);
+  std::vector<ObjectDescription> descriptions;
+  for (const Body& body : scene.objects) {
+    write_tum(folder / "objects" / fmt::format("{}.tum", body.id), sample(scene, body.motion, frames));
+    descriptions.push_back({body.id, body.name, body.semi_axes_m, body.shape, body.mesh_file});
+  }
+  write_objects_yaml(folder / "objects.yaml", descriptions);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,225 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <thread>
+
+#include "core/geometry/ellipsoid.h"
+#include "simulator/render/renderer.h"
+#include "tests/simulator/ray_cast.h"
+#include "tests/simulator/simple_scene.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+
+// Promise of the renderer: single precision coordinates and interpolation, measured 8e-6 at most.
+constexpr double kDepthTolerance = 1e-5;  // relative
+// Promise of the pixel convention; half a pixel would show as 0.5.
+constexpr double kMomentTolerance_px = 0.05;
+
+bool same(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() &&
+         std::equal(a.datastart, a.dataend, b.datastart, b.dataend);
+}
+
+bool is_flat(const cv::Mat& ids, int u, int v) {
+  for (int dv = -1; dv <= 1; ++dv)
+    for (int du = -1; du <= 1; ++du)
+      if (ids.at<std::uint16_t>(v + dv, u + du) != ids.at<std::uint16_t>(v, u)) return false;
+  return true;
+}
+
+TEST(Renderer, DepthAndIdsAgreeWithARayCast) {
+  const Scene scene = two_boxes();
+  Renderer renderer(scene);
+  const ScenePoses poses = poses_at(scene, 0.4);
+  const RenderedFrame frame = renderer.render(poses);
+  int compared = 0;
+  double worst = 0;
+  for (int v = 1; v + 1 < frame.ids.rows; ++v)
+    for (int u = 1; u + 1 < frame.ids.cols; ++u) {
+      if (!is_flat(frame.ids, u, v)) continue;
+      const auto hit = cast_ray(scene, poses, u, v);
+      const float z_m = frame.depth_m.at<float>(v, u);
+      ASSERT_TRUE(hit) << u << ", " << v;
+      ASSERT_EQ(hit->id, frame.ids.at<std::uint16_t>(v, u)) << u << ", " << v;
+      ++compared;
+      worst = std::max(worst, std::abs(z_m - hit->z_m) / hit->z_m);
+    }
+  EXPECT_GT(compared, 17000);  // of 160 x 120
+  EXPECT_LT(worst, kDepthTolerance);
+  RecordProperty("worst_relative_depth_error_1e_9", static_cast<int>(worst * 1e9));
+}
+
+struct Moments {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+};
+
+Moments mask_moments(const cv::Mat& ids, int id) {
+  Moments m;
+  double n = 0;
+  Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+  for (int v = 0; v < ids.rows; ++v)
+    for (int u = 0; u < ids.cols; ++u)
+      if (ids.at<std::uint16_t>(v, u) == id) {
+        const Eigen::Vector2d p(u, v);
+        n += 1, m.mean += p, second += p * p.transpose();
+      }
+  m.mean /= n;
+  m.covariance = second / n - m.mean * m.mean.transpose();
+  return m;
+}
+
+TEST(Renderer, SphereHasTheMomentsOfItsProjectedConic) {
+  const std::vector<Eigen::Vector3d> centers_m = {
+      {0, 0, 2}, {0.5, -0.3, 2.2}, {-0.61, 0.37, 1.9}, {0.33, 0.21, 1.5}};
+  constexpr double kRadius_m = 0.3;
+  Scene scene;
+  scene.objects = {make_body(1, sphere_mesh(kRadius_m, 200), Eigen::Vector3d::Constant(kRadius_m), Motion())};
+  Renderer renderer(scene);
+  for (const auto& center_m : centers_m) {
+    const Pose camera_from_object = {Eigen::Quaterniond::Identity(), center_m};
+    const auto frame = renderer.render({Pose(), {camera_from_object}});
+    const auto truth = project(scene.camera, camera_from_object, Eigen::Vector3d::Constant(kRadius_m));
+    ASSERT_EQ(truth.status, ProjectionStatus::ok);
+    const Moments m = mask_moments(frame.ids, 1);
+    EXPECT_LT((m.mean - truth.ellipse.center).norm(), kMomentTolerance_px);
+    // a filled ellipse's covariance is Sigma / 4
+    const Eigen::Vector2d axes =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(4 * m.covariance).eigenvalues().cwiseSqrt();
+    EXPECT_NEAR(axes[1], truth.ellipse.semi_major, kMomentTolerance_px);
+    EXPECT_NEAR(axes[0], truth.ellipse.semi_minor, kMomentTolerance_px);
+  }
+}
+
+TEST(Renderer, VisibleFractionOfAKnownOcclusion) {
+  // A screen that ends at x = 0 hides the left half of a square behind it; columns 0..49 of 100 are its.
+  const Eigen::Vector3d screen_axes(1, 1, 0.01), square_axes(0.2, 0.1, 0.01);
+  Scene scene;
+  scene.camera = {100, 80, 100, 100, 49.5, 39.5, {}};
+  scene.objects = {make_body(1, box_mesh(square_axes), square_axes, Motion()),
+                   make_body(2, box_mesh(screen_axes), screen_axes, Motion())};
+  const auto at = [](double x, double y, double z) {
+    return Pose{Eigen::Quaterniond::Identity(), {x, y, z}};
+  };
+  Renderer renderer(scene);
+  const auto frame = renderer.render({Pose(), {at(0, 0, 1.01), at(-1, 0, 0.51)}});
+  // front face at z = 1 m: 40 x 20 px, half of it hidden
+  EXPECT_EQ(frame.objects[0].silhouette_px, 40 * 20);
+  EXPECT_EQ(frame.objects[0].visible_px, 20 * 20);
+  EXPECT_EQ(frame.objects[0].visible_fraction(), 0.5);
+  EXPECT_FALSE(frame.objects[0].touches_border);
+  EXPECT_EQ(frame.objects[1].silhouette_px, 50 * 80);
+  EXPECT_EQ(frame.objects[1].visible_fraction(), 1);
+  EXPECT_TRUE(frame.objects[1].touches_border);
+}
+
+TEST(Renderer, OutsideTheImageCountsAsNeitherSeenNorHidden) {
+  const Eigen::Vector3d axes(0.2, 0.1, 0.01);
+  Scene scene;
+  scene.camera = {100, 80, 100, 100, 49.5, 39.5, {}};
+  scene.objects = {make_body(1, box_mesh(axes), axes, Motion())};
+  Renderer renderer(scene);
+  const auto view = [&](double x, double z) {
+    return renderer.render({Pose(), {{Eigen::Quaterniond::Identity(), {x, 0, z}}}}).objects[0];
+  };
+  const ObjectView cut = view(0.5, 1.01);  // its middle stands on the right border
+  EXPECT_EQ(cut.visible_fraction(), 1);
+  EXPECT_TRUE(cut.touches_border);
+  EXPECT_NEAR(static_cast<double>(cut.silhouette_px), 20 * 20, 20);  // a column more: the side face shows
+  const ObjectView behind = view(0, -1);
+  EXPECT_EQ(behind.silhouette_px, 0);
+  EXPECT_EQ(behind.visible_fraction(), 0);
+  EXPECT_FALSE(behind.touches_border);
+}
+
+TEST(Renderer, SilhouettesOfMoreThanEightObjects) {
+  const Eigen::Vector3d axes(0.04, 0.04, 0.01);
+  Scene scene;
+  scene.camera = {100, 80, 100, 100, 49.5, 39.5, {}};
+  ScenePoses poses;
+  for (int i = 0; i < 9; ++i) {  // all behind one another, the last one nearest
+    scene.objects.push_back(make_body(65535 - i, box_mesh(axes), axes, Motion()));
+    poses.world_from_object.push_back({Eigen::Quaterniond::Identity(), {0, 0, 2.01 - 0.1 * i}});
+  }
+  const auto frame = Renderer(scene).render(poses);
+  for (int i = 0; i < 9; ++i) {
+    const double side_px = 8 / (2 - 0.1 * i);
+    EXPECT_NEAR(std::sqrt(static_cast<double>(frame.objects[i].silhouette_px)), side_px, 1) << i;
+    EXPECT_EQ(frame.objects[i].id, 65535 - i);
+    EXPECT_EQ(frame.objects[i].visible_fraction() > 0.99, i == 8) << i;
+  }
+}
+
+TEST(Renderer, ColorFollowsTheLightAndTheTexture) {
+  // A face turned to the sun shows its texture's colour, one turned away the ambient share of it.
+  const Eigen::Vector3d axes(0.2, 0.2, 0.2);
+  Scene scene;
+  scene.camera = {100, 80, 100, 100, 49.5, 39.5, {}};
+  scene.ambient = 0.25;
+  Mesh mesh = box_mesh(axes);
+  mesh.texture = cv::Mat(4, 4, CV_8UC3, cv::Scalar(40, 80, 200));
+  mesh.color = {1.0f, 0.5f, 1.0f};
+  scene.objects = {make_body(1, mesh, axes, Motion())};
+  const ScenePoses poses = {Pose(), {{Eigen::Quaterniond::Identity(), {0, 0, 1.2}}}};
+  const auto center = [&](const Eigen::Vector3d& sun) {
+    scene.sun_direction = sun;
+    return Renderer(scene).render(poses).rgb.at<cv::Vec3b>(40, 50);
+  };
+  EXPECT_EQ(center({0, 0, 1}), cv::Vec3b(40, 40, 200));
+  EXPECT_EQ(center({0, 0, -1}), cv::Vec3b(10, 10, 50));
+  EXPECT_EQ(center({0, 1, 1})[2], std::lround(200 * (0.25 + 0.75 * std::sqrt(0.5))));
+}
+
+TEST(Renderer, TextureStandsUpright) {
+  // uv (0, 0) is the texture's first pixel: the front face's corners show the texture's four quarters.
+  const Eigen::Vector3d axes(0.2, 0.2, 0.01);
+  Scene scene;
+  scene.camera = {100, 80, 100, 100, 49.5, 39.5, {}};
+  scene.ambient = 1;
+  Mesh mesh = box_mesh(axes);
+  mesh.texture = cv::Mat::zeros(8, 8, CV_8UC3);
+  mesh.texture(cv::Rect(0, 0, 4, 4)).setTo(cv::Scalar(255, 0, 0));
+  mesh.texture(cv::Rect(4, 0, 4, 4)).setTo(cv::Scalar(0, 255, 0));
+  mesh.texture(cv::Rect(0, 4, 4, 4)).setTo(cv::Scalar(0, 0, 255));
+  for (std::size_t i = 0; i < mesh.uvs.size(); ++i)
+    mesh.uvs[i] = mesh.positions[i].head<2>() / 0.4f + Eigen::Vector2f(0.5f, 0.5f);
+  scene.objects = {make_body(1, mesh, axes, Motion())};
+  const auto rgb = Renderer(scene).render({Pose(), {{Eigen::Quaterniond::Identity(), {0, 0, 1.01}}}}).rgb;
+  EXPECT_EQ(rgb.at<cv::Vec3b>(35, 45), cv::Vec3b(255, 0, 0));
+  EXPECT_EQ(rgb.at<cv::Vec3b>(35, 54), cv::Vec3b(0, 255, 0));
+  EXPECT_EQ(rgb.at<cv::Vec3b>(44, 45), cv::Vec3b(0, 0, 255));
+  EXPECT_EQ(rgb.at<cv::Vec3b>(44, 54), cv::Vec3b(0, 0, 0));
+}
+
+TEST(Renderer, DrawsTheSameBytesInAnyThreadAndOrder) {
+  const Scene scene = two_boxes();
+  const auto draw = [&](std::initializer_list<double> times_s) {
+    Renderer renderer(scene);
+    RenderedFrame frame;
+    for (const double time_s : times_s) frame = renderer.render(poses_at(scene, time_s));
+    return frame;
+  };
+  const RenderedFrame alone = draw({0.7});
+  RenderedFrame other;
+  std::jthread a([&] { draw({0.1, 0.2, 0.3}); }), b([&] { other = draw({0.0, 0.9, 0.7}); });
+  a.join(), b.join();
+  EXPECT_TRUE(same(alone.rgb, other.rgb));
+  EXPECT_TRUE(same(alone.ids, other.ids));
+  EXPECT_TRUE(same(alone.depth_m, other.depth_m));
+}
+
+TEST(Renderer, RefusesWhatItCannotDraw) {
+  Scene scene = two_boxes();
+  scene.camera.distortion[0] = 0.1;
+  EXPECT_NE(input_error([&] { check_can_render(scene); }).find("camera.distortion"), std::string::npos);
+  scene = two_boxes();
+  scene.objects[1].id = 7;
+  EXPECT_NE(input_error([&] { check_can_render(scene); }).find("body300: id 7"), std::string::npos);
+  scene.objects[1].id = 65536;
+  EXPECT_NE(input_error([&] { check_can_render(scene); }).find("65536"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace uniquadric
