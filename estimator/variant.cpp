@@ -16,6 +16,7 @@ void visit(Io& io, GrabcutOptions& o) {
   io.positive("depth_reach", o.depth_reach);
   io.positive("plane_threshold_m", o.plane_threshold_m);
   io.number("plane_share", o.plane_share, 0.01, 1.0);
+  io.number("rim", o.rim, 0.0, 1.0);
   io.positive("depth_jump", o.depth_jump);
 }
 
@@ -42,7 +43,10 @@ void visit(Io& io, PointOptions& o) {
 
 template <typename Io>
 void visit(Io& io, ObbOptions& o) {
-  io.choice("fit", o.fit, Choices<BoxFit>{{"minimum_volume", BoxFit::minimum_volume}, {"pca", BoxFit::pca}});
+  io.choice(
+      "fit", o.fit,
+      Choices<BoxFit>{
+          {"surface", BoxFit::surface}, {"minimum_volume", BoxFit::minimum_volume}, {"pca", BoxFit::pca}});
   io.choice(
       "inlier_distance", o.inlier_distance,
       Choices<InlierDistance>{{"surface", InlierDistance::surface}, {"corner", InlierDistance::corner}});

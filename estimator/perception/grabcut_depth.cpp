@@ -71,32 +71,6 @@ cv::Mat excluded_by_depth(const cv::Mat& depth, const Camera& camera, const cv::
   return excluded;
 }
 
-// GrabCut's labels for the cut `outer`: certain background outside `inner` and where excluded, else likely
-// foreground.
-cv::Mat run_grabcut(const cv::Mat& rgb, const cv::Mat& excluded, const cv::Rect& outer, const cv::Rect& inner,
-                    const GrabcutOptions& options, RandomStream& random) {
-  cv::Mat labels(rgb.size(), CV_8UC1, cv::Scalar(cv::GC_BGD));
-  labels(inner).setTo(cv::GC_PR_FGD);
-  labels.setTo(cv::GC_BGD, excluded);
-  cv::Mat image, small;
-  const double scale = 1.0 / options.downscale;
-  cv::resize(rgb(outer), image, {}, scale, scale, cv::INTER_AREA);
-  cv::resize(labels(outer), small, image.size(), 0, 0, cv::INTER_NEAREST);
-  cv::Mat foreground = cv::Mat::zeros(rgb.size(), CV_8UC1);
-  if (cv::countNonZero(small == cv::GC_PR_FGD) == 0 || cv::countNonZero(small == cv::GC_BGD) == 0)
-    return labels == cv::GC_PR_FGD;  // nothing to tell apart by colour
-  cv::theRNG().state =
-      (std::uint64_t{random.bits()} << 32) | random.bits();  // k-means draws from the thread's own
-  cv::Mat background_model, foreground_model;
-  cv::grabCut(image, small, {}, background_model, foreground_model, options.iterations,
-              cv::GC_INIT_WITH_MASK);
-  cv::Mat enlarged;
-  cv::resize(small == cv::GC_PR_FGD, enlarged, outer.size(), 0, 0, cv::INTER_NEAREST);
-  enlarged.copyTo(foreground(outer));
-  foreground.setTo(0, excluded);
-  return foreground;
-}
-
 // 255 at pixels whose right or lower neighbour is at another depth.
 cv::Mat depth_jumps(const cv::Mat& depth, const cv::Rect& inner, double jump) {
   cv::Mat edges = cv::Mat::zeros(depth.size(), CV_8UC1);
@@ -120,6 +94,52 @@ cv::Mat largest_component(const cv::Mat& mask) {
   return best == 0 ? cv::Mat(cv::Mat::zeros(mask.size(), CV_8UC1)) : cv::Mat(labels == best);
 }
 
+// 255 where depth alone tells the object: what stands clear of the planes around it, in one piece, without
+// its rim, which is left to colour. Nothing where no plane was found.
+cv::Mat certain_by_depth(const cv::Mat& depth, const cv::Mat& excluded, const cv::Rect& inner,
+                         const std::vector<Plane>& planes, const GrabcutOptions& options) {
+  cv::Mat certain = cv::Mat::zeros(depth.size(), CV_8UC1);
+  if (planes.empty()) return certain;
+  certain(inner).setTo(255, depth(inner) > 0);
+  certain.setTo(0, excluded);
+  certain.setTo(0, depth_jumps(depth, inner, options.depth_jump));
+  const int radius = static_cast<int>(options.rim * std::min(inner.width, inner.height)) + 1;
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
+  cv::morphologyEx(certain, certain, cv::MORPH_CLOSE, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
+  cv::erode(certain, certain, disc, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  return largest_component(certain);
+}
+
+// The foreground by colour: certain background outside `inner` and where excluded, certain foreground as
+// given.
+cv::Mat run_grabcut(const cv::Mat& rgb, const cv::Mat& excluded, const cv::Mat& certain,
+                    const cv::Rect& outer, const cv::Rect& inner, const GrabcutOptions& options,
+                    RandomStream& random) {
+  cv::Mat labels(rgb.size(), CV_8UC1, cv::Scalar(cv::GC_BGD));
+  labels(inner).setTo(cv::GC_PR_FGD);
+  labels.setTo(cv::GC_BGD, excluded);
+  labels.setTo(cv::GC_FGD, certain);
+  cv::Mat image, small;
+  const double scale = 1.0 / options.downscale;
+  cv::resize(rgb(outer), image, {}, scale, scale, cv::INTER_AREA);
+  cv::resize(labels(outer), small, image.size(), 0, 0, cv::INTER_NEAREST);
+  const auto is_foreground = [](const cv::Mat& l) {
+    return cv::Mat((l & 1) != 0);
+  };  // GC_FGD = 1, GC_PR_FGD = 3
+  if (cv::countNonZero(is_foreground(small)) == 0 || cv::countNonZero(small == cv::GC_BGD) == 0)
+    return is_foreground(labels);  // nothing to tell apart by colour
+  cv::theRNG().state =
+      (std::uint64_t{random.bits()} << 32) | random.bits();  // k-means draws from the thread's own
+  cv::Mat background_model, foreground_model, enlarged;
+  cv::grabCut(image, small, {}, background_model, foreground_model, options.iterations,
+              cv::GC_INIT_WITH_MASK);
+  cv::resize(is_foreground(small), enlarged, outer.size(), 0, 0, cv::INTER_NEAREST);
+  cv::Mat foreground = cv::Mat::zeros(rgb.size(), CV_8UC1);
+  enlarged.copyTo(foreground(outer));
+  foreground.setTo(0, excluded);
+  return foreground;
+}
+
 cv::Mat without_holes(const cv::Mat& mask) {
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(mask, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
@@ -141,7 +161,8 @@ cv::Mat grabcut_depth(const cv::Mat& rgb, const cv::Mat& depth, const Camera& ca
   const auto planes = planes_of_ring(depth, camera, outer, inner, options, random);
   const cv::Mat excluded =
       excluded_by_depth(depth, camera, inner, *median_m, options.depth_reach * size_m, planes, options);
-  cv::Mat mask = run_grabcut(rgb, excluded, outer, inner, options, random);
+  const cv::Mat certain = certain_by_depth(depth, excluded, inner, planes, options);
+  cv::Mat mask = run_grabcut(rgb, excluded, certain, outer, inner, options, random);
   mask.setTo(0, depth_jumps(depth, inner, options.depth_jump));
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3});
   cv::morphologyEx(mask, mask, cv::MORPH_OPEN, disc);

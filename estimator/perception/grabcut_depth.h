@@ -19,7 +19,8 @@ struct GrabcutOptions {
   double plane_threshold_m =
       0.025;                  // planes of the ring (floor, wall) cut out what lies on them inside the box
   double plane_share = 0.15;  // of the ring's pixels that a plane needs
-  double depth_jump = 0.03;   // relative jump between neighbours that separates two bodies
+  double rim = 0.05;         // width of the object's rim that colour decides, share of the box's shorter side
+  double depth_jump = 0.03;  // relative jump between neighbours that separates two bodies
 };
 
 /// The object in a box: depth far from the box's median and the planes seen around the box are background,

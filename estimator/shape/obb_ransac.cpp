@@ -22,6 +22,11 @@ Eigen::Matrix3Xd random_sample(const Eigen::Matrix3Xd& points, int count, std::v
   return sample;
 }
 
+OrientedBox fit_box(const Eigen::Matrix3Xd& sample, BoxFit fit) {
+  if (fit == BoxFit::pca) return *fit_pca_box(sample);
+  return fit == BoxFit::surface ? *fit_surface_box(sample) : *fit_minimum_volume_box(sample);
+}
+
 int count_inliers(const Eigen::Matrix3Xd& points, const OrientedBox& box, const ObbOptions& options) {
   int inliers = 0;
   for (const auto& p : points.colwise()) {
@@ -63,7 +68,7 @@ std::optional<ObbEstimate> fit_obb_ransac(const Eigen::Matrix3Xd& points, const 
   std::vector<Eigen::Vector3d> accepted;
   for (int t = 0; t < options.iterations; ++t) {
     const Eigen::Matrix3Xd sample = random_sample(points, sample_size, order, random);
-    OrientedBox box = *(options.fit == BoxFit::pca ? fit_pca_box(sample) : fit_minimum_volume_box(sample));
+    OrientedBox box = fit_box(sample, options.fit);
     const int inliers = count_inliers(points, box, options);
     if (inliers <= best.inliers) continue;
     if (options.canonicalise && !accepted.empty())

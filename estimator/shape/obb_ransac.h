@@ -7,13 +7,13 @@
 
 namespace uniquadric {
 
-enum class BoxFit { minimum_volume, pca };
+enum class BoxFit { surface, minimum_volume, pca };
 enum class InlierDistance { surface, corner };
 enum class AxisRule { blend_best, literal };
 
 /// Options of Alg. 1.
 struct ObbOptions {
-  BoxFit fit = BoxFit::minimum_volume;  // ours: the paper names no fit; measured, README.md
+  BoxFit fit = BoxFit::surface;  // ours: the paper names no fit; measured, README.md
   InlierDistance inlier_distance = InlierDistance::surface;  // ours; `corner` is Eq. 12 as printed
   AxisRule axis_rule = AxisRule::blend_best;                 // ours; `literal` is Alg. 1 l. 13-14 as printed
   bool canonicalise = true;  // ours: the paper averages axes whatever their order

@@ -36,9 +36,16 @@ OrientedBox box_along(const Eigen::Matrix3d& axes, const Eigen::Matrix3Xd& point
 std::optional<OrientedBox> fit_pca_box(const Eigen::Matrix3Xd& points);
 
 /// A box of least volume, locally: from the principal axes and from planes through triples of points, the box
-/// is turned about one of its axes after the other, each time to the least rectangle of the points projected
-/// along that axis (rotating calipers), until the volume no longer falls. Nothing for fewer than 4 points.
-/// Source: the face-flush property of O'Rourke, "Finding minimal enclosing boxes", 1985.
+/// is turned about one of its axes after the other, each time to be flush with the best edge of the convex
+/// hull of the points projected along that axis (rotating calipers), until the volume no longer falls.
+/// Nothing for fewer than 4 points. Source: the flush-edge property of O'Rourke, "Finding minimal enclosing
+/// boxes", 1985.
 std::optional<OrientedBox> fit_minimum_volume_box(const Eigen::Matrix3Xd& points);
+
+/// The same search for the tight box with the least mean distance of the points to its surface. A depth
+/// camera sees two or three faces; the hull of two is a prism over a right triangle, which boxes along the
+/// hypotenuse enclose with the same volume as the true one, while only the true one has the points on its
+/// surface.
+std::optional<OrientedBox> fit_surface_box(const Eigen::Matrix3Xd& points);
 
 }  // namespace uniquadric
