@@ -75,6 +75,7 @@ void read_material(const aiScene& scene, const aiMaterial& material, const fs::p
   }
   std::string file = name.C_Str();
   std::replace(file.begin(), file.end(), '\\', '/');
+  file.erase(file.find_last_not_of(" \t\r") + 1);  // material files end lines with blanks
   const fs::path texture = path.parent_path() / file;
   mesh.texture = to_bgr(read_image(texture), texture);
   if (std::find(files.begin(), files.end(), texture) == files.end()) files.push_back(texture);

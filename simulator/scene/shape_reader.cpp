@@ -38,9 +38,10 @@ Eigen::Vector3d color(const ConfigNode& node, const std::string& key, const Eige
 Material read_material(const ConfigNode& body, std::uint64_t default_seed, const std::string& primitive) {
   Material material;
   material.seed = default_seed;
-  if (primitive == "room") {  // walls are seen from nearer than their own size
+  if (primitive == "room" || primitive == "car" ||
+      primitive == "carriage") {  // seen from nearer than their size
     material.size_px = 1024;
-    material.marks = 24;
+    material.marks = primitive == "carriage" ? 40 : 24;
   }
   const auto node = body.find("material");
   if (!node) return material;

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <unsupported/Eigen/NonLinearOptimization>
 #include <unsupported/Eigen/Splines>
 
 #include "core/base/error.h"
@@ -14,8 +15,8 @@ namespace {
 
 using Basis = Eigen::Spline<double, 1, 3>;  // for its basis functions alone
 constexpr int kDegree = 3;
-constexpr int kMaxSteps = 200;
-constexpr double kSolved_rad = 1e-13;  // rounding of a product of a dozen quaternions
+constexpr double kStep = 1e-14;        // relative: the solver stops when its steps are rounding
+constexpr double kSolved_rad = 1e-10;  // what then must be left of the way-points' turns
 
 /// The four basis functions that are not zero at one time, the first belonging to control pose `first`.
 struct Weights {
@@ -33,12 +34,13 @@ class Spline final : public Motion::Curve {
   Eigen::Quaterniond rotation(const Weights& w) const;
   void solve_positions(const std::vector<Waypoint>& waypoints);
   void solve_rotations(const std::vector<Waypoint>& waypoints);
+  void set_turns(const Eigen::VectorXd& inner);
 
   double begin_s_, end_s_;
   Basis::KnotVectorType knots_s_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> controls_from_waypoints_;
-  std::vector<Eigen::Vector3d> positions_m_;
-  std::vector<Eigen::Quaterniond> rotations_;
+  Eigen::MatrixX3d positions_m_;               ///< a control position a row
+  Eigen::Matrix3Xd turns_;                     ///< column j: rotation vector from control j - 1 to j
+  std::vector<Eigen::Quaterniond> rotations_;  ///< of the controls: the product of all turns up to each
 };
 
 Spline::Spline(const std::vector<Waypoint>& waypoints)
@@ -47,15 +49,6 @@ Spline::Spline(const std::vector<Waypoint>& waypoints)
   knots_s_.resize(n + 2 * kDegree);
   for (Eigen::Index i = 0; i < knots_s_.size(); ++i)
     knots_s_[i] = waypoints[std::clamp<Eigen::Index>(i - kDegree, 0, n - 1)].time_s;
-  // Row 0 and n + 1: the outer two control poses coincide, which is rest at the ends.
-  Eigen::MatrixXd conditions = Eigen::MatrixXd::Zero(n + 2, n + 2);
-  conditions.topLeftCorner<1, 2>() << -1, 1;
-  conditions.bottomRightCorner<1, 2>() << -1, 1;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Weights w = weights(waypoints[k].time_s);
-    conditions.block<1, 4>(k + 1, w.first) = w.value.matrix().transpose();
-  }
-  controls_from_waypoints_.compute(conditions);
   solve_positions(waypoints);
   solve_rotations(waypoints);
 }
@@ -65,51 +58,77 @@ Weights Spline::weights(double time_s) const {
   return {span - kDegree, Basis::BasisFunctions(time_s, kDegree, knots_s_).transpose()};
 }
 
+// n way-points and rest at the ends, where the outer two controls coincide, make n + 2 equations.
 void Spline::solve_positions(const std::vector<Waypoint>& waypoints) {
-  Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(knots_s_.size() - kDegree - 1, 3);
-  for (std::size_t k = 0; k < waypoints.size(); ++k)
-    wanted.row(static_cast<Eigen::Index>(k) + 1) = waypoints[k].world_from_body.translation.transpose();
-  const Eigen::MatrixXd controls = controls_from_waypoints_.solve(wanted);
-  for (Eigen::Index i = 0; i < controls.rows(); ++i) positions_m_.push_back(controls.row(i));
+  const auto n = static_cast<Eigen::Index>(waypoints.size());
+  Eigen::MatrixXd conditions = Eigen::MatrixXd::Zero(n + 2, n + 2);
+  Eigen::MatrixX3d wanted = Eigen::MatrixX3d::Zero(n + 2, 3);
+  conditions.topLeftCorner<1, 2>() << -1, 1;
+  conditions.bottomRightCorner<1, 2>() << -1, 1;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Weights w = weights(waypoints[k].time_s);
+    conditions.block<1, 4>(k + 1, w.first) = w.value.matrix().transpose();
+    wanted.row(k + 1) = waypoints[k].world_from_body.translation.transpose();
+  }
+  positions_m_ = conditions.partialPivLu().solve(wanted);
 }
 
-// Rotations do not add: solve the linear problem for the correction again and again. Each round's correction
-// shrinks by a factor that grows with the turn between neighbours.
-void Spline::solve_rotations(const std::vector<Waypoint>& waypoints) {
-  rotations_.push_back(waypoints.front().world_from_body.rotation);
-  for (const Waypoint& w : waypoints) rotations_.push_back(w.world_from_body.rotation);
-  rotations_.push_back(waypoints.back().world_from_body.rotation);
-  for (int step = 0; step < kMaxSteps; ++step) {
-    Eigen::MatrixXd miss = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rotations_.size()), 3);
-    for (std::size_t k = 0; k < waypoints.size(); ++k) {
-      const Eigen::Quaterniond here = rotation(weights(waypoints[k].time_s));
-      miss.row(static_cast<Eigen::Index>(k) + 1) =
-          log_so3(here.conjugate() * waypoints[k].world_from_body.rotation);
-    }
-    if (miss.rowwise().norm().maxCoeff() < kSolved_rad) return;
-    const Eigen::MatrixXd correction = controls_from_waypoints_.solve(miss);
-    for (Eigen::Index i = 0; i < correction.rows(); ++i)
-      rotations_[i] = (rotations_[i] * exp_so3(correction.row(i))).normalized();
+/// How far the curve's rotations are from the way-points', as the solver asks for it.
+template <typename Residual>
+struct Equations {
+  using Scalar = double;
+  Residual residual;
+  int operator()(const Eigen::VectorXd& unknown, Eigen::VectorXd& result) const {
+    result = residual(unknown);
+    return 0;
   }
-  throw InputError("the turns between way-points are too large for a smooth curve: add way-points");
+};
+
+// Rotations do not add, so these equations are not linear: one turn for each leg between way-points is
+// unknown. Turns, not control rotations, because a turn between controls may well exceed pi where the legs
+// differ much in length.
+void Spline::solve_rotations(const std::vector<Waypoint>& waypoints) {
+  const auto n = static_cast<Eigen::Index>(waypoints.size());
+  rotations_.assign(static_cast<std::size_t>(n) + 2, waypoints.front().world_from_body.rotation);
+  Eigen::VectorXd turns(3 * (n - 1));
+  for (Eigen::Index k = 1; k < n; ++k)
+    turns.segment<3>(3 * (k - 1)) = log_so3(waypoints[k - 1].world_from_body.rotation.conjugate() *
+                                            waypoints[k].world_from_body.rotation);
+  const auto misses = [&](const Eigen::VectorXd& unknown) {
+    set_turns(unknown);
+    Eigen::VectorXd miss(unknown.size());
+    for (Eigen::Index k = 1; k < n; ++k)
+      miss.segment<3>(3 * (k - 1)) =
+          log_so3(rotation(weights(waypoints[k].time_s)).conjugate() * waypoints[k].world_from_body.rotation);
+    return miss;
+  };
+  Equations<decltype(misses)> equations{misses};
+  Eigen::HybridNonLinearSolver<decltype(equations)> solver(equations);
+  solver.parameters.xtol = kStep;
+  solver.solveNumericalDiff(turns);
+  if (!(misses(turns).lpNorm<Eigen::Infinity>() < kSolved_rad))
+    throw InputError("no smooth curve turns through these way-points: add some between");
+}
+
+// At rest the outer two controls coincide: their turns are zero.
+void Spline::set_turns(const Eigen::VectorXd& inner) {
+  turns_ = Eigen::Matrix3Xd::Zero(3, inner.size() / 3 + 3);
+  for (Eigen::Index j = 2; j < turns_.cols() - 1; ++j) turns_.col(j) = inner.segment<3>(3 * (j - 2));
+  for (Eigen::Index j = 1; j < turns_.cols(); ++j)
+    rotations_[j] = (rotations_[j - 1] * exp_so3(turns_.col(j))).normalized();
 }
 
 // R_0 exp(B_1 w_1) exp(B_2 w_2) exp(B_3 w_3) with B_j the sum of the basis functions from j on.
 Eigen::Quaterniond Spline::rotation(const Weights& w) const {
   Eigen::Quaterniond result = rotations_[w.first];
-  for (Eigen::Index j = 1; j <= kDegree; ++j) {
-    const double cumulative = w.value.tail(kDegree + 1 - j).sum();
-    const Eigen::Quaterniond& before = rotations_[w.first + j - 1];
-    result = result * exp_so3(cumulative * log_so3(before.conjugate() * rotations_[w.first + j]));
-  }
+  for (Eigen::Index j = 1; j <= kDegree; ++j)
+    result = result * exp_so3(w.value.tail(kDegree + 1 - j).sum() * turns_.col(w.first + j));
   return result.normalized();
 }
 
 Pose Spline::at(double time_s) const {
   const Weights w = weights(std::clamp(time_s, begin_s_, end_s_));
-  Pose pose{rotation(w), Eigen::Vector3d::Zero()};
-  for (Eigen::Index j = 0; j <= kDegree; ++j) pose.translation += w.value[j] * positions_m_[w.first + j];
-  return pose;
+  return {rotation(w), positions_m_.middleRows<4>(w.first).transpose() * w.value.matrix()};
 }
 
 void check(const std::vector<Waypoint>& waypoints) {
