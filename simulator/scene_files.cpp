@@ -39,7 +39,7 @@ SequenceFrame list_frame(const Scene& scene, std::int64_t frame) {
 }  // namespace
 
 double frame_time_s(const Scene& scene, std::int64_t frame) {
-  return static_cast<double>(scene.stamp_ns(frame)) * 1e-9;
+  return static_cast<double>(scene.stamp_ns(frame)) / 1e9;
 }
 
 void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t frames,

@@ -1,0 +1,214 @@
+#include "simulator/simulate.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <opencv2/core.hpp>
+#include <thread>
+
+#include "core/base/files.h"
+#include "core/base/text.h"
+#include "core/sequence/sequence.h"
+#include "core/sequence/tracks.h"
+#include "tests/simulator/simple_scene.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+using Files = std::map<std::string, std::string>;  // relative path -> content
+
+Files read_folder(const fs::path& folder) {
+  Files files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files[fs::relative(entry.path(), folder).string()] = read_text(entry.path());
+  return files;
+}
+
+SimulateOptions quiet(int threads = 2, std::uint64_t seed = 0) {
+  SimulateOptions options;
+  options.seed = seed;
+  options.threads = threads;
+  options.quiet = true;
+  return options;
+}
+
+// 4 images a frame; rgb.txt, depth.txt, masks.txt, sequence.yaml, camera_given.tum; camera.tum, camera.yaml,
+// objects.yaml, visibility.csv, 2 objects
+constexpr std::size_t kFiles = 4 * 12 + 5 + 6;
+
+TEST(Simulate, WritesASequenceAndItsTruth) {
+  const TempFolder temp;
+  const Scene scene = two_boxes();
+  simulate(scene, quiet(), temp.path() / "out");
+  EXPECT_EQ(std::distance(fs::directory_iterator(temp.path()), {}), 1);  // nothing beside it
+  EXPECT_EQ(read_folder(temp.path() / "out").size(), kFiles);
+
+  const Sequence sequence = open_sequence(temp.path() / "out/sequence");
+  ASSERT_EQ(sequence.frames.size(), 12u);
+  EXPECT_EQ(sequence.scene_hash, scene.hash);
+  EXPECT_EQ(sequence.frames[3].masks_arrival_ns - sequence.frames[3].stamp_ns, 100'000'000);
+  ASSERT_TRUE(sequence.given_camera);
+  const Tracks truth = read_tracks(temp.path() / "out/truth");
+  ASSERT_EQ(truth.objects.size(), 2u);
+  EXPECT_EQ(truth.objects[1].id, 300);
+  EXPECT_EQ(truth.objects[1].states[7].ellipsoid.semi_axes_m, scene.objects[1].semi_axes_m);
+  EXPECT_EQ(truth.objects[1].states[7].ellipsoid.world_from_object.translation,
+            scene.objects[1].motion.at(0.7).translation);
+}
+
+TEST(Simulate, DepthImagesHoldTheRenderedDepthWithinTheirNoise) {
+  const TempFolder temp;
+  Scene scene = two_boxes();
+  scene.depth_noise.model = DepthNoise::Model::none;
+  simulate(scene, quiet(), temp.path() / "out");
+  const Sequence sequence = open_sequence(temp.path() / "out/sequence");
+  EXPECT_EQ(sequence.depth_units_per_m, 1000);  // 20 m do not fit into 5000 units a metre
+  const cv::Mat written_m = read_depth(sequence, sequence.frames[5]);
+  const cv::Mat exact_m = Renderer(scene).render(poses_at(scene, 0.5)).depth_m;
+  const double half_a_unit_m = 0.5 / sequence.depth_units_per_m;
+  EXPECT_LT(cv::norm(written_m, exact_m, cv::NORM_INF), half_a_unit_m * 1.001);  // float rounding
+  EXPECT_EQ(cv::norm(read_image(temp.path() / "out/truth/instances/000005.png"),
+                     Renderer(scene).render(poses_at(scene, 0.5)).ids, cv::NORM_INF),
+            0);
+}
+
+TEST(Simulate, ThreadsDoNotChangeAByte) {
+  const TempFolder temp;
+  const Scene scene = two_boxes();
+  simulate(scene, quiet(1), temp.path() / "one");
+  simulate(scene, quiet(2), temp.path() / "two");
+  simulate(scene, quiet(5), temp.path() / "five");
+  const Files one = read_folder(temp.path() / "one");
+  EXPECT_EQ(one.size(), kFiles);
+  EXPECT_TRUE(one == read_folder(temp.path() / "two"));
+  EXPECT_TRUE(one == read_folder(temp.path() / "five"));
+}
+
+TEST(Simulate, SeedChangesTheNoiseAndNothingOfTheTruth) {
+  const TempFolder temp;
+  const Scene scene = two_boxes();
+  simulate(scene, quiet(2, 1), temp.path() / "a");
+  simulate(scene, quiet(2, 2), temp.path() / "b");
+  EXPECT_TRUE(read_folder(temp.path() / "a/truth") == read_folder(temp.path() / "b/truth"));
+  const Files a = read_folder(temp.path() / "a/sequence"), b = read_folder(temp.path() / "b/sequence");
+  int compared = 0;
+  for (const auto& [name, content] : a)
+    if (name.ends_with(".png")) {
+      EXPECT_NE(content, b.at(name)) << name;
+      ++compared;
+    }
+  EXPECT_EQ(compared, 36);
+}
+
+TEST(Simulate, KilledAndResumedGivesTheSameBytes) {
+  const TempFolder temp;
+  Scene scene = two_boxes();
+  scene.frames = 60;
+  const fs::path out = temp.path() / "out", partial = temp.path() / "out.partial";
+  const pid_t child = fork();
+  if (child == 0) {
+    simulate(scene, quiet(2), out);
+    _exit(0);
+  }
+  const auto frames_done = [&] {
+    return fs::exists(partial / "frames") ? std::distance(fs::directory_iterator(partial / "frames"), {}) : 0;
+  };
+  for (int i = 0; i < 10000 && frames_done() < 10; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  ASSERT_FALSE(fs::exists(out)) << "the child was done before it was killed";
+  const auto done = frames_done();
+  ASSERT_GE(done, 10);
+
+  const fs::path kept = partial / "sequence/rgb/000000.png";
+  const auto written = fs::last_write_time(kept);
+  simulate(scene, quiet(2), out);
+  EXPECT_EQ(fs::last_write_time(out / "sequence/rgb/000000.png"), written);  // not made again
+  simulate(scene, quiet(2), temp.path() / "undisturbed");
+  EXPECT_TRUE(read_folder(out) == read_folder(temp.path() / "undisturbed"));
+}
+
+TEST(Simulate, PartialWorkOfAnotherSeedIsNotUsed) {
+  const TempFolder temp;
+  const Scene scene = two_boxes();
+  const fs::path partial = temp.path() / "out.partial";
+  simulate(scene, quiet(), temp.path() / "expected");
+  for (const char* key : {"another key", ""}) {
+    fs::create_directories(partial / "frames");
+    write_text(partial / "key", key);
+    write_text(partial / "frames/000000.csv", "wrong\n");
+    write_text(partial / "stray", "stray");
+    simulate(scene, quiet(), temp.path() / "out");
+    EXPECT_TRUE(read_folder(temp.path() / "out") == read_folder(temp.path() / "expected"));
+    fs::remove_all(temp.path() / "out");
+  }
+}
+
+TEST(Simulate, VisibilityCountsTheExactMasks) {
+  const TempFolder temp;
+  const Scene scene = two_boxes();
+  simulate(scene, quiet(), temp.path() / "out");
+  int rows = 0;
+  double least = 1;
+  for_each_line(
+      temp.path() / "out/truth/instances/visibility.csv",
+      [&](int line, const std::vector<std::string_view>& fields) {
+        if (line == 1) {
+          EXPECT_EQ(fields.at(5), "visible_fraction");
+          return;
+        }
+        ASSERT_EQ(fields.size(), 7u);
+        const auto frame = parse_integer(fields[0]).value();
+        EXPECT_EQ(frame, rows / 2);
+        EXPECT_EQ(parse_integer(fields[1]), scene.stamp_ns(frame));
+        const cv::Mat ids = read_image(temp.path() / "out/truth/instances" / fmt::format("{:06}.png", frame));
+        const double id = static_cast<double>(parse_integer(fields[2]).value());
+        const double visible = parse_double(fields[3]).value(), silhouette = parse_double(fields[4]).value();
+        EXPECT_EQ(visible, cv::countNonZero(ids == id));
+        EXPECT_EQ(parse_double(fields[5]), silhouette > 0 ? visible / silhouette : 0);
+        least = std::min(least, visible / silhouette);
+        ++rows;
+      },
+      ',');
+  EXPECT_EQ(rows, 24);
+  EXPECT_LT(least, 0.8);  // the second box passes behind the first
+}
+
+TEST(Simulate, SegmentsEveryNthFrameAndGivesNoPosesUnlessAsked) {
+  const TempFolder temp;
+  Scene scene = two_boxes();
+  scene.segmenter.every_n_frames = 5;
+  scene.given_camera = false;
+  SimulateOptions options = quiet();
+  options.frames = 7;
+  simulate(scene, options, temp.path() / "out");
+  const Sequence sequence = open_sequence(temp.path() / "out");
+  ASSERT_EQ(sequence.frames.size(), 7u);
+  EXPECT_FALSE(sequence.given_camera);
+  for (const auto& frame : sequence.frames)
+    EXPECT_EQ(frame.masks.empty(), frame.frame % 5 != 0) << frame.frame;
+}
+
+TEST(Simulate, RefusesBadInputAndLeavesNothing) {
+  const TempFolder temp;
+  Scene scene = two_boxes();
+  SimulateOptions options = quiet();
+  options.frames = 0;
+  EXPECT_NE(input_error([&] { simulate(scene, options, temp.path() / "out"); }).find("0 frames"),
+            std::string::npos);
+  scene.camera.distortion[1] = 0.01;
+  EXPECT_NE(input_error([&] { simulate(scene, quiet(), temp.path() / "out"); }).find("distortion"),
+            std::string::npos);
+  EXPECT_TRUE(fs::is_empty(temp.path()));
+}
+
+}  // namespace
+}  // namespace uniquadric
