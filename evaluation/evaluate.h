@@ -14,8 +14,8 @@ struct EvaluateOptions {
   bool force = false;  ///< replace an existing output folder
 };
 
-/// Compares an estimate with the truth and writes `evaluation.json` (CLI contract: keys sorted, units in names) and
-/// `frames.csv` (one row per frame and object) to `out`.
+/// Compares an estimate with the truth and writes `evaluation.json` (CLI contract: keys sorted, units in
+/// names) and `frames.csv` (one row per frame and object) to `out`.
 void evaluate(const std::filesystem::path& truth, const std::filesystem::path& estimate,
               const EvaluateOptions& options, const std::filesystem::path& out);
 

@@ -117,6 +117,8 @@ class SliceIntegral {
 }  // namespace
 
 double ellipsoid_iou(const Ellipsoid& a, const Ellipsoid& b) {
+  const double distance_m = (a.world_from_object.translation - b.world_from_object.translation).norm();
+  if (distance_m > a.semi_axes_m.maxCoeff() + b.semi_axes_m.maxCoeff()) return 0;
   const WhitenedPair pair = whiten(a, b);
   if (pair.identical) return 1;
   const double common = SliceIntegral(pair).volume() / kBallVolume;

@@ -1,0 +1,36 @@
+#include "evaluation/camera_evaluation.h"
+
+#include <set>
+
+#include "evaluation/association/stamps.h"
+
+namespace uniquadric {
+
+PoseStatistics pose_statistics(const std::vector<PoseError>& errors) {
+  return {statistics(translations_m(errors)), statistics(rotations_rad(errors))};
+}
+
+CameraEvaluation evaluate_camera(const Trajectory& truth, const Trajectory& estimate,
+                                 std::int64_t max_difference_ns) {
+  PosePairs poses;
+  std::set<std::size_t> covered;
+  for (const IndexPair& pair :
+       associate(stamps_of(truth), stamps_of(estimate), {StampRule::nearest, max_difference_ns})) {
+    poses.stamps_ns.push_back(truth[pair.reference].stamp_ns);
+    poses.reference.push_back(truth[pair.reference].pose);
+    poses.estimate.push_back(estimate[pair.estimate].pose);
+    covered.insert(pair.reference);
+  }
+  CameraEvaluation result;
+  result.truth_poses = truth.size();
+  result.pairs = poses.size();
+  if (!truth.empty())
+    result.coverage = static_cast<double>(covered.size()) / static_cast<double>(truth.size());
+  if (result.pairs < 3) return result;
+  result.ape = pose_statistics(absolute_errors(poses));
+  result.rpe = pose_statistics(relative_errors(poses, delta_steps(poses.reference, poses.stamps_ns, {})));
+  result.drift = maximum_drift(poses);
+  return result;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/sequence/trajectory.h"
+#include "evaluation/statistics/statistics.h"
+#include "evaluation/trajectory/trajectory_error.h"
+
+namespace uniquadric {
+
+/// APE or RPE in both parts.
+struct PoseStatistics {
+  std::optional<Statistics> translation_m, rotation_rad;
+};
+PoseStatistics pose_statistics(const std::vector<PoseError>& errors);
+
+struct CameraEvaluation {
+  std::size_t truth_poses = 0, pairs = 0;
+  double coverage = 0;  ///< share of the truth's poses that have an estimate
+  PoseStatistics ape, rpe;
+  std::optional<Drift> drift;
+};
+
+/// Pairs of nearest stamps (evo's rule), no alignment: truth and estimate share the world frame. RPE runs
+/// from pair to pair. Fewer than 3 pairs leave all figures empty; the caller refuses them.
+CameraEvaluation evaluate_camera(const Trajectory& truth, const Trajectory& estimate,
+                                 std::int64_t max_difference_ns);
+
+}  // namespace uniquadric

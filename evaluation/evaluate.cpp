@@ -1,0 +1,88 @@
+#include "evaluation/evaluate.h"
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/sequence/calibration.h"
+#include "evaluation/association/object_overlap.h"
+#include "evaluation/evaluation_files.h"
+#include "evaluation/run_record.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kMaxDifferenceNs = 10'000'000;  // SPEC 6: |dt| <= 0.01 s, evo's default
+constexpr std::size_t kMinPairs = 3;                   // SPEC 6: fewer are an error
+constexpr double kAnyOverlap = 0;  // an id counts as switched however little the tracks overlap
+
+// Kinds of mesh by object id; empty where the folder does not say (an estimate taken as truth).
+std::map<int, std::string> read_shapes(const fs::path& truth) {
+  std::map<int, std::string> shapes;
+  if (fs::exists(truth / "objects.yaml"))
+    for (const ObjectDescription& object : read_objects_yaml(truth / "objects.yaml"))
+      shapes[object.id] = object.shape;
+  return shapes;
+}
+
+// For each truth state the index of the track's state in the same frame.
+std::vector<std::optional<std::size_t>> states_of_match(const ObjectOverlaps& overlaps, std::size_t object,
+                                                        std::size_t states,
+                                                        std::optional<std::size_t> track) {
+  std::vector<std::optional<std::size_t>> matched(states);
+  for (std::size_t frame = 0; track && frame < overlaps.stamps_ns.size(); ++frame)
+    if (const auto state = overlaps.truth[object][frame]) matched[*state] = overlaps.estimate[*track][frame];
+  return matched;
+}
+
+Evaluation compare(const Tracks& truth, const Tracks& estimate, const std::map<int, std::string>& shapes,
+                   const EvaluateOptions& options) {
+  Evaluation result;
+  result.camera = evaluate_camera(truth.camera, estimate.camera, kMaxDifferenceNs);
+  const BallSamples samples(options.iou_samples, options.seed);
+  const ObjectContext context{truth.camera, estimate.camera, truth.calibration, &samples, kMaxDifferenceNs};
+  const ObjectOverlaps overlaps = overlap_objects(truth, estimate, kMaxDifferenceNs);
+  const auto matches = match_objects(overlaps);
+  const std::vector<int> switches = identity_switches(overlaps, kAnyOverlap);
+  std::vector<bool> used(estimate.objects.size());
+  for (std::size_t g = 0; g < truth.objects.size(); ++g) {
+    const ObjectTrack& object = truth.objects[g];
+    const ObjectTrack* track = matches[g] ? &estimate.objects[*matches[g]] : nullptr;
+    if (matches[g]) used[*matches[g]] = true;
+    const auto shape = shapes.find(object.id);
+    result.objects.push_back(evaluate_object(object, shape == shapes.end() ? "" : shape->second, track,
+                                             states_of_match(overlaps, g, object.states.size(), matches[g]),
+                                             context));
+    result.objects.back().id_switches = switches[g];
+  }
+  for (std::size_t e = 0; e < used.size(); ++e)
+    if (!used[e]) result.unmatched_ids.push_back(estimate.objects[e].id);
+  result.tracking = tracking_scores(overlaps);
+  return result;
+}
+
+}  // namespace
+
+void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, const EvaluateOptions& options,
+              const fs::path& out) {
+  if (options.iou_samples < 1) throw InputError("iou samples: expected a number greater than 0");
+  const bool is_simulation =
+      !fs::exists(truth_folder / "camera.tum") && fs::is_directory(truth_folder / "truth");
+  const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
+  const Tracks truth = read_tracks(truth_path), estimate = read_tracks(estimate_folder);
+  Evaluation evaluation = compare(truth, estimate, read_shapes(truth_path), options);
+  if (evaluation.camera.pairs < kMinPairs)
+    throw InputError(
+        estimate_folder / "camera.tum",
+        fmt::format("{} of {} poses lie within 0.01 s of the truth's {}, at least {} are needed",
+                    evaluation.camera.pairs, estimate.camera.size(), truth.camera.size(), kMinPairs));
+  evaluation.timing_ms = read_timing(estimate_folder);
+  const std::string run_config = read_run_config(estimate_folder);
+  PendingFolder pending(out, options.force);
+  write_text(pending.path() / "evaluation.json", evaluation_json(evaluation, options, run_config));
+  write_text(pending.path() / "frames.csv", frames_csv(evaluation.objects));
+  pending.commit();
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluation/association/tracking_scores.h"
+#include "evaluation/camera_evaluation.h"
+#include "evaluation/evaluate.h"
+#include "evaluation/object_evaluation.h"
+
+namespace uniquadric {
+
+/// Everything that one comparison of truth and estimate yields.
+struct Evaluation {
+  CameraEvaluation camera;
+  std::vector<ObjectEvaluation> objects;
+  std::vector<int> unmatched_ids;  ///< estimated tracks that belong to no truth object
+  std::optional<TrackingScores> tracking;
+  std::map<std::string, std::vector<double>> timing_ms;
+};
+
+/// evaluation.json: keys sorted, doubles that read back the same. `run_config_json` is the estimate's
+/// run.yaml as read_run_config gives it.
+std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions& options,
+                            const std::string& run_config_json);
+
+/// frames.csv: one row a truth frame and object, cells empty where there is no figure.
+std::string frames_csv(const std::vector<ObjectEvaluation>& objects);
+
+}  // namespace uniquadric

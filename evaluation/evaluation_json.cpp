@@ -1,0 +1,159 @@
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "core/base/version.h"
+#include "evaluation/evaluation_files.h"
+
+namespace uniquadric {
+namespace {
+using nlohmann::json;
+
+constexpr int kSchema = 1;
+
+json to_json(const std::optional<Statistics>& s) {
+  if (!s) return nullptr;
+  return {{"rmse", s->rmse}, {"mean", s->mean}, {"median", s->median}, {"std", s->std},
+          {"min", s->min},   {"max", s->max},   {"sse", s->sse},       {"n", s->n}};
+}
+
+template <typename T>
+json or_null(const std::optional<T>& value) {
+  return value ? json(*value) : json();
+}
+
+json to_json(const PoseStatistics& statistics) {
+  return {{"translation_m", to_json(statistics.translation_m)},
+          {"rotation_rad", to_json(statistics.rotation_rad)}};
+}
+
+json to_json(const std::optional<Drift>& drift) {
+  if (!drift) return nullptr;
+  return {{"alignment", "first"},
+          {"max_translation_m", drift->max_translation_m},
+          {"max_translation_percent_of_path", or_null(drift->max_translation_percent_of_path)},
+          {"max_angle_deg", drift->max_angle_rad * 180 / std::numbers::pi},
+          {"max_angle_rad", drift->max_angle_rad}};
+}
+
+// Statistics of what `figure` gives for the frames that have it.
+template <typename Figure>
+json over_frames(const ObjectEvaluation& object, const Figure& figure) {
+  std::vector<double> values;
+  for (const ObjectFrame& frame : object.frames)
+    if (const std::optional<double> value = figure(frame)) values.push_back(*value);
+  return to_json(statistics(values));
+}
+
+json pose_errors(const ObjectEvaluation& object, std::optional<PoseError> ObjectFrame::*errors) {
+  std::vector<PoseError> values;
+  for (const ObjectFrame& frame : object.frames)
+    if (frame.*errors) values.push_back(*(frame.*errors));
+  return to_json(pose_statistics(values));
+}
+
+json monte_carlo(const ObjectEvaluation& object, const EvaluateOptions& options) {
+  double sum = 0, error = 0;
+  for (const ObjectFrame& frame : object.frames) {
+    if (!frame.iou3d_monte_carlo) continue;
+    sum += frame.iou3d_monte_carlo->iou;
+    error += frame.iou3d_monte_carlo->standard_error;
+  }
+  if (object.matched_frames == 0) return nullptr;
+  const double n = static_cast<double>(object.matched_frames);
+  // All frames use the same points, so their errors do not average out: the mean's is bounded by the mean
+  // error.
+  return {{"mean", sum / n}, {"stderr", error / n}, {"samples", options.iou_samples}, {"seed", options.seed}};
+}
+
+json semi_axes_errors(const ObjectEvaluation& object) {
+  json errors;
+  for (int i = 0; i < 3; ++i)
+    errors[std::string(1, "xyz"[i])] =
+        over_frames(object, [i](const ObjectFrame& frame) -> std::optional<double> {
+          if (!frame.estimate) return std::nullopt;
+          return frame.estimate->semi_axes_m[i] - frame.true_semi_axes_m[i];
+        });
+  return errors;
+}
+
+const char* to_string(BodySymmetry symmetry) {
+  switch (symmetry) {
+    case BodySymmetry::box:
+      return "box";
+    case BodySymmetry::revolution:
+      return "revolution";
+    case BodySymmetry::ball:
+      return "ball";
+  }
+  return "";
+}
+
+json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
+  const auto figure = [&](std::optional<double> ObjectFrame::*member) {
+    return over_frames(object, [member](const ObjectFrame& frame) { return frame.*member; });
+  };
+  json result = {{"id", object.id},
+                 {"name", object.name},
+                 {"matched_id", or_null(object.matched_id)},
+                 {"frames", object.frames.size()},
+                 {"matched_frames", object.matched_frames},
+                 {"coverage", or_null(object.coverage)},
+                 {"longest_gap_s", or_null(object.longest_gap_s)},
+                 {"id_switches", object.id_switches},
+                 {"relabel_flips", object.relabel_flips},
+                 {"symmetry", to_string(object.symmetry)},
+                 {"ape", pose_errors(object, &ObjectFrame::ape)},
+                 {"rpe", pose_errors(object, &ObjectFrame::rpe)},
+                 {"motion_error", pose_errors(object, &ObjectFrame::motion)},
+                 {"drift", to_json(object.drift)},
+                 {"iou3d", figure(&ObjectFrame::iou3d)},
+                 {"iou3d_monte_carlo", monte_carlo(object, options)},
+                 {"iou2d", figure(&ObjectFrame::iou2d)},
+                 {"iou2d_ellipse", figure(&ObjectFrame::iou2d_ellipse)},
+                 {"d_shape_m", figure(&ObjectFrame::d_shape_m)},
+                 {"semi_axes_error_m", semi_axes_errors(object)}};
+  result["ape"]["rotation_naive_rad"] = figure(&ObjectFrame::ape_rotation_naive_rad);
+  result["ape"]["rotation_symmetric_rad"] = figure(&ObjectFrame::rotation_symmetric_rad);
+  return result;
+}
+
+json to_json(const CameraEvaluation& camera) {
+  return {{"alignment", "none"},           {"frames", camera.truth_poses}, {"pairs", camera.pairs},
+          {"coverage", camera.coverage},   {"ape", to_json(camera.ape)},   {"rpe", to_json(camera.rpe)},
+          {"drift", to_json(camera.drift)}};
+}
+
+json tracking_json(const Evaluation& evaluation) {
+  json result = {{"hota", nullptr}, {"mota", nullptr}, {"idf1", nullptr}};
+  result["similarity"] = "iou3d";
+  result["threshold"] = kClearThreshold;
+  result["unmatched_ids"] = evaluation.unmatched_ids;
+  if (!evaluation.tracking) return result;
+  result["hota"] = evaluation.tracking->hota;
+  result["mota"] = evaluation.tracking->mota;
+  result["idf1"] = evaluation.tracking->idf1;
+  return result;
+}
+
+}  // namespace
+
+std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions& options,
+                            const std::string& run_config_json) {
+  const json run_config = json::parse(run_config_json);
+  json root = {{"schema", kSchema},
+               {"program", kProgram},
+               {"camera", to_json(evaluation.camera)},
+               {"tracking", tracking_json(evaluation)}};
+  root["config"] = {{"estimate", run_config},
+                    {"evaluate", {{"iou_samples", options.iou_samples}, {"seed", options.seed}}}};
+  root["seed"] = run_config.is_object() && run_config.contains("seed") ? run_config["seed"] : json();
+  root["objects"] = json::array();
+  for (const ObjectEvaluation& object : evaluation.objects)
+    root["objects"].push_back(to_json(object, options));
+  root["timing_ms"] = json::object();
+  for (const auto& [stage, values] : evaluation.timing_ms)
+    root["timing_ms"][stage] = to_json(statistics(values));
+  return root.dump(2) + "\n";
+}
+
+}  // namespace uniquadric

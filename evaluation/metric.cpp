@@ -1,0 +1,119 @@
+#include "evaluation/metric.h"
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <istream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <ostream>
+
+#include "core/base/error.h"
+#include "evaluation/align/symmetry.h"
+#include "evaluation/image_overlap.h"
+#include "evaluation/iou/ellipsoid_iou.h"
+#include "evaluation/iou/monte_carlo.h"
+#include "evaluation/metric_input.h"
+#include "evaluation/trajectory/pose_error.h"
+
+namespace uniquadric {
+namespace {
+using nlohmann::json;
+using Answer = std::function<json(const MetricLine&)>;
+
+template <typename T>
+json or_null(const std::optional<T>& value) {
+  return value ? json(*value) : json();
+}
+
+Answer answer_iou3d(const MetricOptions& options) {
+  if (options.method == "exact")
+    return [](const MetricLine& line) -> json {
+      const double iou = ellipsoid_iou(line.ellipsoid("gt"), line.ellipsoid("est"));
+      return {{"iou", iou}, {"stderr", 0.0}, {"method", "exact"}};
+    };
+  if (options.method != "monte-carlo")
+    throw InputError(fmt::format("method '{}' is none of exact, monte-carlo", options.method));
+  if (options.samples < 1) throw InputError("samples: expected a number greater than 0");
+  const auto samples = std::make_shared<BallSamples>(options.samples, options.seed);
+  return [samples](const MetricLine& line) -> json {
+    const auto [iou, error] =
+        ellipsoid_iou_monte_carlo(line.ellipsoid("gt"), line.ellipsoid("est"), *samples);
+    return {{"iou", iou}, {"stderr", error}, {"method", "monte-carlo"}};
+  };
+}
+
+json answer_project(const MetricLine& line) {
+  const auto [camera, world_from_camera] = line.camera();
+  const Ellipsoid body = line.ellipsoid("gt");
+  const EllipseProjection outline =
+      project(camera, world_from_camera.inverse() * body.world_from_object, body.semi_axes_m);
+  if (outline.status != ProjectionStatus::ok) return {{"status", to_string(outline.status)}};
+  const Ellipse& e = outline.ellipse;
+  return {{"status", "ok"},
+          {"centre", {e.center.x(), e.center.y()}},
+          {"semi_major", e.semi_major},
+          {"semi_minor", e.semi_minor},
+          {"angle_deg", e.angle_rad * 180 / std::numbers::pi}};
+}
+
+json answer_iou2d(const MetricLine& line) {
+  const auto [camera, world_from_camera] = line.camera();
+  const Ellipsoid truth = line.ellipsoid("gt"), estimate = line.ellipsoid("est");
+  const ImageOverlap overlap =
+      overlap_in_image(camera, {world_from_camera, truth}, {world_from_camera, estimate});
+  const bool truth_ok = overlap.truth_status == ProjectionStatus::ok;
+  return {{"status", to_string(truth_ok ? overlap.estimate_status : overlap.truth_status)},
+          {"gt_status", to_string(overlap.truth_status)},
+          {"est_status", to_string(overlap.estimate_status)},
+          {"rect_iou", or_null(overlap.rectangle_iou)},
+          {"ellipse_iou", or_null(overlap.ellipse_iou)},
+          {"aabb_iou", or_null(overlap.box_iou)},
+          {"rect_iou_clipped", or_null(overlap.clipped_rectangle_iou)}};
+}
+
+json answer_pose(const MetricLine& line) {
+  const Ellipsoid truth = line.ellipsoid("gt"), estimate = line.ellipsoid("est");
+  const Ellipsoid renamed = relabelled(estimate, best_relabelling({estimate}, {truth}));
+  const PoseError error = absolute_error(truth.world_from_object, estimate.world_from_object);
+  const Eigen::Vector3d axes = renamed.semi_axes_m - truth.semi_axes_m;
+  return {{"translation_error_m", error.translation_m},
+          {"rotation_error_naive_rad", error.rotation_rad},
+          {"rotation_error_symmetric_rad", or_null(symmetric_rotation_error(renamed, truth))},
+          {"axis_errors_m", {axes.x(), axes.y(), axes.z()}},
+          {"d_shape_m", shape_distance_m(estimate, truth)}};
+}
+
+Answer answer_for(const std::string& kind, const MetricOptions& options) {
+  if (kind == "iou3d") return answer_iou3d(options);
+  if (kind == "iou2d") return answer_iou2d;
+  if (kind == "project") return answer_project;
+  if (kind == "pose") return answer_pose;
+  throw InputError(fmt::format("metric '{}' is none of iou3d, iou2d, project, pose", kind));
+}
+
+}  // namespace
+
+int run_metric(const std::string& kind, const MetricOptions& options, std::istream& in, std::ostream& out) {
+  const Answer answer = answer_for(kind, options);
+  int exit_code = 0;
+  for (std::string line; std::getline(in, line);) {
+    if (line.find_first_not_of(" \t\r") == line.npos) continue;
+    json result, id;
+    try {
+      const MetricLine input(line);
+      id = json::parse(input.id_json());
+      result = answer(input);
+    } catch (const InputError& e) {
+      result = {{"error", e.what()}};
+      exit_code = 2;
+    }
+    result["id"] = id;
+    out << result.dump(-1, ' ', false, json::error_handler_t::replace)
+        << std::endl;  // at once: it may be a dialogue
+  }
+  return exit_code;
+}
+
+}  // namespace uniquadric

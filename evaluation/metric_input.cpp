@@ -1,0 +1,133 @@
+#include "evaluation/metric_input.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+
+namespace uniquadric {
+namespace {
+using nlohmann::json;
+
+constexpr double kQuaternionTolerance = 1e-3;       // SPEC 6: further off is an error
+constexpr double kQuaternionKeepTolerance = 1e-12;  // rounding of a unit quaternion's own digits
+
+// Replaces NaN, Infinity and -Infinity outside of strings.
+std::string without_non_finite(const std::string& line) {
+  std::string result;
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"' && (i == 0 || line[i - 1] != '\\')) quoted = !quoted;
+    bool replaced = false;
+    for (const std::string_view word : {"NaN", "-Infinity", "Infinity"}) {
+      if (quoted || replaced || line.compare(i, word.size(), word) != 0) continue;
+      result += "null";
+      i += word.size() - 1;
+      replaced = true;
+    }
+    if (!replaced) result += line[i];
+  }
+  return result;
+}
+
+const json& member(const json& object, const std::string& path, const char* key) {
+  if (!object.is_object()) throw InputError(fmt::format("{}: expected an object", path));
+  const auto found = object.find(key);
+  if (found == object.end()) throw InputError(fmt::format("{}.{} is missing", path, key));
+  return *found;
+}
+
+template <std::size_t N>
+std::array<double, N> numbers(const json& object, const std::string& path, const char* key) {
+  const json& list = member(object, path, key);
+  const std::string name = fmt::format("{}.{}", path, key);
+  if (!list.is_array() || list.size() != N) throw InputError(fmt::format("{}: expected {} numbers", name, N));
+  std::array<double, N> values{};
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!list[i].is_number() || !std::isfinite(list[i].get<double>()))
+      throw InputError(fmt::format("{}[{}] is not a finite number", name, i));
+    values[i] = list[i].get<double>();
+  }
+  return values;
+}
+
+Eigen::Vector3d vector3(const json& object, const std::string& path, const char* key) {
+  const auto v = numbers<3>(object, path, key);
+  return {v[0], v[1], v[2]};
+}
+
+Eigen::Quaterniond unit_quaternion(const json& object, const std::string& path, const char* key) {
+  const auto v = numbers<4>(object, path, key);
+  Eigen::Quaterniond q(v[3], v[0], v[1], v[2]);
+  const double off = std::abs(q.norm() - 1);
+  if (!(off <= kQuaternionTolerance))
+    throw InputError(fmt::format("{}.{}: quaternion has norm {}, not 1", path, key, q.norm()));
+  if (off > kQuaternionKeepTolerance) q.normalize();
+  return q;
+}
+
+int image_side(const json& camera, const char* key) {
+  constexpr double kMaxSide = 1e6;  // px: more is a mistake
+  const json& value = member(camera, "camera", key);
+  if (!value.is_number() || value.get<double>() != std::floor(value.get<double>()) ||
+      value.get<double>() < 1 || value.get<double>() > kMaxSide)
+    throw InputError(fmt::format("camera.{}: expected a whole number of pixels", key));
+  return static_cast<int>(value.get<double>());
+}
+
+}  // namespace
+
+struct MetricLine::Json {
+  json value;
+};
+
+MetricLine::MetricLine(const std::string& text) {
+  json parsed = json::parse(text, nullptr, false);
+  if (parsed.is_discarded()) parsed = json::parse(without_non_finite(text), nullptr, false);
+  if (parsed.is_discarded()) throw InputError("is not valid JSON");
+  if (!parsed.is_object()) throw InputError("expected a JSON object");
+  json_ = std::make_shared<const Json>(Json{std::move(parsed)});
+}
+
+std::string MetricLine::id_json() const {
+  const auto id = json_->value.find("id");
+  return id == json_->value.end() ? "null" : id->dump();
+}
+
+Ellipsoid MetricLine::ellipsoid(const char* key) const {
+  const json& line = json_->value;
+  const auto found = line.find(key);
+  if (found == line.end()) throw InputError(fmt::format("{} is missing", key));
+  Ellipsoid result;
+  result.world_from_object = {unit_quaternion(*found, key, "q"), vector3(*found, key, "c")};
+  result.semi_axes_m = vector3(*found, key, "a");
+  for (int i = 0; i < 3; ++i)
+    if (!(result.semi_axes_m[i] > 0))
+      throw InputError(
+          fmt::format("{}.a[{}]: expected a number greater than 0, found {}", key, i, result.semi_axes_m[i]));
+  return result;
+}
+
+PosedCamera MetricLine::camera() const {
+  const json& line = json_->value;
+  const auto found = line.find("camera");
+  if (found == line.end()) throw InputError("camera is missing");
+  const auto K = numbers<9>(*found, "camera", "K");
+  if (!(K[0] > 0 && K[4] > 0)) throw InputError("camera.K: expected focal lengths greater than 0");
+  if (K[1] != 0 || K[3] != 0 || K[6] != 0 || K[7] != 0 || K[8] != 1)
+    throw InputError("camera.K: expected fx 0 cx 0 fy cy 0 0 1");
+  PosedCamera result;
+  result.camera.fx = K[0];
+  result.camera.cx = K[2];
+  result.camera.fy = K[4];
+  result.camera.cy = K[5];
+  result.camera.width = image_side(*found, "width");
+  result.camera.height = image_side(*found, "height");
+  result.world_from_camera = {unit_quaternion(*found, "camera", "q_wc"), vector3(*found, "camera", "t_wc")};
+  return result;
+}
+
+}  // namespace uniquadric

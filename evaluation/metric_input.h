@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/geometry/camera.h"
+#include "core/geometry/ellipsoid.h"
+
+namespace uniquadric {
+
+struct PosedCamera {
+  Camera camera;
+  Pose world_from_camera;
+};
+
+/// One JSON line of `metric`. NaN and Infinity, which JSON does not know but other programs write, are read
+/// as null, so that the field that holds them can be named.
+class MetricLine {
+ public:
+  /// Throws InputError when `text` is no JSON object.
+  explicit MetricLine(const std::string& text);
+
+  /// The value of "id" as JSON text, "null" without one.
+  std::string id_json() const;
+  /// {"c": [x,y,z], "q": [x,y,z,w], "a": [a,b,c]} at `key`. Throws InputError for a missing field, a number
+  /// that is not finite, an axis <= 0 or a quaternion whose norm is off 1 by more than 1e-3 (closer ones are
+  /// normalised).
+  Ellipsoid ellipsoid(const char* key) const;
+  /// {"K": 9 numbers row by row, "width", "height", "t_wc": [x,y,z], "q_wc": [x,y,z,w]} at "camera". Throws
+  /// InputError for what is missing or no pinhole matrix without skew.
+  PosedCamera camera() const;
+
+ private:
+  struct Json;
+  std::shared_ptr<const Json> json_;
+};
+
+}  // namespace uniquadric

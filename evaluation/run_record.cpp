@@ -1,0 +1,75 @@
+#include "evaluation/run_record.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "core/base/text.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json scalar_json(const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  if (text == "null" || text == "~") return nullptr;
+  if (const auto integer = parse_integer(text)) return *integer;
+  if (const auto number = parse_double(text)) return *number;
+  return text;
+}
+
+json to_json(const ConfigNode& node) {
+  if (node.is_map()) {
+    json object = json::object();
+    for (const auto& [key, value] : node.entries()) object[key] = to_json(value);
+    return object;
+  }
+  if (node.is_sequence()) {
+    json list = json::array();
+    for (const ConfigNode& item : node.items()) list.push_back(to_json(item));
+    return list;
+  }
+  return node.is_scalar() ? scalar_json(node.as<std::string>()) : json();
+}
+
+}  // namespace
+
+std::map<std::string, std::vector<double>> read_timing(const fs::path& estimate) {
+  const fs::path file = estimate / "timing.csv";
+  std::map<std::string, std::vector<double>> stages;
+  if (!fs::exists(file)) return stages;
+  std::map<long long, double> frames;
+  bool header = true;
+  for_each_line(
+      file,
+      [&](int line, const std::vector<std::string_view>& fields) {
+        if (std::exchange(header, false)) {
+          if (fields != split("frame,stage,ms", ','))
+            throw InputError(file, line, "expected the header frame,stage,ms");
+          return;
+        }
+        if (fields.size() != 3)
+          throw InputError(file, line, fmt::format("expected 3 columns, found {}", fields.size()));
+        const auto frame = parse_integer(fields[0]);
+        const auto ms = parse_double(fields[2]);
+        if (!frame) throw InputError(file, line, fmt::format("column frame: '{}' is no integer", fields[0]));
+        if (!ms || *ms < 0)
+          throw InputError(file, line, fmt::format("column ms: '{}' is no time", fields[2]));
+        stages[std::string(fields[1])].push_back(*ms);
+        frames[*frame] += *ms;
+      },
+      ',');
+  if (frames.empty() || stages.contains("frame")) return stages;
+  for (const auto& [frame, ms] : frames) stages["frame"].push_back(ms);
+  return stages;
+}
+
+std::string read_run_config(const fs::path& estimate) {
+  const fs::path file = estimate / "run.yaml";
+  return (fs::exists(file) ? to_json(ConfigNode::load(file)) : json()).dump();
+}
+
+}  // namespace uniquadric

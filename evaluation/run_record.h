@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace uniquadric {
+
+/// Milliseconds of each stage, from an estimate's timing.csv (columns frame, stage, ms); empty without the
+/// file. `frame` is added as the sum of a frame's stages where no stage has that name. Throws InputError with
+/// the line.
+std::map<std::string, std::vector<double>> read_timing(const std::filesystem::path& estimate);
+
+/// An estimate's run.yaml as JSON text ("null" without the file): scalars become booleans, numbers or
+/// strings.
+std::string read_run_config(const std::filesystem::path& estimate);
+
+}  // namespace uniquadric
