@@ -34,11 +34,6 @@ std::string paper_line(const SummaryRow& row, const char* column, const PaperFig
   return line(fields);
 }
 
-bool ends_object(const std::vector<SummaryRow>& summary, std::size_t i) {
-  return i + 1 == summary.size() || summary[i + 1].object != summary[i].object ||
-         summary[i + 1].scene != summary[i].scene;
-}
-
 std::string table(const std::vector<SummaryRow>& summary) {
   std::vector<std::string> head = {"scene", "object", "variant", "runs"},
                            rule = {"---", "---", "---", "---:"};

@@ -55,6 +55,16 @@ std::string text_cell(const SummaryRow& row, const char* metric) {
                                    : format_figure(found->second.median) + (found->second.best ? "*" : " ");
 }
 
+// The paper's figures of its baseline.
+std::vector<std::string> paper_line(const SummaryRow& row) {
+  std::vector<std::string> line = {row.scene, row.object, "(paper)", ""};
+  for (const char* metric : summary_metrics()) {
+    const auto value = row.paper->single_frame_obb.of(metric);
+    line.push_back(value ? format_figure(*value) + " " : "");
+  }
+  return line;
+}
+
 // Columns padded to their widest cell; the first three to the left.
 std::string aligned(const std::vector<std::vector<std::string>>& lines) {
   std::vector<std::size_t> width(lines.front().size());
@@ -73,6 +83,10 @@ std::string aligned(const std::vector<std::vector<std::string>>& lines) {
 
 }  // namespace
 
+bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i) {
+  return i + 1 == rows.size() || rows[i + 1].object != rows[i].object || rows[i + 1].scene != rows[i].scene;
+}
+
 double median(std::vector<double> values) {
   assert(!values.empty());
   std::sort(values.begin(), values.end());
@@ -85,7 +99,12 @@ std::string format_figure(double value) {
   if (size == 0) return "0";
   if (size < 1e-4 || size >= 1e6) return fmt::format("{:.2e}", value);
   if (size >= 1000) return fmt::format("{:.0f}", value);
-  return fmt::format("{:.{}f}", value, size >= 100 ? 1 : size >= 10 ? 2 : size >= 0.01 ? 3 : 5);
+  return fmt::format("{:.{}f}", value,
+                     size >= 100     ? 1
+                     : size >= 10    ? 2
+                     : size >= 0.1   ? 3
+                     : size >= 0.001 ? 4
+                                     : 5);
 }
 
 std::vector<SummaryRow> summarize(const Results& results) {
@@ -107,23 +126,17 @@ std::string summary_text(const std::vector<SummaryRow>& rows) {
   std::vector<std::vector<std::string>> lines = {{"scene", "object", "variant", "runs"}};
   for (const char* metric : summary_metrics())
     lines[0].push_back(std::string(find_metric(metric).label) + " ");
-  lines[0].push_back("paper, single-frame OBB");
-  for (const SummaryRow& row : rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const SummaryRow& row = rows[i];
     if (row.object == "camera" || (row.object == "all" && row.good > 0)) continue;
-    std::vector<std::string> line = {row.scene, row.object, row.variant,
-                                     fmt::format("{}/{}", row.good, row.runs)};
-    for (const char* metric : summary_metrics()) line.push_back(text_cell(row, metric));
-    const PaperFigures* paper = row.paper ? &row.paper->single_frame_obb : nullptr;
-    line.push_back(!paper ? "-"
-                          : fmt::format("{:.3f} {:.3f} {:.3f} {:.3f}", paper->ape_translation_m,
-                                        paper->ape_rotation_rad, paper->rpe_translation_m,
-                                        paper->rpe_rotation_rad));
-    lines.push_back(line);
+    lines.push_back({row.scene, row.object, row.variant, fmt::format("{}/{}", row.good, row.runs)});
+    for (const char* metric : summary_metrics()) lines.back().push_back(text_cell(row, metric));
+    if (row.paper && ends_object(rows, i)) lines.push_back(paper_line(row));
   }
   return aligned(lines) +
-         "medians over seeds; APE.t, RPE.t in m, APE.r, RPE.r in rad (root mean squares); * best of its "
-         "object; the paper's "
-         "figures in the same order\n";
+         "medians over seeds; APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares; * best of its "
+         "object;\n"
+         "(paper): Table III, Single Frame OBB, on the paper's own sequences\n";
 }
 
 }  // namespace uniquadric

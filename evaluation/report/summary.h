@@ -29,13 +29,17 @@ struct SummaryRow {
 /// single good run has one row a variant with the object `all`.
 std::vector<SummaryRow> summarize(const Results& results);
 
-/// Plain text; camera and tracking are left to the report.
+/// Whether the row at `i` is the last of its scene and object.
+bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i);
+
+/// Plain text, the paper's Single Frame OBB figures under objects that it has; camera and tracking are left
+/// to the report.
 std::string summary_text(const std::vector<SummaryRow>& rows);
 
 /// The median of values (of an even number the mean of the middle two); asserts that there are any.
 double median(std::vector<double> values);
 
-/// Digits for people: four significant ones, no exponent for ordinary sizes.
+/// Digits for people: two to four significant ones, no exponent for ordinary sizes.
 std::string format_figure(double value);
 
 }  // namespace uniquadric

@@ -45,8 +45,8 @@ function datasets(plot, all, start_ns) {
   });
   const longest = all.filter((s) => plot.truth && has_values(s.columns[plot.truth]))
     .sort((a, b) => b.stamps_ns.length - a.stamps_ns.length)[0];
-  if (longest) sets.push(line("truth", points(longest, plot.truth, start_ns), css("--ink"), 1.5, { borderDash: [5, 4] }));
-  return sets;
+  if (longest) sets.unshift(line("truth", points(longest, plot.truth, start_ns), css("--ink"), 1.5, { borderDash: [5, 4] }));
+  return sets; // the first is drawn last, over the others
 }
 
 // A vertical line at the time pointed at, in all plots.

@@ -18,12 +18,19 @@ const by_id = (id) => document.getElementById(id);
 const distinct = (list) => [...new Set(list)];
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-// As the tables of report.md: about three digits, no exponent for ordinary sizes.
+// As the tables of report.md: two to four digits, no exponent for ordinary sizes.
 function format_figure(value) {
   const size = Math.abs(value);
   if (size === 0) return "0";
   if (size < 1e-4 || size >= 1e6) return value.toExponential(2);
-  return value.toFixed(size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : size >= 0.01 ? 3 : 5);
+  return value.toFixed(size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : size >= 0.1 ? 3 : size >= 0.001 ? 4 : 5);
+}
+
+// Two digits, for ranges.
+function format_short(value) {
+  const size = Math.abs(value);
+  return size === 0 ? "0" : size < 1e-4 || size >= 1e6 ? value.toExponential(1)
+    : size >= 100 ? value.toFixed(0) : value.toPrecision(2);
 }
 
 // Colours that keep apart for the colour-blind (Okabe and Ito), one a variant, the same in every part of the page.

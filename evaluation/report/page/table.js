@@ -58,7 +58,7 @@ function figure_cell(row, metric) {
   const spread = row.spread[metric.name];
   if (!spread) return el("td", { class: "number" }, row.paper ? "" : "–");
   const text = row.paper ? spread.median.toFixed(3) : format_figure(spread.median);
-  const range = spread.n > 1 ? el("small", {}, `${format_figure(spread.min)} – ${format_figure(spread.max)}`) : null;
+  const range = spread.max > spread.min ? el("small", {}, `${format_short(spread.min)} – ${format_short(spread.max)}`) : null;
   const title = row.paper ? "as printed in Table III" : `${metric.name}: ${spread.median}, ${spread.n} runs`;
   return el("td", { class: "number", title }, spread.best ? el("b", { class: "best" }, text) : text, range);
 }
@@ -68,8 +68,10 @@ function table_row(row, columns) {
   const object = plots && !row.paper ? el("a", { href: object_hash(row.scene, row.object) }, row.object) : row.object;
   const runs = row.paper ? "" : `${row.good}/${row.runs}`;
   const first = row.first && !summary_state.sort;
+  const repeated = !first && !summary_state.sort; // said once a group, there for readers of the screen
+  const name = (text) => el("td", { class: repeated ? "repeated" : null }, text);
   return el("tr", { class: [row.paper ? "paper" : "", first ? "first" : ""].join(" ").trim() || null },
-    el("td", {}, row.scene), el("td", {}, object), el("td", {}, row.variant),
+    name(row.scene), name(object), el("td", {}, row.variant, el("small", { class: "where" }, `${row.scene} / ${row.object}`)),
     el("td", { class: row.good < row.runs ? "number few" : "number" }, runs),
     ...columns.map((metric) => figure_cell(row, metric)));
 }

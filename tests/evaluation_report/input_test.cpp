@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include "core/base/files.h"
+#include "evaluation/report/report.h"
+#include "evaluation/report/results.h"
+#include "tests/evaluation_report/small_results.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+const char* const kEvaluation = "cells/s/a/seed_1/evaluation/evaluation.json";
+const char* const kFrames = "cells/s/a/seed_1/evaluation/frames.csv";
+const std::string kCellsHeader = "scene,variant,seed,status,folder,message\n";
+
+// A file of the small results folder with other content, and what the message must hold.
+struct BadFile {
+  const char* file;
+  std::string content;
+  std::string message;
+};
+
+const BadFile kBadFiles[] = {
+    {"cells.csv", "", "cells.csv: is empty"},
+    {"cells.csv", "scene,variant\n", "cells.csv:1: expected the header"},
+    {"cells.csv", kCellsHeader + "s,a,1,ok\n", "cells.csv:2: expected 6 columns"},
+    {"cells.csv", kCellsHeader + "s,a,one,ok,x,\n", "cells.csv:2: seed 'one'"},
+    {"cells.csv", kCellsHeader + "s,a,1,fine,x,\n", "cells.csv:2: status 'fine'"},
+    {"cells.csv", kCellsHeader + "s,a,1,failed,x,\ns,a,1,failed,x,\n",
+     "cells.csv:3: this scene, variant and seed"},
+    {"cells.csv", kCellsHeader + "s,a,1,ok,/etc,\n", "cells.csv:2: folder is not relative"},
+    {kEvaluation, "{\n\"schema\": 1,\n oops}", "evaluation.json:3: is not valid JSON"},
+    {kEvaluation, "[]", "evaluation.json: expected an object"},
+    {kEvaluation, "{\"schema\": 1e999}", "evaluation.json: holds a number"},
+    {kEvaluation, "{\"objects\": []}", "evaluation.json: field schema"},
+    {kEvaluation, "{\"schema\": 2, \"objects\": []}", "evaluation.json: field schema"},
+    {kEvaluation, "{\"schema\": 1}", "evaluation.json: field objects: expected a list"},
+    {kEvaluation, R"({"schema": 1, "objects": [{"name": "x"}]})", "field objects[0].id: expected an integer"},
+    {kEvaluation, R"({"schema": 1, "objects": [{"id": 1, "name": 3}]})",
+     "field objects[0].name: expected a text"},
+    {kEvaluation, R"({"schema": 1, "objects": [{"id": 1, "ape": {"translation_m": {"rmse": "far"}}}]})",
+     "field objects[0].ape.translation_m.rmse: expected a number"},
+    {kEvaluation, R"({"schema": 1, "objects": [{"id": 1, "ape": 3}]})",
+     "field objects[0].ape: expected an object"},
+    {kFrames, "", "frames.csv: is empty"},
+    {kFrames, "frame,object_id\n", "frames.csv:1: expected a header with the column timestamp_ns"},
+    {kFrames, "frame,timestamp_ns,object_id,iou3d\n0,5,1\n", "frames.csv:2: expected 4 columns, found 3"},
+    {kFrames, "frame,timestamp_ns,object_id,iou3d\n0,5,1,nan\n", "frames.csv:2: column iou3d: 'nan'"},
+    {kFrames, "frame,timestamp_ns,object_id,iou3d\n0,5.5,1,0\n", "frames.csv:2: column timestamp_ns: '5.5'"},
+    {kFrames, "frame,timestamp_ns,object_id\n0,5,7\n", "frames.csv:2: object 7 is not in evaluation.json"},
+    {kFrames, "frame,timestamp_ns,object_id\n0,5,1\n1,5,1\n",
+     "frames.csv:3: timestamp 5 does not come after 5"},
+};
+
+TEST(ReportInput, NamesFileAndLineOrFieldAndWritesNothing) {
+  int cases = 0;
+  for (const BadFile& bad : kBadFiles) {
+    const TempFolder folder;
+    write_small_results(folder.path());
+    write_file(folder.path() / bad.file, bad.content);
+    const std::string message = input_error([&] { write_report(folder.path()); });
+    EXPECT_NE(message.find(bad.message), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+    for (const char* file : {"report.html", "report.md", "scores.csv"})
+      EXPECT_FALSE(fs::exists(folder.path() / file));
+    ++cases;
+  }
+  EXPECT_EQ(cases, 24);
+}
+
+TEST(ReportInput, FolderThatIsNoResultsFolder) {
+  const TempFolder folder;
+  EXPECT_NE(input_error([&] { write_report(folder.path()); }).find("is no results folder"),
+            std::string::npos);
+  EXPECT_NE(input_error([&] { write_report(folder.path() / "none"); }).find("is not a folder"),
+            std::string::npos);
+}
+
+TEST(ReportInput, GoodRunWithoutItsEvaluation) {
+  const TempFolder folder;
+  write_small_results(folder.path());
+  fs::remove(folder.path() / kEvaluation);
+  EXPECT_NE(input_error([&] { summary_table(folder.path()); }).find("evaluation.json: cannot be read"),
+            std::string::npos);
+}
+
+TEST(ReportInput, ReadsWhatIsThere) {
+  const TempFolder folder;
+  write_small_results(folder.path());
+  const Results results = read_results(folder.path());
+  ASSERT_EQ(results.cells.size(), 2u);
+  EXPECT_EQ(results.cells[1].status, CellStatus::failed);
+  EXPECT_EQ(results.cells[1].message,
+            "estimate: no depth, and <script> no colour");  // commas are the message's own
+  const CellEvaluation& evaluation = results.cells[0].evaluation.value();
+  ASSERT_EQ(evaluation.series.size(), 1u);
+  EXPECT_EQ(evaluation.series[0].subject, "cube");
+  EXPECT_EQ(evaluation.series[0].stamps_ns, (std::vector<std::int64_t>{1000000000, 1033333333}));
+  EXPECT_EQ(evaluation.series[0].columns.at("ape_translation_m"),
+            (std::vector<std::optional<double>>{0.125, std::nullopt}));
+}
+
+TEST(ReportInput, ObjectsWithoutANameOrWithOneThatStandsTwice) {
+  const TempFolder folder;
+  write_small_results(folder.path());
+  write_file(
+      folder.path() / kEvaluation,
+      R"({"schema": 1, "objects": [{"id": 1, "name": "Car"}, {"id": 2, "name": "car"}, {"id": 3, "name": ""}]})");
+  write_file(folder.path() / kFrames, "frame,timestamp_ns,object_id\n");
+  EXPECT_EQ(subjects_of(read_results(folder.path()), "s"),
+            (std::vector<std::string>{"car_1", "car_2", "object_3"}));
+}
+
+}  // namespace
+}  // namespace uniquadric

@@ -1,0 +1,191 @@
+#include "evaluation/report/overlay.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "core/base/files.h"
+#include "core/sequence/calibration.h"
+#include "core/sequence/sequence.h"
+#include "core/sequence/tracks.h"
+#include "evaluation/report/drawing.h"
+#include "evaluation/report/jpeg.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 10;
+constexpr int kColorMargin = 60;  // of 255: a line against its surroundings, after JPEG
+
+bool is_green(const cv::Vec3b& p) {
+  return p[1] > p[2] + kColorMargin && p[1] > p[0] + kColorMargin;
+}
+bool is_orange(const cv::Vec3b& p) {
+  return p[2] > p[1] + kColorMargin && p[1] > p[0] + kColorMargin;
+}
+template <typename Is>
+int count(const cv::Mat& image, Is is) {
+  int n = 0;
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) n += is(image.at<cv::Vec3b>(y, x));
+  return n;
+}
+
+// A grey sequence, a sphere of 0.5 m at `true_z_m` and its estimate at `estimated_z_m`, the camera at the
+// origin.
+struct GreyRecording {
+  TempFolder folder;
+  fs::path sequence = folder.path() / "sequence", truth = folder.path() / "truth",
+           estimate = folder.path() / "estimate", out = folder.path() / "out";
+
+  GreyRecording(double true_z_m, double estimated_z_m) {
+    Sequence s;
+    s.name = "grey", s.rate_hz = 10;
+    fs::create_directories(sequence);
+    write_png(sequence / "rgb.png", cv::Mat(480, 640, CV_8UC3, cv::Scalar(90, 90, 90)));
+    cv::Mat masks(480, 640, CV_16UC1, cv::Scalar(0));
+    masks(cv::Rect(0, 0, 40, 400)).setTo(3);
+    write_png(sequence / "mask.png", masks);
+    for (int i = 0; i < kFrames; ++i)
+      s.frames.push_back({i, i * 100'000'000LL, "rgb.png", "", "mask.png", 0});
+    write_sequence_index(sequence, s);
+    write_truth(s, true_z_m);
+    fs::create_directories(estimate);
+    Tracks tracks;
+    tracks.camera = camera(s);
+    tracks.objects.push_back({7, "", {}});
+    for (const auto& frame : s.frames) {
+      ObjectState state;
+      state.frame = frame.frame, state.stamp_ns = frame.stamp_ns;
+      state.ellipsoid = {at(estimated_z_m), Eigen::Vector3d::Constant(0.5)};
+      tracks.objects[0].states.push_back(state);
+    }
+    write_estimate(estimate, tracks);
+  }
+
+  static Pose at(double z_m) { return {Eigen::Quaterniond::Identity(), {0, 0, z_m}}; }
+  static Trajectory camera(const Sequence& s) {
+    Trajectory poses;
+    for (const auto& frame : s.frames) poses.push_back({frame.stamp_ns, Pose{}});
+    return poses;
+  }
+  void write_truth(const Sequence& s, double z_m) const {
+    fs::create_directories(truth / "objects");
+    write_tum(truth / "camera.tum", camera(s));
+    ObjectDescription ball;
+    ball.id = 1, ball.name = "ball", ball.semi_axes_m.setConstant(0.5), ball.shape = "ball";
+    write_objects_yaml(truth / "objects.yaml", {ball});
+    Trajectory poses = camera(s);
+    for (auto& pose : poses) pose.pose = at(z_m);
+    write_tum(truth / "objects/1.tum", poses);
+  }
+  cv::Mat first() const { return read_image(out / "000000.jpg"); }
+};
+
+TEST(Overlay, OutlinesStandWhereTheSpheresProject) {
+  const GreyRecording recording(4, 3);
+  write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, false);
+  const cv::Mat image = recording.first();
+  // A sphere on the axis projects to a circle of radius f a / sqrt(z^2 - a^2); row 239 is half a pixel off
+  // its centre.
+  const auto radius_px = [](double z_m) { return 525 * 0.5 / std::sqrt(z_m * z_m - 0.25); };
+  const auto pixel = [&](double dx) {
+    return image.at<cv::Vec3b>(239, static_cast<int>(std::lround(319.5 + dx)));
+  };
+  EXPECT_TRUE(is_green(pixel(radius_px(4))));
+  EXPECT_TRUE(is_green(pixel(-radius_px(4))));
+  EXPECT_TRUE(is_orange(pixel(radius_px(3))));
+  EXPECT_TRUE(is_orange(pixel(-radius_px(3))));
+  EXPECT_FALSE(is_green(pixel(radius_px(4) + 6)) ||
+               is_orange(pixel(radius_px(4) + 6)));  // nothing between them
+  EXPECT_FALSE(is_green(pixel(0)) || is_orange(pixel(0)));
+}
+
+TEST(Overlay, NoOutlineWithoutAnEllipse) {
+  int cases = 0;
+  for (const double z_m : {-4.0, 0.0, 0.3}) {  // behind; the camera inside; across the principal plane
+    const GreyRecording recording(z_m, z_m);
+    write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, false);
+    EXPECT_EQ(count(recording.first(), is_green), 0) << z_m;
+    EXPECT_EQ(count(recording.first(), is_orange), 0) << z_m;
+    ++cases;
+  }
+  EXPECT_EQ(cases, 3);
+}
+
+TEST(Overlay, RecordingsHaveNoTruth) {
+  const GreyRecording recording(4, 4);
+  write_overlays(recording.sequence, "", recording.estimate, recording.out, 1, false);
+  EXPECT_EQ(count(recording.first(), is_green), 0);
+  EXPECT_GT(count(recording.first(), is_orange), 100);
+}
+
+TEST(Overlay, TintsTheSequencesMasksOrTheEstimatesOwn) {
+  const GreyRecording recording(4, 4);
+  const auto is_tinted = [](const cv::Vec3b& p) { return std::abs(p[0] - p[2]) > 20; };
+  write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, false);
+  EXPECT_TRUE(is_tinted(recording.first().at<cv::Vec3b>(300, 20)));
+  EXPECT_FALSE(is_tinted(recording.first().at<cv::Vec3b>(300, 620)));
+  cv::Mat own(480, 640, CV_16UC1, cv::Scalar(0));
+  own(cv::Rect(600, 0, 40, 400)).setTo(1);
+  fs::create_directories(recording.estimate / "masks");
+  write_png(recording.estimate / "masks/000000.png", own);
+  write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
+  EXPECT_FALSE(is_tinted(recording.first().at<cv::Vec3b>(300, 20)));
+  EXPECT_TRUE(is_tinted(recording.first().at<cv::Vec3b>(300, 620)));
+  own.convertTo(own, CV_8UC1);
+  write_png(recording.estimate / "masks/000000.png", own);
+  const auto draw = [&] {
+    write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
+  };
+  EXPECT_NE(input_error(draw).find("000000.png: expected a 16-bit image"), std::string::npos);
+}
+
+TEST(Overlay, EvenlySpacedFramesOneSheetAndNoOldOnes) {
+  const GreyRecording recording(4, 4);
+  write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 5, false);
+  const auto again = [&] {
+    write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 4, false);
+  };
+  EXPECT_NE(input_error(again).find("--force"), std::string::npos);
+  write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 4, true);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(recording.out))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"000000.jpg", "000003.jpg", "000006.jpg", "000009.jpg", "sheet.jpg"}));
+  const cv::Mat sheet = read_image(recording.out / "sheet.jpg");
+  EXPECT_EQ(sheet.size(), cv::Size(2 * 480 + 3 * 4, 2 * 360 + 3 * 4));  // two by two tiles and the gaps
+}
+
+TEST(Overlay, SheetOfNothingIsRefused) {
+  const TempFolder folder;
+  const auto make = [&] { write_contact_sheet(folder.path(), folder.path() / "sheet.jpg"); };
+  EXPECT_NE(input_error(make).find("holds no frames"), std::string::npos);
+}
+
+TEST(Drawing, OutlineFollowsTheLens) {
+  Camera camera;
+  camera.distortion = {-0.3, 0.1, 0.001, -0.002, 0};
+  Canvas canvas = make_canvas(cv::Mat(480, 640, CV_8UC3, cv::Scalar(0, 0, 0)), camera, 320);
+  const Ellipse ellipse{{500, 380}, 100, 50, 0.5};
+  draw_ellipse(canvas, ellipse, {255, 255, 255}, 1);
+  const Eigen::Vector2d axis(std::cos(ellipse.angle_rad), std::sin(ellipse.angle_rad));
+  int hits = 0;
+  for (const double side : {-1.0, 1.0}) {
+    const Eigen::Vector2d vertex = ellipse.center + side * ellipse.semi_major * axis;
+    const auto bent =
+        camera.project({(vertex.x() - camera.cx) / camera.fx, (vertex.y() - camera.cy) / camera.fy, 1});
+    const cv::Point at(static_cast<int>(std::lround((bent->x() + 0.5) / 2 - 0.5)),
+                       static_cast<int>(std::lround((bent->y() + 0.5) / 2 - 0.5)));
+    EXPECT_GT((vertex - *bent).norm(), 2);  // [px]: the lens does bend here
+    hits += canvas.image.at<cv::Vec3b>(at)[0] > 60;
+  }
+  EXPECT_EQ(hits, 2);
+}
+
+}  // namespace
+}  // namespace uniquadric

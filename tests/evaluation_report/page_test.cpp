@@ -1,0 +1,166 @@
+#include "evaluation/report/page.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <regex>
+
+#include "core/base/files.h"
+#include "evaluation/report/page_assets.h"
+#include "evaluation/report/report.h"
+#include "tests/evaluation_report/fabricated_results.h"
+#include "tests/evaluation_report/small_results.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// What stands between an opening tag and the next closing script tag: as a browser cuts it.
+json script_json(const std::string& html, const std::string& id) {
+  const std::string open = "<script type=\"application/json\" id=\"" + id + "\">";
+  const std::size_t begin = html.find(open);
+  EXPECT_NE(begin, std::string::npos);
+  const std::size_t end = html.find("</script>", begin);
+  return json::parse(html.substr(begin + open.size(), end - begin - open.size()));
+}
+
+std::string decode_base64(const std::string& text) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  unsigned bits = 0, count = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    bits = bits << 6 | static_cast<unsigned>(digits.find(c));
+    count += 6;
+    if (count >= 8) bytes += static_cast<char>(bits >> (count -= 8) & 0xff);
+  }
+  return bytes;
+}
+
+TEST(Page, SameBytesForTheSameResults) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 20});
+  std::vector<std::string> first;
+  for (const char* file : {"report.html", "report.md", "scores.csv"}) {
+    write_report(folder.path());
+    first.push_back(read_text(folder.path() / file));
+    write_report(folder.path());
+    EXPECT_EQ(read_text(folder.path() / file), first.back()) << file;
+  }
+  // And in another place.
+  const TempFolder other;
+  fs::copy(folder.path(), other.path() / "moved", fs::copy_options::recursive);
+  write_report(other.path() / "moved");
+  EXPECT_EQ(read_text(other.path() / "moved/report.html"), first[0]);
+}
+
+TEST(Page, LoadsNothingFromOutside) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 20});
+  write_report(folder.path());
+  std::string html = read_text(folder.path() / "report.html");
+  const std::string policy = "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'";
+  EXPECT_NE(html.find(policy), std::string::npos);
+  const std::string chart_js(page_asset("chart.min.js"));
+  const std::size_t at = html.find(chart_js);
+  ASSERT_NE(at, std::string::npos);
+  html.erase(at, chart_js.size());  // its licence names its home page
+  EXPECT_EQ(html.find("http://"), std::string::npos);
+  EXPECT_EQ(html.find("https://"), std::string::npos);
+  EXPECT_FALSE(std::regex_search(html, std::regex("<(script|img|iframe)[^>]* src=|@import|url\\(")));
+}
+
+TEST(Page, EmbeddedDataReadsBack) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 30});
+  const Results results = read_results(folder.path());
+  write_report(folder.path());
+  const json data = script_json(read_text(folder.path() / "report.html"), "data");
+  EXPECT_EQ(data.at("name"), "fabricated");
+  EXPECT_EQ(data.at("command"), "uniquadric bench configs/bench/fabricated.yaml out");
+  ASSERT_EQ(data.at("cells").size(), 8u);
+  constexpr double kFourDigits = 5e-4;  // relative: PageOptions::series_digits
+  int values = 0;
+  for (std::size_t c = 0; c < 7; ++c) {  // the eighth failed
+    const json& cell = data["cells"][c];
+    for (std::size_t s = 0; s < 2; ++s) {
+      const ObjectSeries& series = results.cells[c].evaluation->series[s];
+      const auto& expected = series.columns.at("ape_translation_m");
+      const json& columns = cell.at("series")[s].at("columns").at("ape_translation_m");
+      ASSERT_EQ(columns.size(), 30u);  // nothing thinned out
+      for (std::size_t i = 0; i < expected.size(); ++i, ++values)
+        EXPECT_NEAR(columns[i].get<double>(), *expected[i], kFourDigits * *expected[i]);
+    }
+  }
+  EXPECT_EQ(values, 7 * 2 * 30);
+  EXPECT_EQ(data["cells"][7].at("status"), "failed");
+}
+
+TEST(Page, TextOfTheResultsCannotLeaveItsScript) {
+  const TempFolder folder;
+  write_small_results(folder.path());
+  const std::string nasty = "</script><script>alert(1)</script><!-- {{data}} \xff";
+  write_file(folder.path() / "cells.csv",
+             "scene,variant,seed,status,folder,message\ns,a,1,failed,x," + nasty + "\n");
+  write_file(folder.path() / "bench.yaml", "name: \"<b>{{style}}</b>\"\n");
+  write_report(folder.path());
+  const std::string html = read_text(folder.path() / "report.html");
+  EXPECT_EQ(html.find("alert(1)</script>"), std::string::npos);
+  EXPECT_NE(html.find("<h1>&lt;b&gt;{{style}}&lt;/b&gt;</h1>"), std::string::npos);
+  const std::string message = script_json(html, "data").at("cells")[0].at("message");
+  EXPECT_EQ(message,
+            "</script><script>alert(1)</script><!-- {{data}} \xef\xbf\xbd");  // U+FFFD for the stray byte
+}
+
+TEST(Page, PicturesAreTheFilesAndFitTheirBudget) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 10, .overlays = 5});
+  write_file(folder.path() / "cells/cube_cuboid/single_frame_obb/seed_1/overlays/sheet.jpg", "no frame");
+  const Results results = read_results(folder.path());
+  const json all = json::parse(page_images(results, {}));
+  ASSERT_EQ(all.size(), 4u);  // the first good seed of each scene and variant
+  std::size_t bytes = 0;
+  for (const json& gallery : all) {
+    ASSERT_EQ(gallery.at("frames").size(), 5u);
+    for (const json& frame : gallery["frames"]) {
+      const std::string name = cv::format("%06d.jpg", frame.at("frame").get<int>());
+      const fs::path file = folder.path() / "cells" / gallery["scene"].get<std::string>() /
+                            gallery["variant"].get<std::string>() / "seed_1/overlays" / name;
+      const std::string picture = decode_base64(frame.at("jpeg"));
+      EXPECT_EQ(picture, read_text(file));
+      bytes += picture.size();
+    }
+  }
+  const json half = json::parse(page_images(results, {.image_bytes = bytes / 2}));
+  for (const json& gallery : half) {
+    EXPECT_EQ(gallery.at("frames").size(), 2u);  // two of five are under one half
+    EXPECT_EQ(gallery.at("frames")[0].at("frame"), 0);
+    EXPECT_EQ(gallery.at("frames")[1].at("frame"), 9);
+    EXPECT_EQ(gallery.at("available"), 5);
+  }
+  EXPECT_EQ(json::parse(page_images(results, {.image_bytes = 10}))[0].at("frames").size(), 0u);
+}
+
+TEST(Page, EvenlySpacedKeepsBothEnds) {
+  EXPECT_EQ(evenly_spaced(10, 4), (std::vector<std::size_t>{0, 3, 6, 9}));
+  EXPECT_EQ(evenly_spaced(3, 3), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(evenly_spaced(5, 1), (std::vector<std::size_t>{0}));
+  EXPECT_TRUE(evenly_spaced(5, 0).empty());
+}
+
+TEST(Page, MarkdownListsTheFailure) {
+  const TempFolder folder;
+  write_small_results(folder.path());
+  write_report(folder.path());
+  const std::string text = read_text(folder.path() / "report.md");
+  EXPECT_NE(text.find("| s | cube | a | 1/1 | 0.100 |"), std::string::npos);
+  EXPECT_NE(text.find("| s | cube | *paper: Single Frame OBB* |  | *0.440* | *2.260* | *0.411* | *1.510* |"),
+            std::string::npos);
+  EXPECT_NE(text.find("| s | b | 1 | estimate: no depth, and"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace uniquadric
