@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <numbers>
 #include <optional>
 
 #include "core/base/config.h"
 #include "core/base/error.h"
 #include "simulator/scene/named_motions.h"
+#include "simulator/scene/pose_reader.h"
 #include "simulator/scene/spline.h"
 
 namespace uniquadric {
@@ -17,19 +17,8 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kUnitTolerance = 1e-3;  // of a quaternion's norm, as for trajectories that are read
-
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
-}
-
-Quaterniond read_quaternion(const ConfigNode& node) {
-  const auto q = node.as<std::vector<double>>();
-  if (q.size() != 4) node.fail(fmt::format("expected 4 numbers x, y, z, w, found {}", q.size()));
-  const Quaterniond rotation(q[3], q[0], q[1], q[2]);
-  if (std::abs(rotation.norm() - 1) > kUnitTolerance)
-    node.fail(fmt::format("norm is {:.6g}, expected 1", rotation.norm()));
-  return rotation.normalized();
 }
 
 Vector3d read_direction(const ConfigNode& node, const std::string& key, const Vector3d& fallback) {
@@ -44,30 +33,6 @@ double read_nonzero(const ConfigNode& node, const std::string& key) {
   const double value = node.get<double>(key);
   if (value == 0) node.at(key).fail("cannot be 0");
   return value;
-}
-
-/// Identity when the map says nothing of the orientation; `target` is what way-points look at unless they say
-/// otherwise.
-Quaterniond read_orientation(const ConfigNode& node, Mover mover, const Vector3d& position_m,
-                             const std::optional<ConfigNode>& target = {}) {
-  const auto rpy = node.find("rpy_deg"), quaternion = node.find("quaternion_xyzw"),
-             own_target = node.find("look_at_m");
-  if (rpy.has_value() + quaternion.has_value() + own_target.has_value() > 1)
-    node.fail("give one of rpy_deg, quaternion_xyzw, look_at_m");
-  const auto roll = node.find("roll_deg");
-  if (rpy) return read_rpy_deg(*rpy);
-  if (quaternion) return read_quaternion(*quaternion);
-  const auto& looked_at = own_target ? own_target : target;
-  if (!looked_at) {
-    if (roll) roll->fail("belongs to look_at_m");
-    return Quaterniond::Identity();
-  }
-  if (mover != Mover::camera) looked_at->fail("is for cameras; give rpy_deg or quaternion_xyzw");
-  try {
-    return look_at(position_m, looked_at->as<Vector3d>(), roll ? radians(roll->as<double>()) : 0).rotation;
-  } catch (const InputError& error) {
-    node.fail(error.what());
-  }
 }
 
 Pose read_start(const ConfigNode& node, Mover mover) {
@@ -172,18 +137,6 @@ Motion read_kind(const ConfigNode& node, Mover mover) {
 }
 
 }  // namespace
-
-Eigen::Quaterniond read_rpy_deg(const ConfigNode& node) {
-  const Vector3d rpy = node.as<Vector3d>() * (std::numbers::pi / 180);
-  return (exp_so3(rpy.z() * Vector3d::UnitZ()) * exp_so3(rpy.y() * Vector3d::UnitY()) *
-          exp_so3(rpy.x() * Vector3d::UnitX()))
-      .normalized();
-}
-
-Pose read_pose(const ConfigNode& node, Mover mover) {
-  const auto position = node.get<Vector3d>("position_m", Vector3d::Zero());
-  return {read_orientation(node, mover, position), position};
-}
 
 Motion read_motion(const ConfigNode& node, Mover mover) {
   const Motion motion = read_kind(node, mover);

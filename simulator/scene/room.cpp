@@ -62,7 +62,7 @@ std::vector<Mesh> furniture_piece(const Eigen::Vector3d& room_m, int index, int 
   const double along = -slot_m * slots / 2 + slot_m * (slot + random.uniform(0.45, 0.55));
   const double away = (wall < 2 ? 1 : -1) * (across_m / 2 - depth / 2 - 0.02);
   const double z = -room_m.z() / 2 + height / 2;
-  const Eigen::Vector3d color(random.uniform(.25, .7), random.uniform(.25, .65), random.uniform(.2, .65));
+  const Eigen::Vector3d color{random.uniform(.25, .7), random.uniform(.25, .65), random.uniform(.2, .65)};
   Material paint = part_material(material, static_cast<std::uint64_t>(index), color);
   paint.style = static_cast<TextureStyle>(random.below(kTextureStyleNames.size()));
   paint.size_px = std::max(128, material.size_px / 4);

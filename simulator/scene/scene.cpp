@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/config.h"
+#include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/hash.h"
 #include "core/sequence/calibration.h"
@@ -31,6 +32,15 @@ void read_clock(const ConfigNode& root, Scene& scene) {
     root.at("rate_hz").fail(fmt::format("expected at most {} Hz", kMaxRate_hz));
 }
 
+// A camera cannot look at a point that its path leads straight over: better said now than amid the frames.
+void check_camera_motion(const ConfigNode& motion, const Scene& scene) {
+  for (std::int64_t frame = 0; frame < scene.frames; ++frame) try {
+      scene.camera_motion.at(static_cast<double>(scene.stamp_ns(frame)) * 1e-9);
+    } catch (const InputError& error) {
+      motion.fail(fmt::format("frame {}: {}", frame, error.what()));
+    }
+}
+
 void read_camera_section(const ConfigNode& node, Scene& scene) {
   if (const auto calibration = node.find("calibration")) {
     scene.camera = read_camera(*calibration);
@@ -38,6 +48,7 @@ void read_camera_section(const ConfigNode& node, Scene& scene) {
   }
   scene.given_camera = node.get<bool>("given", scene.given_camera);
   scene.camera_motion = read_motion(node.at("motion"), Mover::camera);
+  check_camera_motion(node.at("motion"), scene);
   node.refuse_unknown_keys();
 }
 

@@ -7,68 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/random.h"
+#include "simulator/scene/painter.h"
 
 namespace uniquadric {
 namespace {
-
-using Color = cv::Scalar;  // blue, green, red in 0..255
-
-struct Painter {
-  const Material& material;
-  RandomStream random;
-  cv::Mat image;
-  int unit;  ///< px: side of a medium mark
-
-  Color shade(const Eigen::Vector3d& rgb, double gain) const {
-    const auto level = [&](double v) { return std::clamp(255 * v * gain, 0.0, 255.0); };
-    return {level(rgb.z()), level(rgb.y()), level(rgb.x())};
-  }
-  /// A tone of either colour, brighter or darker by as much as the contrast allows.
-  Color tone() {
-    const Eigen::Vector3d& base = random.uniform() < 0.6 ? material.color : material.accent;
-    const Eigen::Vector3d mixed = material.color + material.contrast * (base - material.color);
-    return shade(mixed, 1 + material.contrast * random.uniform(-0.75, 0.75));
-  }
-  /// A tone far from the mean, for marks that must stand out.
-  Color ink() {
-    const double gain = random.uniform() < 0.5 ? 1 - 0.8 * material.contrast : 1 + 0.9 * material.contrast;
-    return shade(random.uniform() < 0.6 ? material.color : material.accent, gain);
-  }
-  cv::Point place() {
-    return {static_cast<int>(random.below(static_cast<std::uint32_t>(image.cols))),
-            static_cast<int>(random.below(static_cast<std::uint32_t>(image.rows)))};
-  }
-  /// Length in px, `low` to `high` medium marks, small ones more often.
-  int length(double low, double high) {
-    return std::max(1, static_cast<int>(std::lround(unit * low * std::pow(high / low, random.uniform()))));
-  }
-  int count(double per_square_unit) const {
-    return static_cast<int>(per_square_unit * image.cols * image.rows / (unit * unit));
-  }
-};
-
-// Value noise: octaves of random lattices, each twice as fine and half as strong. The 8-bit exact resize
-// gives the same bytes on every machine.
-void add_value_noise(Painter& p, int octaves) {
-  cv::Mat sum(p.image.size(), CV_16SC1, cv::Scalar(0));
-  double strength = 60 * p.material.contrast;
-  for (int octave = 0, cell = 4 * p.unit; octave < octaves && cell >= 2;
-       ++octave, cell /= 2, strength /= 1.6) {
-    cv::Mat lattice(p.image.rows / cell + 2, p.image.cols / cell + 2, CV_8UC1), smooth, scaled;
-    for (int i = 0; i < lattice.rows; ++i)
-      for (int j = 0; j < lattice.cols; ++j)
-        lattice.at<unsigned char>(i, j) = static_cast<unsigned char>(p.random.bits() >> 24);
-    cv::resize(lattice, smooth, {(lattice.cols) * cell, (lattice.rows) * cell}, 0, 0, cv::INTER_LINEAR_EXACT);
-    smooth(cv::Rect({0, 0}, p.image.size())).convertTo(scaled, CV_16SC1, strength / 128, -strength);
-    sum += scaled;
-  }
-  cv::Mat wide, three;
-  cv::merge(std::vector<cv::Mat>{sum, sum, sum}, three);
-  p.image.convertTo(wide, CV_16SC3);
-  wide += three;
-  wide.convertTo(p.image, CV_8UC3);
-}
 
 void fill_rect(Painter& p, const cv::Rect& rect, const Color& color) {
   cv::rectangle(p.image, rect, color, cv::FILLED);
@@ -116,8 +58,9 @@ void add_courses(Painter& p, int height, double shortest, double longest) {
 void add_speckle(Painter& p, double per_square_unit) {
   for (int k = p.count(per_square_unit); k > 0; --k) {
     const cv::Point centre = p.place();
-    const cv::Size axes(p.length(0.06, 0.5), p.length(0.06, 0.5));
-    cv::ellipse(p.image, centre, axes, p.random.uniform(0, 180), 0, 360, p.ink(), cv::FILLED, cv::LINE_AA);
+    const cv::Size axes{p.length(0.06, 0.5), p.length(0.06, 0.5)};
+    const double tilt_deg = p.random.uniform(0, 180);
+    cv::ellipse(p.image, centre, axes, tilt_deg, 0, 360, p.ink(), cv::FILLED, cv::LINE_AA);
   }
 }
 
@@ -139,7 +82,7 @@ void add_strokes(Painter& p, double per_square_unit) {
       fill_rect(p, {at, cv::Size(size, std::max(2, p.length(0.1, 1)))}, color);
     } else {
       std::vector<cv::Point> corners;
-      for (int c = 0; c < 3; ++c) corners.emplace_back(at.x + p.length(0.2, 2), at.y + p.length(0.2, 2));
+      for (int c = 0; c < 3; ++c) corners.push_back(at + cv::Point{p.length(0.2, 2), p.length(0.2, 2)});
       cv::fillConvexPoly(p.image, corners, color, cv::LINE_AA);
     }
   }

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+
+#include "core/base/config.h"
+#include "core/geometry/pose.h"
+
+namespace uniquadric {
+
+/// What moves: a camera's poses are those of its optical frame, and only a camera may look at a point.
+enum class Mover { body, camera };
+
+/// These read their keys of a map, leave other keys to the caller's check and throw InputError with file and
+/// line.
+
+/// Roll, pitch, yaw [deg]: R = Rz(yaw) Ry(pitch) Rx(roll).
+Eigen::Quaterniond read_rpy_deg(const ConfigNode& node);
+
+/// One of rpy_deg, quaternion_xyzw, look_at_m (with roll_deg); with none of them the look at `target`, or
+/// identity.
+Eigen::Quaterniond read_orientation(const ConfigNode& node, Mover mover, const Eigen::Vector3d& position_m,
+                                    const std::optional<ConfigNode>& target = {});
+
+/// position_m and an orientation.
+Pose read_pose(const ConfigNode& node, Mover mover);
+
+}  // namespace uniquadric

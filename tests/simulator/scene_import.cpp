@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/base/error.h"
+#include "core/sequence/sequence.h"
+#include "simulator/scene/mesh_building.h"
+#include "simulator/scene/mesh_import.h"
+#include "tests/simulator/scene_support.h"
+
+namespace uniquadric {
+namespace {
+
+using scene_test::ScratchFolder;
+
+// A 2 x 1 sheet; its left edge shows the texture's left, its bottom the texture's bottom (v counts upwards in
+// files).
+const std::string kSheet =
+    "mtllib sheet.mtl\nusemtl paint\nv 0 0 5\nv 2 0 5\nv 2 1 5\nv 0 1 5\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+    "f 1/1 2/2 3/3 4/4\n";
+const std::string kPaint = "newmtl paint\nKd 0.1 0.1 0.1\nmap_Kd sheet.png\n";
+
+cv::Mat two_rows() {  // red above blue
+  cv::Mat image(2, 2, CV_8UC3, cv::Scalar(255, 0, 0));
+  image.row(0) = cv::Scalar(0, 0, 255);
+  return image;
+}
+
+std::string refusal(const std::filesystem::path& path) {
+  try {
+    import_mesh(path);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(MeshImport, ReadsObjWithMaterialAndTexture) {
+  const ScratchFolder folder("import_obj");
+  folder.write("sheet.mtl", kPaint);
+  write_png(folder.path() / "sheet.png", two_rows());
+  const ImportedMesh imported = import_mesh(folder.write("sheet.obj", kSheet));
+  ASSERT_EQ(imported.meshes.size(), 1u);
+  const Mesh& mesh = imported.meshes[0];
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.color, Eigen::Vector3f(1, 1, 1));  // the texture holds the look
+  ASSERT_EQ(mesh.texture.size(), cv::Size(2, 2));
+  int lower = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    EXPECT_EQ(mesh.normals[i], Eigen::Vector3f(0, 0, 1));
+    EXPECT_EQ(mesh.uvs[i].y(), mesh.positions[i].y() == 0 ? 1 : 0);  // the image's first row is on top
+    lower += mesh.positions[i].y() == 0;
+  }
+  EXPECT_EQ(lower, 2);
+  const Eigen::AlignedBox3d box = tight_box(imported.meshes);
+  EXPECT_EQ(box.min(), Eigen::Vector3d(0, 0, 5));
+  EXPECT_EQ(box.max(), Eigen::Vector3d(2, 1, 5));
+  EXPECT_EQ(imported.files.size(), 3u);  // mesh, material, texture
+}
+
+TEST(MeshImport, ReadsPly) {
+  const ScratchFolder folder("import_ply");
+  const auto path =
+      folder.write("sheet.ply",
+                   "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                   "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                   "0 0 0\n2 0 0\n2 1 0\n0 1 0\n4 0 1 2 3\n");
+  const ImportedMesh imported = import_mesh(path);
+  ASSERT_EQ(imported.meshes.size(), 1u);
+  EXPECT_EQ(imported.meshes[0].triangles.size(), 2u);
+  EXPECT_EQ(imported.meshes[0].normals[0], Eigen::Vector3f(0, 0, 1));
+}
+
+void append_word(std::string& bytes, std::uint32_t word) {
+  char raw[4];
+  std::memcpy(raw, &word, 4);  // little endian, as the format and every machine this builds on
+  bytes.append(raw, 4);
+}
+
+std::string glb(const std::string& json, std::string binary) {
+  std::string text = json;
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  binary.resize((binary.size() + 3) / 4 * 4, '\0');
+  std::string bytes = "glTF";
+  append_word(bytes, 2);
+  append_word(bytes, static_cast<std::uint32_t>(12 + 8 + text.size() + 8 + binary.size()));
+  append_word(bytes, static_cast<std::uint32_t>(text.size()));
+  bytes += "JSON" + text;
+  append_word(bytes, static_cast<std::uint32_t>(binary.size()));
+  return bytes + std::string("BIN\0", 4) + binary;
+}
+
+TEST(MeshImport, ReadsGlbWithEmbeddedTextureAndNodeTransform) {
+  std::vector<unsigned char> png;
+  ASSERT_TRUE(cv::imencode(".png", two_rows(), png));
+  const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, /*uv*/ 0, 0, 1, 0, 0, 1};
+  std::string binary(reinterpret_cast<const char*>(data), sizeof data);
+  binary.append(png.begin(), png.end());
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"translation":[10,0,0]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+      R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}],)"
+      R"("materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":0}],)"
+      R"("images":[{"bufferView":2,"mimeType":"image/png"}],"bufferViews":[{"buffer":0,"byteLength":36},)"
+      R"({"buffer":0,"byteOffset":36,"byteLength":24},{"buffer":0,"byteOffset":60,"byteLength":)" +
+      std::to_string(png.size()) + R"(}],"buffers":[{"byteLength":)" + std::to_string(binary.size()) + "}]}";
+  const ScratchFolder folder("import_glb");
+  const ImportedMesh imported = import_mesh(folder.write("sheet.glb", glb(json, binary)));
+  ASSERT_EQ(imported.meshes.size(), 1u);
+  EXPECT_EQ(imported.meshes[0].texture.size(), cv::Size(2, 2));
+  EXPECT_EQ(tight_box(imported.meshes).min(), Eigen::Vector3d(10, 0, 0));
+  for (std::size_t i = 0; i < 3; ++i)  // in this format v counts downwards already
+    EXPECT_EQ(imported.meshes[0].uvs[i].y(), imported.meshes[0].positions[i].y());
+  EXPECT_EQ(imported.files.size(), 1u);
+}
+
+TEST(MeshImport, RefusesWhatCannotBeRendered) {
+  const ScratchFolder folder("import_faults");
+  EXPECT_NE(refusal(folder.path() / "absent.obj").find("absent.obj: no such mesh file"), std::string::npos);
+  EXPECT_NE(refusal(folder.write("text.obj", "hello\n")).find("text.obj: "), std::string::npos);
+  EXPECT_NE(refusal(folder.write("points.obj", "v 0 0 0\nv 1 0 0\n")).find("points.obj: "),
+            std::string::npos);
+  EXPECT_NE(refusal(folder.write("sheet.xyz", "0 0 0\n")).find("sheet.xyz: cannot be read as a mesh"),
+            std::string::npos);
+  const std::string bad = "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_NE(refusal(folder.write("nan.obj", bad)).find("is not finite"), std::string::npos);
+
+  folder.write("sheet.mtl", kPaint);
+  const auto sheet = folder.write("sheet.obj", kSheet);
+  EXPECT_NE(refusal(sheet).find("sheet.png: cannot be read"), std::string::npos);
+  write_png(folder.path() / "sheet.png", two_rows());
+  const std::string whole = read_text(folder.path() / "sheet.png");
+  folder.write("sheet.png", whole.substr(0, whole.size() - 20));
+  EXPECT_NE(refusal(sheet).find("sheet.png: is a truncated image"), std::string::npos);
+  folder.write("sheet.png", "no image");
+  EXPECT_NE(refusal(sheet).find("sheet.png: is not an image"), std::string::npos);
+}
+
+const std::string kBar =
+    "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 0 0 1\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+
+TEST(MeshImport, ObjectIsCentredScaledAndTurned) {
+  const ScratchFolder folder("import_object");
+  folder.write("bar.obj", kBar);
+  const auto path = folder.write("scene.yaml",
+                                 "camera: {motion: {kind: static, look_at_m: [1, 0, 0]}}\nobjects:\n"
+                                 "  - {id: 1, name: bar, mesh: bar.obj, scale: 0.1, mesh_rpy_deg: [0, 0, "
+                                 "90], motion: {kind: static}}\n");
+  const Scene scene = load_scene(path);
+  const Body& bar = scene.objects.at(0);
+  EXPECT_EQ(bar.shape, "mesh");
+  EXPECT_EQ(bar.mesh_file, "bar.obj");
+  constexpr double kSingle_m = 1e-7;  // single precision of 0.2 m, a few operations
+  EXPECT_LT((bar.semi_axes_m - Eigen::Vector3d(0.1, 0.2, 0.05)).norm(), kSingle_m);
+  const Eigen::AlignedBox3d box = tight_box(bar.meshes);
+  EXPECT_LT((box.min() + bar.semi_axes_m).norm(), kSingle_m);
+  EXPECT_LT((box.max() - bar.semi_axes_m).norm(), kSingle_m);
+}
+
+}  // namespace
+}  // namespace uniquadric

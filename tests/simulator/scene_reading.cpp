@@ -1,0 +1,191 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "simulator/scene/mesh_building.h"
+#include "tests/simulator/scene_support.h"
+
+namespace uniquadric {
+namespace {
+
+using scene_test::ScratchFolder;
+
+const std::string kScene = R"(frames: 20
+rate_hz: 25
+camera:
+  calibration: {width: 64, height: 48, fx: 50, fy: 50, cx: 31.5, cy: 23.5}
+  motion:
+    kind: spline
+    look_at_m: [0, 0, 1]
+    waypoints:
+      - {time_s: 0, position_m: [-2, -2, 1]}
+      - {time_s: 1, position_m: [2, -2, 1]}
+depth_noise: {model: stereo, baseline_m: 0.1}
+segmenter: {latency_s: 0.2}
+light: {ambient: 0.4}
+world:
+  - {name: room, primitive: room, size_m: [6, 6, 3], furniture: 0, material: {texture_px: 64}}
+objects:
+  - id: 7
+    name: block
+    primitive: box
+    size_m: [0.4, 0.2, 0.1]
+    material: {texture_px: 64}
+    motion: {kind: static, position_m: [0, 0, 1], rpy_deg: [0, 0, 90]}
+  - id: 8
+    name: other
+    primitive: ball
+    size_m: [0.2, 0.2, 0.2]
+    segments: 4
+    material: {texture_px: 64}
+    motion: {kind: line, velocity_mps: [0.1, 0, 0], start: {position_m: [0, 1, 0.1]}, rolling_radius_m: 0.1}
+)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, text.npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string refusal(const std::filesystem::path& path) {
+  try {
+    load_scene(path);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(SceneFile, SaysWhatTheSceneHolds) {
+  const ScratchFolder folder("scene_content");
+  const Scene scene = load_scene(folder.write("some.yaml", kScene));
+  EXPECT_EQ(scene.name, "some");
+  EXPECT_EQ(scene.frames, 20);
+  EXPECT_EQ(scene.stamp_ns(3), 120'000'000);
+  EXPECT_EQ(scene.camera.width, 64);
+  EXPECT_EQ(scene.depth_noise.model, DepthNoise::Model::stereo);
+  EXPECT_EQ(scene.depth_noise.baseline_m, 0.1);
+  EXPECT_EQ(scene.segmenter.latency_s, 0.2);
+  EXPECT_EQ(scene.ambient, 0.4);
+  ASSERT_EQ(scene.world.size(), 1u);
+  EXPECT_EQ(scene.world[0].id, 0);
+  EXPECT_EQ(scene.world[0].motion.at(0).translation, Eigen::Vector3d(0, 0, 1.5));
+  ASSERT_EQ(scene.objects.size(), 2u);
+  const Body& block = scene.objects[0];
+  EXPECT_EQ(block.id, 7);
+  EXPECT_EQ(block.shape, "box");
+  EXPECT_EQ(block.semi_axes_m, Eigen::Vector3d(0.2, 0.1, 0.05));
+  EXPECT_LT((block.motion.at(0) * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, 1, 1)).norm(), 1e-15);
+}
+
+TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
+  struct Fault {
+    std::string from, to, message;
+  };
+  const std::vector<Fault> faults = {
+      {"frames: 20", "frame: 20", ":1: unknown key 'frame'"},
+      {"frames: 20", "frames: 0", ":1: frames: expected 1 to"},
+      {"rate_hz: 25", "rate_hz: -25", ":2: rate_hz: expected a number greater than 0"},
+      {"rate_hz: 25", "rate_hz: 1e9", ":2: rate_hz: expected at most"},
+      {"rate_hz: 25", "rate_hz: [25", "malformed YAML"},
+      {"width: 64", "width: 1000000", ":4: camera.calibration.width: expected 1 to 16384 px"},
+      {"position_m: [-2, -2, 1]", "position_m: [-2, .nan, 1]", ":9: "},
+      {"position_m: [-2, -2, 1]", "position_m: [0, 0, 2]",
+       ":9: camera.motion.waypoints[0]: cannot look at this point"},
+      {"time_s: 1", "time_s: 0", ":10: camera.motion.waypoints[1]: time_s 0 does not follow 0"},
+      {"kind: spline", "kind: warp", ":6: camera.motion.kind: 'warp' is none of"},
+      {"baseline_m: 0.1", "baseline_m: 0", ":11: depth_noise.baseline_m"},
+      {"latency_s: 0.2", "delay_s: 0.2", ":12: unknown key 'segmenter.delay_s'"},
+      {"ambient: 0.4", "ambient: 1.4", ":13: light.ambient: expected 0 to 1"},
+      {"furniture: 0", "furniture: 1000", ":15: world[0].furniture"},
+      {"kind: spline\n    look_at_m: [0, 0, 1]\n    waypoints:\n      - {time_s: 0, position_m: [-2, -2, "
+       "1]}\n      - {time_s: 1, position_m: [2, -2, 1]}",
+       "{kind: circle, center_m: [0, 0, 2], radius_m: 1, rate_degps: 90, facing: target, look_at_m: [1, 0, "
+       "0]}",
+       ":6: camera.motion: frame 0: cannot look at this point"},
+      {"id: 7", "id: 70000", ":17: objects[0].id: expected 1 to 65535"},
+      {"id: 8", "id: 7", ":23: objects[1].id: 7 is the id of another object"},
+      {"name: other", "name: block", ":24: objects[1].name: 'block' is the name of another object"},
+      {"size_m: [0.4, 0.2, 0.1]", "size_m: [0.4, 0, 0.1]", ":20: objects[0].size_m: extents must be above 0"},
+      {"size_m: [0.4, 0.2, 0.1]", "size_m: [0.4, 0.2]",
+       ":20: objects[0].size_m: expected 3 numbers, found 2"},
+      {"size_m: [0.2, 0.2, 0.2]", "size_m: [0.2, 0.2, 0.3]",
+       ":26: objects[1].size_m: a ball has three equal extents"},
+      {"primitive: box", "primitive: cone", ":19: objects[0].primitive: 'cone' is none of"},
+      {"primitive: box", "primitive: room", ":19: objects[0].primitive: is for the world"},
+      {"primitive: box", "mesh: none.obj", ": does not go with 'mesh'"},
+      {"rpy_deg: [0, 0, 90]", "look_at_m: [0, 0, 0]", ":22: objects[0].motion.look_at_m: is for cameras"},
+      {"rpy_deg: [0, 0, 90]", "quaternion_xyzw: [0, 0, 0, 2]",
+       ":22: objects[0].motion.quaternion_xyzw: norm is 2"},
+      {"segments: 4", "sections: 4", ":27: unknown key 'objects[1].sections'"},
+      {"  motion: {kind: line, velocity_mps: [0.1, 0, 0], start: {position_m: [0, 1, 0.1]}, "
+       "rolling_radius_m: 0.1}",
+       "  visible: true", ": objects[1]: missing key 'motion'"},
+  };
+  const ScratchFolder folder("scene_faults");
+  int refused = 0;
+  for (const Fault& fault : faults) {
+    const auto path = folder.write("scene.yaml", replaced(kScene, fault.from, fault.to));
+    const std::string message = refusal(path);
+    EXPECT_NE(message.find(fault.message), message.npos) << "for '" << fault.to << "': " << message;
+    EXPECT_EQ(message.find('\n'), message.npos) << message;
+    refused += message != "accepted";
+  }
+  EXPECT_EQ(refused, 28);
+  EXPECT_NE(refusal(folder.path() / "absent.yaml").find("cannot be read"), std::string::npos);
+}
+
+TEST(SceneFile, HashFollowsContentNotPlace) {
+  const ScratchFolder here("scene_hash_here"), there("scene_hash_there");
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 1\nv 0 0 2\nf 1 2 3\nf 1 3 4\n";
+  const std::string with_mesh =
+      replaced(replaced(kScene, "primitive: box\n    size_m: [0.4, 0.2, 0.1]\n    material: {texture_px: 64}",
+                        "mesh: part.obj"),
+               "name: block", "name: part");
+  here.write("part.obj", triangle);
+  there.write("part.obj", triangle);
+  const std::string hash = load_scene(here.write("scene.yaml", with_mesh)).hash;
+  EXPECT_EQ(load_scene(there.write("scene.yaml", with_mesh)).hash, hash);
+  EXPECT_NE(load_scene(there.write("scene.yaml", with_mesh + "# remark\n")).hash, hash);
+  there.write("part.obj", triangle + "# remark\n");
+  EXPECT_NE(load_scene(there.write("scene.yaml", with_mesh)).hash, hash);
+}
+
+// The documentation's example is a scene that loads.
+TEST(SceneFile, ExampleOfTheDocumentationLoads) {
+  const std::string text = read_text(scene_test::kSource / "scenes/README.md");
+  const auto begin = text.find("```yaml\n"), end = text.find("```", begin + 8);
+  ASSERT_NE(begin, text.npos);
+  const ScratchFolder folder("scene_example");
+  const Scene scene = load_scene(folder.write("example.yaml", text.substr(begin + 8, end - begin - 8)));
+  EXPECT_EQ(scene.objects.size(), 2u);
+}
+
+TEST(SceneFile, MeshFromTheEnvironmentIsFoundOrNamed) {
+  const auto path = scene_test::kSource / "scenes/ycb_table.yaml";
+  const ScratchFolder empty("scene_no_data");
+  ASSERT_EQ(setenv("UNIQUADRIC_DATA", empty.path().c_str(), 1), 0);
+  const std::string message = refusal(path);
+  EXPECT_NE(message.find(": objects[0].mesh: no such file: " + empty.path().string()), message.npos)
+      << message;
+  unsetenv("UNIQUADRIC_DATA");
+  if (!std::filesystem::exists(scene_test::kData / "ycb"))
+    GTEST_SKIP() << "no scanned meshes at " << scene_test::kData;
+  const Scene scene = load_scene(path);
+  ASSERT_EQ(scene.objects.size(), 5u);
+  for (const Body& body : scene.objects) {
+    const Eigen::AlignedBox3d box = tight_box(body.meshes);
+    EXPECT_LT(box.center().norm(), 1e-7);
+    EXPECT_LT((box.sizes() / 2 - body.semi_axes_m).norm(), 1e-7);
+    EXPECT_FALSE(body.meshes.at(0).texture.empty());
+  }
+  const Eigen::Vector3d cube =
+      2 * scene.objects[0].semi_axes_m;  // 57 mm by its maker; the scan is a millimetre off
+  EXPECT_LT((cube - Eigen::Vector3d::Constant(0.0575)).cwiseAbs().maxCoeff(), 0.002);
+}
+
+}  // namespace
+}  // namespace uniquadric
