@@ -36,7 +36,8 @@ void visit(Io& io, PointOptions& o) {
   io.positive("max_depth_m", o.max_depth_m);
   io.positive("voxel_m", o.voxel_m);
   io.number("outlier_neighbours", o.outlier_neighbours, 1, 1000);
-  io.number("outlier_sigmas", o.outlier_sigmas, 0.0);
+  io.positive("outlier_sigmas", o.outlier_sigmas);
+  io.number("outlier_rounds", o.outlier_rounds, 0, 10);
   io.number("max_points", o.max_points, 4);
   io.number("min_points", o.min_points, 4);
 }

@@ -15,7 +15,7 @@ struct GrabcutOptions {
   int iterations = 3;        // of GrabCut; more change no pixel to speak of
   int downscale = 2;         // GrabCut's image is this much smaller: four times the speed
   double context = 0.2;      // width of the ring around the box that shows the background, share of its side
-  double depth_reach = 0.6;  // depth off the box's median by more than this share of its size is background
+  double depth_reach = 1.0;  // depth off the box's median by more than this share of its size is background
   double plane_threshold_m =
       0.025;                  // planes of the ring (floor, wall) cut out what lies on them inside the box
   double plane_share = 0.15;  // of the ring's pixels that a plane needs

@@ -79,10 +79,9 @@ Eigen::Matrix3Xd object_points(const cv::Mat& depth, const cv::Mat& mask, const 
                                const PointOptions& options) {
   const cv::Mat inner = options.erode_px > 0 ? eroded(mask, options.erode_px) : mask;
   Eigen::Matrix3Xd points = to_matrix(deproject(depth, inner, camera, options));
-  points = voxel_means(points, options.voxel_m);
-  if (options.outlier_sigmas > 0)
+  points = capped(voxel_means(points, options.voxel_m), options.max_points);
+  for (int round = 0; round < options.outlier_rounds; ++round)
     points = drop_outliers(points, options.outlier_neighbours, options.outlier_sigmas);
-  points = capped(points, options.max_points);
   return points.cols() < options.min_points ? Eigen::Matrix3Xd(3, 0) : points;
 }
 

@@ -14,14 +14,15 @@ struct PointOptions {
   double max_depth_m = 50;   // beyond every sensor here; 65.535 m is a common mark of invalid depth
   double voxel_m = 0.01;     // evens out the density of near and far, frontal and slanted faces
   int outlier_neighbours = 12;
-  double outlier_sigmas = 2.5;  // 0: no outlier is dropped
-  int max_points = 3000;        // bounds the time of Alg. 1
-  int min_points = 30;          // fewer say nothing about a shape
+  double outlier_sigmas = 2.5;
+  int outlier_rounds = 2;  // in the first the outliers themselves widen the limit; 0: none is dropped
+  int max_points = 2000;   // bounds the time of Alg. 1
+  int min_points = 30;     // fewer say nothing about a shape
 };
 
 /// Points (3 x n, camera frame, metres) of the pixels under a mask (CV_8UC1, not 0) of a depth image
 /// (CV_32FC1, z in metres, 0 where there is none): the mask is eroded, pixels at depth edges are left out,
-/// the rest is averaged in voxels, statistical outliers are dropped and the number is capped at even steps.
+/// the rest is averaged in voxels, their number is capped at even steps and statistical outliers are dropped.
 /// Fewer than min_points come back as none.
 Eigen::Matrix3Xd object_points(const cv::Mat& depth, const cv::Mat& mask, const Camera& camera,
                                const PointOptions& options);

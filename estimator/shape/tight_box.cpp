@@ -8,7 +8,7 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kPlaneStarts = 6;     // ours: one of six triples lies on one face of three with 0.6 probability
+constexpr int kPlaneStarts = 3;     // ours: six found no better boxes on the tested clouds
 constexpr int kMaxSweeps = 10;      // ours: sweeps over the axes; four are the most that was seen
 constexpr double kDecrease = 1e-6;  // relative: less is no progress
 constexpr double kThinnest = 1e-9;  // m: keeps the volumes of flat clouds comparable
