@@ -81,7 +81,8 @@ double area(const ClipperLib::Paths& paths) {
 
 // Nothing when both are empty.
 std::optional<double> polygon_iou(const ClipperLib::Paths& a, const ClipperLib::Paths& b) {
-  const double common = area(intersection(a, b));
+  const double common =
+      a == b ? area(a) : area(intersection(a, b));  // the clipper may begin at another corner
   const double all = area(a) + area(b) - common;
   if (!(all > 0)) return std::nullopt;
   return std::clamp(common / all, 0.0, 1.0);
@@ -106,6 +107,7 @@ double ellipse_iou(const Ellipse& a, const Ellipse& b) {
 }
 
 double rotated_rectangle_iou(const Ellipse& a, const Ellipse& b) {
+  if (numbers_of(a) == numbers_of(b)) return 1;
   const bool swap = numbers_of(b) < numbers_of(a);
   const Corners p = rectangle(swap ? b : a), q = rectangle(swap ? a : b);
   const IntegerFrame frame({p, q});

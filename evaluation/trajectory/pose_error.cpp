@@ -7,9 +7,15 @@ PoseError size_of(const Pose& error) {
   return {error.translation.norm(), rotation_angle(error.rotation.toRotationMatrix())};
 }
 
+// a^-1 b, exactly the identity for the same numbers: a perfect estimate has no error at all.
+Pose difference(const Pose& a, const Pose& b) {
+  if (a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs()) return {};
+  return a.inverse() * b;
+}
+
 Pose relative_difference(const Pose& reference_i, const Pose& reference_j, const Pose& estimate_i,
                          const Pose& estimate_j) {
-  return (reference_i.inverse() * reference_j).inverse() * (estimate_i.inverse() * estimate_j);
+  return difference(reference_i.inverse() * reference_j, estimate_i.inverse() * estimate_j);
 }
 
 double distance_from_identity(const Pose& pose) {
@@ -31,9 +37,8 @@ PoseError relative_error(const Pose& reference_i, const Pose& reference_j, const
 
 PoseError object_motion_error(const Pose& reference_i, const Pose& reference_j, const Pose& estimate_i,
                               const Pose& estimate_j) {
-  const Pose reference_motion = reference_j * reference_i.inverse();
-  const Pose estimate_motion = estimate_j * estimate_i.inverse();
-  return size_of(reference_i.inverse() * (reference_motion.inverse() * estimate_motion * reference_i));
+  // L^-1 H_ref^-1 H_est L with H_ref L = Q_j and H_est = P_j P_i^-1, L = Q_i: no product that has to cancel.
+  return size_of(difference(reference_j, estimate_j) * difference(estimate_i, reference_i));
 }
 
 double full_relative_error(const Pose& reference_i, const Pose& reference_j, const Pose& estimate_i,
@@ -42,7 +47,7 @@ double full_relative_error(const Pose& reference_i, const Pose& reference_j, con
 }
 
 double full_absolute_error(const Pose& reference, const Pose& estimate) {
-  return distance_from_identity(reference.inverse() * estimate);
+  return distance_from_identity(difference(reference, estimate));
 }
 
 }  // namespace uniquadric

@@ -1,0 +1,266 @@
+#include "evaluation/evaluate.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/text.h"
+#include "core/sequence/calibration.h"
+#include "core/sequence/tracks.h"
+#include "tests/evaluation/random_ellipsoid.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+constexpr int kFrames = 30;
+constexpr std::int64_t kPeriodNs = 33'333'333;
+constexpr double kRounding = 1e-7;  // rotations written to text and read back, near zero
+
+Pose camera_pose(int i) {
+  return {exp_so3({0, 0.002 * i, 0.01}), Eigen::Vector3d(0.01 * i, 0.1, -0.2)};
+}
+Pose object_pose(int id, int i) {
+  return {exp_so3({0.3 * id, 0.02 * i, 0.4}), Eigen::Vector3d(0.8 * id - 1.5, 0.01 * i, 3)};
+}
+
+const std::vector<ObjectDescription> kObjects = {{1, "Cuboid", {0.3, 0.2, 0.1}, "box", ""},
+                                                 {2, "Cube", {0.2, 0.2, 0.2}, "box", ""},
+                                                 {3, "Ball", {0.25, 0.25, 0.25}, "ball", ""}};
+
+// A folder of its own for each test, removed afterwards.
+class Evaluate : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = fs::path(testing::TempDir()) /
+            (std::string("evaluate_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(root_);
+    write_truth();
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  fs::path truth() const { return root_ / "scene" / "truth"; }
+  fs::path estimate() const { return root_ / "estimate"; }
+
+  void write_truth() {
+    fs::create_directories(truth() / "objects");
+    Trajectory camera;
+    for (int i = 0; i < kFrames; ++i) camera.push_back({i * kPeriodNs, camera_pose(i)});
+    write_tum(truth() / "camera.tum", camera);
+    write_camera_yaml(truth() / "camera.yaml", Camera{});
+    write_objects_yaml(truth() / "objects.yaml", kObjects);
+    for (const auto& object : kObjects) {
+      Trajectory poses;
+      for (int i = 0; i < kFrames; ++i) poses.push_back({i * kPeriodNs, object_pose(object.id, i)});
+      write_tum(truth() / "objects" / (std::to_string(object.id) + ".tum"), poses);
+    }
+  }
+
+  // The truth under other ids (10 for 1, ...), changed by `change`.
+  void write_changed(const std::function<void(Tracks&)>& change) {
+    Tracks tracks = read_tracks(truth());
+    for (auto& object : tracks.objects) object.id *= 10;
+    change(tracks);
+    fs::create_directories(estimate());
+    write_estimate(estimate(), tracks);
+  }
+
+  json run(const fs::path& truth_folder, const fs::path& estimate_folder) {
+    EvaluateOptions options;
+    options.iou_samples = 2000;
+    options.force = true;
+    uniquadric::evaluate(truth_folder, estimate_folder, options, root_ / "out");
+    return json::parse(read_text(root_ / "out" / "evaluation.json"));
+  }
+  json run() { return run(truth(), estimate()); }
+
+  fs::path root_;
+};
+
+TEST_F(Evaluate, TruthAgainstItselfIsZeroAndOneExactly) {
+  const json result = run(root_ / "scene", truth());
+  EXPECT_EQ(result["schema"], 1);
+  EXPECT_EQ(result["camera"]["coverage"], 1);
+  int checked = 0;
+  const auto zero = [&](const json& statistics) {
+    for (const char* key : {"rmse", "mean", "max", "std", "sse"})
+      EXPECT_EQ(statistics.at(key), 0) << statistics;
+    ++checked;
+  };
+  for (const char* kind : {"ape", "rpe"})
+    for (const char* part : {"translation_m", "rotation_rad"}) zero(result["camera"][kind][part]);
+  ASSERT_EQ(result["objects"].size(), 3u);
+  for (const json& object : result["objects"]) {
+    EXPECT_EQ(object["matched_id"], object["id"]);
+    EXPECT_EQ(object["coverage"], 1);
+    EXPECT_EQ(object["longest_gap_s"], 0);
+    EXPECT_EQ(object["id_switches"], 0);
+    EXPECT_EQ(object["relabel_flips"], 0);
+    for (const char* kind : {"ape", "rpe", "motion_error"})
+      for (const char* part : {"translation_m", "rotation_rad"}) zero(object[kind][part]);
+    zero(object["ape"]["rotation_naive_rad"]);
+    zero(object["d_shape_m"]);
+    for (const char* axis : {"x", "y", "z"}) zero(object["semi_axes_error_m"][axis]);
+    for (const char* key : {"iou3d", "iou2d", "iou2d_ellipse"}) {
+      EXPECT_EQ(object[key]["min"], 1) << key;
+      EXPECT_EQ(object[key]["mean"], 1) << key;
+      EXPECT_EQ(object[key]["n"], kFrames) << key;
+    }
+    EXPECT_EQ(object["iou3d_monte_carlo"]["mean"], 1);
+    EXPECT_EQ(object["drift"]["max_translation_m"], 0);
+  }
+  EXPECT_EQ(checked, 4 + 3 * 11);
+  for (const char* key : {"hota", "mota", "idf1"}) EXPECT_NEAR(result["tracking"][key], 1, 1e-12);
+}
+
+TEST_F(Evaluate, SameInputSameBytes) {
+  run(truth(), truth());
+  const std::string first = read_text(root_ / "out" / "evaluation.json"),
+                    csv = read_text(root_ / "out" / "frames.csv");
+  run(truth(), truth());
+  EXPECT_EQ(first, read_text(root_ / "out" / "evaluation.json"));
+  EXPECT_EQ(csv, read_text(root_ / "out" / "frames.csv"));
+}
+
+TEST_F(Evaluate, OffsetsAndOtherIdsAreFound) {
+  write_changed([](Tracks& tracks) {
+    for (auto& object : tracks.objects)
+      for (auto& state : object.states)
+        state.ellipsoid.world_from_object.translation += Eigen::Vector3d(0.03, 0, 0.04);
+    std::swap(tracks.objects[0].id, tracks.objects[2].id);
+    std::reverse(tracks.objects.begin(), tracks.objects.end());
+  });
+  const json result = run();
+  const std::vector<int> ids = {30, 20, 10};
+  for (int i = 0; i < 3; ++i) {
+    const json& object = result["objects"][i];
+    EXPECT_EQ(object["matched_id"], ids[i]);
+    EXPECT_NEAR(object["ape"]["translation_m"]["rmse"], 0.05, kRounding);
+    EXPECT_NEAR(object["d_shape_m"]["mean"], 0.05, kRounding);
+    EXPECT_LT(object["iou3d"]["mean"], 0.9);
+    EXPECT_LT(object["iou2d"]["mean"], 1);
+    EXPECT_NEAR(object["iou3d"]["mean"], object["iou3d_monte_carlo"]["mean"],
+                5 * object["iou3d_monte_carlo"]["stderr"].get<double>());
+  }
+}
+
+TEST_F(Evaluate, RenamedAxesAreUndoneByTheTrueSymmetry) {
+  const Eigen::Matrix3d names =
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix().array().round();
+  write_changed([&](Tracks& tracks) {
+    for (auto& state : tracks.objects[0].states) {
+      state.ellipsoid.world_from_object.rotation =
+          state.ellipsoid.world_from_object.rotation * Eigen::Quaterniond(names);
+      state.ellipsoid.semi_axes_m = names.cwiseAbs().transpose() * state.ellipsoid.semi_axes_m;
+    }
+    for (auto& state : tracks.objects[1].states)  // a cube: a quarter turn is no error
+      state.ellipsoid.world_from_object.rotation =
+          state.ellipsoid.world_from_object.rotation * Eigen::Quaterniond(names);
+    for (auto& state : tracks.objects[2].states)  // a ball: any constant turn is none
+      state.ellipsoid.world_from_object.rotation =
+          state.ellipsoid.world_from_object.rotation * exp_so3({1, 2, 0.5});
+  });
+  const json result = run();
+  for (const json& object : result["objects"]) {
+    EXPECT_NEAR(object["ape"]["rotation_rad"]["max"], 0, kRounding) << object["name"];
+    EXPECT_NEAR(object["rpe"]["translation_m"]["max"], 0, kRounding) << object["name"];
+    EXPECT_GT(object["ape"]["rotation_naive_rad"]["min"], 1) << object["name"];
+    EXPECT_NEAR(object["iou3d"]["min"], 1, 1e-9) << object["name"];
+    for (const char* axis : {"x", "y", "z"})
+      EXPECT_NEAR(object["semi_axes_error_m"][axis]["max"], 0, kRounding);
+  }
+  EXPECT_EQ(result["objects"][2]["symmetry"], "ball");
+}
+
+TEST_F(Evaluate, LostObjectsAndMissingFramesAreCounted) {
+  write_changed([](Tracks& tracks) {
+    auto& states = tracks.objects[0].states;
+    states.erase(states.begin() + 5, states.begin() + 11);  // six frames missing
+    states.back().status = ObjectStatus::lost;              // and the last one given up
+    tracks.objects.pop_back();                              // the ball never found
+  });
+  const json result = run();
+  const json& cuboid = result["objects"][0];
+  EXPECT_NEAR(cuboid["coverage"], 23.0 / kFrames, 1e-15);
+  EXPECT_EQ(cuboid["ape"]["translation_m"]["n"], 23);
+  EXPECT_EQ(cuboid["rpe"]["translation_m"]["n"], 21);  // two runs of matched frames
+  EXPECT_NEAR(cuboid["longest_gap_s"], 6 * kPeriodNs * 1e-9, 1e-12);
+  const json& lost = result["objects"][2];
+  EXPECT_TRUE(lost["matched_id"].is_null());
+  EXPECT_EQ(lost["coverage"], 0);
+  EXPECT_NEAR(lost["longest_gap_s"], kFrames * kPeriodNs * 1e-9, 1e-12);
+  for (const char* key : {"iou3d", "iou2d", "d_shape_m", "drift", "iou3d_monte_carlo"})
+    EXPECT_TRUE(lost[key].is_null()) << key;
+  EXPECT_TRUE(lost["ape"]["translation_m"].is_null());
+  // 53 of 90 matched, no false track: MOTA and IDF1 by hand
+  EXPECT_NEAR(result["tracking"]["mota"], 53.0 / 90, 1e-12);
+  EXPECT_NEAR(result["tracking"]["idf1"], 2 * 53.0 / (90 + 53), 1e-12);
+}
+
+TEST_F(Evaluate, IdSwitchesAreCounted) {
+  write_changed([](Tracks& tracks) {
+    ObjectTrack second = tracks.objects[0];  // the cuboid's track breaks in two
+    second.id = 40;
+    second.states.erase(second.states.begin(), second.states.begin() + 20);
+    tracks.objects[0].states.resize(20);
+    tracks.objects.push_back(second);
+  });
+  const json result = run();
+  EXPECT_EQ(result["objects"][0]["id_switches"], 1);
+  EXPECT_EQ(result["objects"][0]["matched_id"], 10);
+  EXPECT_NEAR(result["objects"][0]["coverage"], 20.0 / kFrames, 1e-15);
+  EXPECT_EQ(result["tracking"]["unmatched_ids"], json::array({40}));
+  EXPECT_NEAR(result["tracking"]["mota"], 89.0 / 90, 1e-12);
+  EXPECT_NEAR(result["tracking"]["idf1"], 80.0 / 90, 1e-12);
+  // HOTA by hand: all detected; association 20/30 and 10/30 for the broken track's parts
+  EXPECT_NEAR(result["tracking"]["hota"], std::sqrt((20 * 20.0 / 30 + 10 * 10.0 / 30 + 60) / 90), 1e-12);
+}
+
+TEST_F(Evaluate, FramesCsvHasARowForEachTruthFrameAndObject) {
+  write_changed([](Tracks& tracks) { tracks.objects.pop_back(); });
+  run();
+  int rows = 0, empty = 0;
+  std::size_t columns = 0;
+  for_each_line(
+      root_ / "out" / "frames.csv",
+      [&](int line, const auto& fields) {
+        if (line == 1) columns = fields.size();
+        EXPECT_EQ(fields.size(), columns) << line;
+        if (line == 1) return;
+        ++rows;
+        if (fields[2] == "3" && fields[4].empty() && fields[5].empty()) ++empty;
+      },
+      ',');
+  EXPECT_EQ(rows, 3 * kFrames);
+  EXPECT_EQ(empty, kFrames);
+}
+
+TEST_F(Evaluate, TimingAndRunAreCarriedOver) {
+  write_changed([](Tracks&) {});
+  write_text(estimate() / "timing.csv", "frame,stage,ms\n0,fit,2\n0,read,1\n1,fit,4\n1,read,1\n");
+  write_text(estimate() / "run.yaml", "seed: 5\nvariant: {name: rotbbox, window: 8}\n");
+  const json result = run();
+  EXPECT_EQ(result["seed"], 5);
+  EXPECT_EQ(result["config"]["estimate"]["variant"]["window"], 8);
+  EXPECT_EQ(result["timing_ms"]["fit"]["mean"], 3);
+  EXPECT_EQ(result["timing_ms"]["frame"]["mean"], 4);
+}
+
+TEST_F(Evaluate, RefusesBadInputAndWritesNothing) {
+  write_changed([](Tracks& tracks) { tracks.camera.resize(2); });
+  EXPECT_THROW(run(), InputError);
+  write_changed([](Tracks&) {});
+  write_text(estimate() / "timing.csv", "frame,stage,ms\n0,fit,fast\n");
+  EXPECT_THROW(run(), InputError);
+  EXPECT_THROW(run(root_ / "absent", estimate()), InputError);
+  EXPECT_FALSE(fs::exists(root_ / "out"));
+  EXPECT_FALSE(fs::exists(root_ / "out.partial"));
+}
+
+}  // namespace
+}  // namespace uniquadric

@@ -1,0 +1,141 @@
+#include "evaluation/metric.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "core/base/error.h"
+
+namespace uniquadric {
+namespace {
+using nlohmann::json;
+
+struct Answers {
+  int exit_code;
+  std::vector<json> lines;
+};
+
+Answers ask(const std::string& kind, const std::string& lines, const MetricOptions& options = {}) {
+  std::istringstream in(lines);
+  std::ostringstream out;
+  Answers answers{run_metric(kind, options, in, out), {}};
+  std::istringstream result(out.str());
+  for (std::string line; std::getline(result, line);) answers.lines.push_back(json::parse(line));
+  return answers;
+}
+
+std::string ellipsoid(const std::string& c, const std::string& a, const std::string& q = "[0,0,0,1]") {
+  return R"({"c":)" + c + R"(,"q":)" + q + R"(,"a":)" + a + "}";
+}
+
+std::string pair(const std::string& gt, const std::string& est) {
+  return R"({"id":7,"gt":)" + gt + R"(,"est":)" + est + "}\n";
+}
+
+const std::string kCamera =
+    R"("camera":{"K":[500,0,320,0,500,240,0,0,1],"width":640,"height":480,"t_wc":[0,0,0],"q_wc":[0,0,0,1]})";
+
+}  // namespace
+
+TEST(Metric, Iou3dExactAndMonteCarlo) {
+  const std::string nested = pair(ellipsoid("[1,2,3]", "[1,1,1]"), ellipsoid("[1,2,3]", "[0.5,0.5,0.5]"));
+  const Answers exact = ask("iou3d", nested);
+  EXPECT_EQ(exact.exit_code, 0);
+  ASSERT_EQ(exact.lines.size(), 1u);
+  EXPECT_EQ(exact.lines[0]["id"], 7);
+  EXPECT_EQ(exact.lines[0]["method"], "exact");
+  EXPECT_EQ(exact.lines[0]["stderr"], 0);
+  EXPECT_NEAR(exact.lines[0]["iou"], 0.125, 1e-9);
+  const json sampled = ask("iou3d", nested, {"monte-carlo", 10'000, 3}).lines.at(0);
+  EXPECT_NEAR(sampled["iou"], 0.125, 5 * sampled["stderr"].get<double>());
+}
+
+TEST(Metric, BadLinesAreAnsweredAndTheOthersGoOn) {
+  const std::string good = ellipsoid("[0,0,0]", "[1,1,1]");
+  const std::vector<std::string> bad = {pair(good, ellipsoid("[0,0,0]", "[1,0,1]")),
+                                        pair(good, ellipsoid("[0,0,0]", "[1,-1,1]")),
+                                        pair(good, ellipsoid("[0,NaN,0]", "[1,1,1]")),
+                                        pair(ellipsoid("[0,0,0]", "[Infinity,1,1]"), good),
+                                        pair(good, ellipsoid("[0,0]", "[1,1,1]")),
+                                        pair(good, ellipsoid("[0,0,0]", "[1,1,1]", "[0,0,0,1.01]")),
+                                        pair(good, ellipsoid("[0,0,0]", "[1,1,1]", "[0,0,0,0]")),
+                                        R"({"id":7,"gt":3,"est":4})"
+                                        "\n",
+                                        R"({"id":7})"
+                                        "\n"};
+  std::string lines = "not json\n";
+  for (const auto& line : bad) lines += line + pair(good, good);
+  const Answers answers = ask("iou3d", lines);
+  EXPECT_EQ(answers.exit_code, 2);
+  ASSERT_EQ(answers.lines.size(), 1 + 2 * bad.size());
+  EXPECT_TRUE(answers.lines[0]["id"].is_null());
+  for (std::size_t i = 0; i < bad.size(); ++i) {
+    const json& answer = answers.lines[1 + 2 * i];
+    EXPECT_EQ(answer["id"], 7) << bad[i];
+    EXPECT_TRUE(answer.contains("error") && !answer.contains("iou")) << bad[i];
+    EXPECT_EQ(answers.lines[2 + 2 * i]["iou"], 1) << bad[i];
+  }
+}
+
+TEST(Metric, ProjectHasItsOutcomes) {
+  const auto project = [](const std::string& c, const std::string& a) {
+    return ask("project", R"({"id":"x",)" + kCamera + R"(,"gt":)" + ellipsoid(c, a) + "}").lines.at(0);
+  };
+  const json ok = project("[0,0,5]", "[1,1,1]");
+  EXPECT_EQ(ok["id"], "x");
+  EXPECT_EQ(ok["status"], "ok");
+  // outline of a ball on the axis: tan of its half angle
+  EXPECT_NEAR(ok["semi_major"], 500 / std::sqrt(24), 1e-10);
+  EXPECT_NEAR(ok["centre"][0], 320, 1e-10);
+  int others = 0;
+  for (const auto& [status, c] :
+       {std::pair{"behind", "[0,0,-5]"}, {"not_an_ellipse", "[3,0,0.5]"}, {"inside", "[0,0,0.5]"}}) {
+    const json answer = project(c, "[1,1,1]");
+    EXPECT_EQ(answer["status"], status);
+    EXPECT_EQ(answer.size(), 2u) << "no numbers: " << answer;
+    ++others;
+  }
+  EXPECT_EQ(others, 3);
+}
+
+TEST(Metric, Iou2dIsNullWithoutAnOutline) {
+  const auto overlap = [](const std::string& gt, const std::string& est) {
+    return ask("iou2d", R"({"id":1,)" + kCamera + R"(,"gt":)" + gt + R"(,"est":)" + est + "}").lines.at(0);
+  };
+  const std::string ball = ellipsoid("[0,0,5]", "[1,1,1]");
+  const json same = overlap(ball, ball);
+  for (const char* key : {"rect_iou", "ellipse_iou", "aabb_iou", "rect_iou_clipped"})
+    EXPECT_EQ(same[key], 1) << key;
+  const json behind = overlap(ball, ellipsoid("[0,0,-5]", "[1,1,1]"));
+  EXPECT_EQ(behind["status"], "behind");
+  for (const char* key : {"rect_iou", "ellipse_iou", "aabb_iou", "rect_iou_clipped"})
+    EXPECT_TRUE(behind[key].is_null()) << key;
+  const std::string off = ellipsoid("[50,0,5]", "[1,1,1]");
+  EXPECT_EQ(overlap(off, off)["rect_iou"], 1);
+  EXPECT_TRUE(overlap(off, off)["rect_iou_clipped"].is_null());
+}
+
+TEST(Metric, PoseUndoesRenamedAxes) {
+  // a quarter turn about z with x and y exchanged is the same body
+  const json answer =
+      ask("pose",
+          pair(ellipsoid("[0,0,0]", "[0.3,0.2,0.1]"),
+               ellipsoid("[3,4,0]", "[0.2,0.3,0.1]", "[0,0,0.70710678118654757,0.70710678118654757]")))
+          .lines.at(0);
+  EXPECT_NEAR(answer["translation_error_m"], 5, 1e-12);
+  EXPECT_NEAR(answer["d_shape_m"], 5, 1e-12);
+  EXPECT_NEAR(answer["rotation_error_naive_rad"], std::numbers::pi / 2, 1e-12);
+  EXPECT_NEAR(answer["rotation_error_symmetric_rad"], 0, 1e-12);
+  for (const json& error : answer["axis_errors_m"]) EXPECT_EQ(error, 0);
+  const std::string ball = ellipsoid("[0,0,0]", "[1,1,1]");
+  EXPECT_TRUE(ask("pose", pair(ball, ball)).lines.at(0)["rotation_error_symmetric_rad"].is_null());
+}
+
+TEST(Metric, RefusesUnknownKinds) {
+  EXPECT_THROW(ask("iou4d", ""), InputError);
+  EXPECT_THROW(ask("iou3d", "", {"guess", 1, 0}), InputError);
+}
+
+}  // namespace uniquadric
