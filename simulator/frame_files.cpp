@@ -5,10 +5,10 @@
 #include <fstream>
 
 #include "core/base/files.h"
-#include "core/sequence/sequence.h"
 #include "simulator/noise/depth_noise.h"
 #include "simulator/noise/image_noise.h"
 #include "simulator/noise/segmenter.h"
+#include "simulator/png.h"
 
 namespace uniquadric {
 namespace {
@@ -49,12 +49,15 @@ void write_frame(const Scene& scene, std::uint64_t seed, const fs::path& folder,
                  const RenderedFrame& rendered) {
   const std::string file = fmt::format("{:06}.png", frame);
   const fs::path sequence = folder / "sequence";
-  write_png(sequence / "rgb" / file, add_image_noise(rendered.rgb, scene.image_noise, seed, frame));
+  write_png(sequence / "rgb" / file, add_image_noise(rendered.rgb, scene.image_noise, seed, frame),
+            PngPacking::stored);
   const cv::Mat depth_m = add_depth_noise(rendered.depth_m, scene.camera, scene.depth_noise, seed, frame);
-  write_png(sequence / "depth" / file, encode_depth(depth_m, depth_units_per_m(scene.depth_noise)));
+  write_png(sequence / "depth" / file, encode_depth(depth_m, depth_units_per_m(scene.depth_noise)),
+            PngPacking::stored);
   if (is_segmented(scene.segmenter, frame))
-    write_png(sequence / "masks" / file, segment(rendered.ids, scene.segmenter, seed, frame));
-  write_png(folder / "truth/instances" / file, rendered.ids);
+    write_png(sequence / "masks" / file, segment(rendered.ids, scene.segmenter, seed, frame),
+              PngPacking::packed);
+  write_png(folder / "truth/instances" / file, rendered.ids, PngPacking::packed);
   write_text(marker(folder, frame), visibility_rows(scene, frame, rendered.objects));
 }
 

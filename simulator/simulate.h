@@ -16,8 +16,9 @@ struct SimulateOptions {
   bool force = false;  ///< replace an existing output folder
 };
 
-/// Renders a scene to `out/sequence/` (observations) and `out/truth/` (exact poses, masks, sizes). The same scene and
-/// seed give the same bytes for any number of threads; an interrupted run resumes from the frames it had finished.
+/// Renders a scene to `out/sequence/` (observations) and `out/truth/` (exact poses, masks, sizes). The same
+/// scene and seed give the same bytes for any number of threads; an interrupted run resumes from the frames
+/// it had finished.
 void simulate(const Scene& scene, const SimulateOptions& options, const std::filesystem::path& out);
 
 }  // namespace uniquadric

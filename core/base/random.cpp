@@ -20,6 +20,32 @@ std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::a
   return counter;
 }
 
+constexpr std::size_t kLanes = 8;
+
+// kLanes successive blocks at once, side by side so that the compiler computes them with vector instructions.
+void philox_lanes(const std::array<std::uint32_t, 4>& counter, std::array<std::uint32_t, 2> key,
+                  std::uint32_t* values) {
+  std::array<std::uint32_t, kLanes> c0, c1, c2, c3;
+  for (std::uint32_t i = 0; i < kLanes; ++i) c0[i] = counter[0] + i;
+  c1.fill(counter[1]), c2.fill(counter[2]), c3.fill(counter[3]);
+  for (int round = 0; round < 10; ++round) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const std::uint64_t p0 = std::uint64_t{0xD2511F53u} * c0[i];
+      const std::uint64_t p1 = std::uint64_t{0xCD9E8D57u} * c2[i];
+      c0[i] = static_cast<std::uint32_t>(p1 >> 32) ^ c1[i] ^ key[0];
+      c2[i] = static_cast<std::uint32_t>(p0 >> 32) ^ c3[i] ^ key[1];
+      c1[i] = static_cast<std::uint32_t>(p1);
+      c3[i] = static_cast<std::uint32_t>(p0);
+    }
+    key[0] += 0x9E3779B9u;
+    key[1] += 0xBB67AE85u;
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    values[4 * i] = c0[i], values[4 * i + 1] = c1[i];
+    values[4 * i + 2] = c2[i], values[4 * i + 3] = c3[i];
+  }
+}
+
 }  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::string_view name, std::uint64_t frame,
@@ -38,6 +64,16 @@ std::uint32_t RandomStream::bits() {
     used_ = 0;
   }
   return block_[used_++];
+}
+
+void RandomStream::fill(std::span<std::uint32_t> values) {
+  std::size_t i = 0;
+  while (i < values.size() && used_ < 4) values[i++] = block_[used_++];
+  for (; i + 4 * kLanes <= values.size(); i += 4 * kLanes) {
+    philox_lanes(counter_, key_, &values[i]);
+    counter_[0] += kLanes;
+  }
+  while (i < values.size()) values[i++] = bits();
 }
 
 double RandomStream::uniform() {

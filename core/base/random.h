@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace uniquadric {
@@ -15,6 +16,8 @@ class RandomStream {
 
   /// 32 uniform random bits.
   std::uint32_t bits();
+  /// The same numbers as that many calls of bits(), some four times faster.
+  void fill(std::span<std::uint32_t> values);
   /// Uniform in (0, 1): neither end is ever drawn, so its logarithm is finite.
   double uniform();
   double uniform(double low, double high) { return low + (high - low) * uniform(); }

@@ -18,10 +18,6 @@ RandomStream row_stream(std::uint64_t seed, const char* name, std::int64_t frame
   return {seed, name, static_cast<std::uint64_t>(frame), static_cast<std::uint32_t>(row)};
 }
 
-bool is_edge(float a, float b) {
-  return std::abs(a - b) > kEdgeStep * std::min(a, b);
-}
-
 float stereo_z(float z_m, float normal, const DepthNoise& noise, double focal_baseline) {
   const double disparity = focal_baseline / z_m + noise.disparity_sigma_px * normal;
   const double step = noise.disparity_step_px;
@@ -38,10 +34,10 @@ void add_noise(cv::Mat& depth_m, const Camera& camera, const DepthNoise& noise, 
     fill_normals(stream, normals);
     auto* z_m = depth_m.ptr<float>(v);
     for (int u = 0; u < depth_m.cols; ++u) {
-      if (z_m[u] <= 0) continue;
-      z_m[u] = noise.model == DepthNoise::Model::proportional
-                   ? z_m[u] * (1 + k * normals[u])
-                   : stereo_z(z_m[u], normals[u], noise, camera.fx * noise.baseline_m);
+      if (noise.model == DepthNoise::Model::proportional)
+        z_m[u] *= 1 + k * normals[u];
+      else if (z_m[u] > 0)
+        z_m[u] = stereo_z(z_m[u], normals[u], noise, camera.fx * noise.baseline_m);
     }
   }
 }
@@ -57,11 +53,17 @@ void drop_edges(cv::Mat& depth_m, const cv::Mat& edges, double probability, std:
 }
 
 void drop_out_of_range(cv::Mat& depth_m, const DepthNoise& noise) {
+  const float min_m = static_cast<float>(noise.min_range_m), max_m = static_cast<float>(noise.max_range_m);
   for (int v = 0; v < depth_m.rows; ++v) {
     auto* z_m = depth_m.ptr<float>(v);
-    for (int u = 0; u < depth_m.cols; ++u)
-      if (!(z_m[u] >= noise.min_range_m && z_m[u] <= noise.max_range_m)) z_m[u] = 0;
+    for (int u = 0; u < depth_m.cols; ++u) z_m[u] = z_m[u] >= min_m && z_m[u] <= max_m ? z_m[u] : 0;
   }
+}
+
+// Marks both pixels of each pair (a[i], b[i]) that an edge runs between.
+void mark_edges(const float* a_m, const float* b_m, int count, std::uint8_t* edge_a, std::uint8_t* edge_b) {
+  for (int i = 0; i < count; ++i)
+    if (std::abs(a_m[i] - b_m[i]) > kEdgeStep * std::min(a_m[i], b_m[i])) edge_a[i] = edge_b[i] = 255;
 }
 
 }  // namespace
@@ -69,14 +71,11 @@ void drop_out_of_range(cv::Mat& depth_m, const DepthNoise& noise) {
 cv::Mat depth_edges(const cv::Mat& depth_m) {
   cv::Mat edges = cv::Mat::zeros(depth_m.size(), CV_8UC1);
   for (int v = 0; v < depth_m.rows; ++v) {
-    const auto* here = depth_m.ptr<float>(v);
-    const auto* below = depth_m.ptr<float>(std::min(v + 1, depth_m.rows - 1));
+    const auto* z_m = depth_m.ptr<float>(v);
     auto* edge = edges.ptr<std::uint8_t>(v);
-    auto* edge_below = edges.ptr<std::uint8_t>(std::min(v + 1, depth_m.rows - 1));
-    for (int u = 0; u < depth_m.cols; ++u) {
-      if (u + 1 < depth_m.cols && is_edge(here[u], here[u + 1])) edge[u] = edge[u + 1] = 255;
-      if (is_edge(here[u], below[u])) edge[u] = edge_below[u] = 255;
-    }
+    mark_edges(z_m, z_m + 1, depth_m.cols - 1, edge, edge + 1);
+    if (v + 1 < depth_m.rows)
+      mark_edges(z_m, depth_m.ptr<float>(v + 1), depth_m.cols, edge, edges.ptr<std::uint8_t>(v + 1));
   }
   return edges;
 }

@@ -38,16 +38,17 @@ cv::Mat add_image_noise(const cv::Mat& rgb, const ImageNoise& noise, std::uint64
   if (noise.sigma <= 0) return noisy;
   const std::vector<std::int16_t> table = make_table(noise.sigma);
   const int values = noisy.cols * noisy.channels();
+  std::vector<std::uint32_t> bits(static_cast<std::size_t>(values + 1) / 2);  // 32 bits are two draws
   for (int v = 0; v < noisy.rows; ++v) {
     RandomStream stream(seed, "image_noise", static_cast<std::uint64_t>(frame),
                         static_cast<std::uint32_t>(v));
     auto* row = noisy.ptr<std::uint8_t>(v);
-    for (int i = 0; i + 1 < values; i += 2) {  // 32 bits are two draws
-      const std::uint32_t bits = stream.bits();
-      row[i] = add(row[i], table[bits & 0xffff]);
-      row[i + 1] = add(row[i + 1], table[bits >> 16]);
+    stream.fill(bits);
+    for (int i = 0; i + 1 < values; i += 2) {
+      row[i] = add(row[i], table[bits[i / 2] & 0xffff]);
+      row[i + 1] = add(row[i + 1], table[bits[i / 2] >> 16]);
     }
-    if (values % 2) row[values - 1] = add(row[values - 1], table[stream.bits() & 0xffff]);
+    if (values % 2) row[values - 1] = add(row[values - 1], table[bits.back() & 0xffff]);
   }
   return noisy;
 }

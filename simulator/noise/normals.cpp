@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace uniquadric {
 namespace {
@@ -45,15 +46,16 @@ double normal_quantile(double p) {
 
 void fill_normals(RandomStream& stream, std::span<float> values) {
   static const std::array<float, kCells + 1> edges = make_edges();
-  for (float& value : values) {
-    const std::uint32_t bits = stream.bits();
-    const std::uint32_t cell = bits >> kPlaceBits;
+  std::vector<std::uint32_t> bits(values.size());
+  stream.fill(bits);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::uint32_t cell = bits[i] >> kPlaceBits;
     const float place =
-        (static_cast<float>(bits & ((1u << kPlaceBits) - 1)) + 0.5f) * (1.0f / (1u << kPlaceBits));
-    value = edges[cell] + (edges[cell + 1] - edges[cell]) * place;
+        (static_cast<float>(bits[i] & ((1u << kPlaceBits) - 1)) + 0.5f) * (1.0f / (1u << kPlaceBits));
+    values[i] = edges[cell] + (edges[cell + 1] - edges[cell]) * place;
     if (cell == 0 || cell == kCells - 1) {
       const double tail = tail_normal(stream, edges[kCells - 1]);
-      value = static_cast<float>(cell == 0 ? -tail : tail);
+      values[i] = static_cast<float>(cell == 0 ? -tail : tail);
     }
   }
 }

@@ -30,7 +30,8 @@ void draw_pass(const GlFunctions& gl, const RenderTargets& targets, std::size_t 
 // Pixels of each bit in a row of the image, and whether the row has any.
 std::array<std::int64_t, kBits> count_bits(const unsigned char* pixels, int count, int step) {
   std::array<std::int64_t, 256> histogram{};
-  for (int i = 0; i < count; ++i) ++histogram[pixels[i * step]];
+  for (int i = 0; i < count; ++i)
+    if (pixels[i * step]) ++histogram[pixels[i * step]];  // most are none: quicker past them
   std::array<std::int64_t, kBits> counts{};
   for (std::size_t value = 1; value < histogram.size(); ++value)
     for (std::size_t bit = 0; bit < kBits; ++bit)
@@ -69,7 +70,8 @@ void count_visible(const cv::Mat& ids, std::vector<ObjectView>& views) {
   std::vector<std::int64_t> pixels(65536);
   for (int v = 0; v < ids.rows; ++v) {
     const auto* row = ids.ptr<std::uint16_t>(v);
-    for (int u = 0; u < ids.cols; ++u) ++pixels[row[u]];
+    for (int u = 0; u < ids.cols; ++u)
+      if (row[u]) ++pixels[row[u]];
   }
   for (ObjectView& view : views) view.visible_px = pixels[static_cast<std::size_t>(view.id)];
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <set>
+#include <vector>
 
 namespace uniquadric {
 namespace {
@@ -36,6 +37,19 @@ TEST(RandomStream, NormalHasTheMomentsOfANormal) {
   EXPECT_NEAR(m2 / kDraws, 1, std::sqrt(2) * unit);
   EXPECT_NEAR(m3 / kDraws, 0, std::sqrt(15) * unit);
   EXPECT_NEAR(m4 / kDraws, 3, std::sqrt(96) * unit);
+}
+
+TEST(RandomStream, FillDrawsTheSameNumbersAsBits) {
+  RandomStream one(7, "fill", 3, 2), many(7, "fill", 3, 2);
+  int filled = 0;
+  for (const std::size_t size : {1u, 0u, 2u, 31u, 32u, 33u, 200u, 5u}) {  // starts at every place of a block
+    std::vector<std::uint32_t> values(size);
+    many.fill(values);
+    for (const std::uint32_t value : values) ASSERT_EQ(value, one.bits());
+    EXPECT_EQ(many.bits(), one.bits());
+    filled += static_cast<int>(size);
+  }
+  EXPECT_EQ(filled, 304);
 }
 
 TEST(RandomStream, UniformAndBelowFillTheirRangesEvenly) {

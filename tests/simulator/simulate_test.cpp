@@ -15,6 +15,7 @@
 #include "core/base/text.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
+#include "simulator/png.h"
 #include "tests/simulator/simple_scene.h"
 #include "tests/support/temp_folder.h"
 
@@ -77,6 +78,23 @@ TEST(Simulate, DepthImagesHoldTheRenderedDepthWithinTheirNoise) {
   EXPECT_EQ(cv::norm(read_image(temp.path() / "out/truth/instances/000005.png"),
                      Renderer(scene).render(poses_at(scene, 0.5)).ids, cv::NORM_INF),
             0);
+}
+
+TEST(WritePng, ReadsBackAsWritten) {
+  const TempFolder temp;
+  cv::Mat color(7, 13, CV_8UC3), ids(9, 5, CV_16UC1);
+  for (cv::Mat* image : {&color, &ids}) cv::randu(*image, 0, 65536);
+  int cases = 0;
+  for (const PngPacking packing : {PngPacking::stored, PngPacking::packed})
+    for (const cv::Mat& image : {color, ids, cv::Mat(color(cv::Rect(2, 1, 6, 5)))}) {
+      write_png(temp.path() / "image.png", image, packing);
+      const cv::Mat read = read_image(temp.path() / "image.png");
+      ASSERT_EQ(read.type(), image.type());
+      ASSERT_EQ(read.size(), image.size());
+      EXPECT_EQ(cv::norm(read, image, cv::NORM_INF), 0);
+      ++cases;
+    }
+  EXPECT_EQ(cases, 6);
 }
 
 TEST(Simulate, ThreadsDoNotChangeAByte) {
