@@ -1,0 +1,16 @@
+# cmake -DSOURCE_DIR=... -DOUTPUT=... -P: writes a header with a hash of the sources behind each stage of the pipeline,
+# so that a result made by other code is never taken for this code's.
+set(text "#pragma once\n\nnamespace uniquadric {\n")
+foreach(part core simulator estimator evaluation)
+  file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/${part}/*)
+  list(SORT files)
+  set(digests "")
+  foreach(file ${files})
+    file(MD5 ${SOURCE_DIR}/${file} digest)
+    string(APPEND digests "${file} ${digest}\n")
+  endforeach()
+  string(MD5 digest "${digests}")
+  string(APPEND text "inline constexpr const char* k${part}_sources = \"${digest}\";\n")
+endforeach()
+string(APPEND text "}  // namespace uniquadric\n")
+file(CONFIGURE OUTPUT ${OUTPUT} CONTENT "${text}" @ONLY)

@@ -1,0 +1,217 @@
+#include "harness/bench/bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "core/base/files.h"
+#include "core/base/progress.h"
+#include "core/base/text.h"
+#include "estimator/variant.h"
+#include "evaluation/report/report.h"
+#include "harness/bench/config.h"
+#include "harness/bench/keys.h"
+#include "harness/bench/process.h"
+#include "harness/bench/task_pool.h"
+#include "simulator/scene/scene.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+// One (scene, variant, seed).
+struct Cell {
+  std::string scene, variant;
+  std::uint64_t seed;
+  fs::path variant_file;
+  fs::path folder;  // relative to the results
+  std::string estimate_key;
+  std::string failure;  // empty: none
+
+  std::string label() const { return fmt::format("{} / {} / seed {}", scene, variant, seed); }
+};
+
+// One (scene, seed) with the cells that read its sequence.
+struct Simulation {
+  std::string scene;
+  fs::path scene_file, folder;
+  std::uint64_t seed;
+  std::string key;
+  std::vector<Cell> cells;
+  std::atomic<int> unfinished{0};
+};
+
+struct Run {
+  const BenchConfig& config;
+  fs::path out;
+  int threads;  // of each stage
+  bool keep_sequences;
+  Progress& progress;
+  TaskPool& pool;
+};
+
+std::vector<std::unique_ptr<Simulation>> plan(const BenchConfig& config) {
+  std::vector<std::unique_ptr<Simulation>> simulations;
+  std::vector<std::string> variant_texts;
+  for (const auto& variant : config.variants)
+    variant_texts.push_back(variant_yaml(load_variant(variant.path)));
+  for (const auto& scene : config.scenes) {
+    const std::string scene_hash = load_scene(scene.path).hash;
+    for (const auto seed : config.seeds) {
+      auto simulation = std::make_unique<Simulation>();
+      simulation->scene = scene.name;
+      simulation->scene_file = scene.path;
+      simulation->seed = seed;
+      simulation->folder = fmt::format("simulations/{}/seed_{}", scene.name, seed);
+      simulation->key = simulation_key(scene_hash, seed, config.frames);
+      for (std::size_t v = 0; v < config.variants.size(); ++v) {
+        const auto& variant = config.variants[v];
+        simulation->cells.push_back({scene.name, variant.name, seed, variant.path,
+                                     fmt::format("cells/{}/{}/seed_{}", scene.name, variant.name, seed),
+                                     estimate_key(simulation->key, variant_texts[v], seed), ""});
+      }
+      simulations.push_back(std::move(simulation));
+    }
+  }
+  return simulations;
+}
+
+bool is_done(const Run& run, const Cell& cell) {
+  const fs::path folder = run.out / cell.folder;
+  return is_current(folder / "evaluation", evaluation_key(cell.estimate_key)) &&
+         is_current(folder / "overlays", overlay_key(cell.estimate_key, run.config.overlays));
+}
+
+// Runs a subcommand of this program that makes `folder`, unless it is there already.
+ProcessResult run_stage(const Run& run, const fs::path& folder, const std::string& key,
+                        std::vector<std::string> command, const fs::path& log) {
+  if (is_current(folder, key)) return {true, ""};
+  fs::create_directories(folder.parent_path());
+  forget_key(folder);
+  command.insert(command.begin(), own_executable().string());
+  command.insert(command.end(), {"--quiet", "--force", "--threads", std::to_string(run.threads)});
+  ProcessResult result = run_process(command, log, run.config.stage_limit_s);
+  if (result.ok) record_key(folder, key);
+  return result;
+}
+
+void run_cell(const Run& run, const Simulation& simulation, Cell& cell) {
+  const fs::path folder = run.out / cell.folder, data = run.out / simulation.folder;
+  fs::create_directories(folder);
+  const fs::path log = folder / "log.txt";
+  fs::remove(log);
+  const std::string estimate = folder / "estimate";
+  const auto stage = [&](const char* name, const std::string& key, const std::vector<std::string>& command) {
+    const ProcessResult result = run_stage(run, folder / name, key, command, log);
+    if (!result.ok) cell.failure = fmt::format("{}: {}", command[0], result.message);
+    return result.ok;
+  };
+  stage("estimate", cell.estimate_key,
+        {"estimate", data / "sequence", estimate, "--variant", cell.variant_file, "--seed",
+         std::to_string(cell.seed)}) &&
+      stage("evaluation", evaluation_key(cell.estimate_key),
+            {"evaluate", data / "truth", estimate, folder / "evaluation"}) &&
+      stage("overlays", overlay_key(cell.estimate_key, run.config.overlays),
+            {"overlay", data / "sequence", estimate, folder / "overlays", "--truth", data / "truth",
+             "--count", std::to_string(run.config.overlays)});
+}
+
+void finish_cell(const Run& run, Simulation& simulation, Cell& cell) {
+  if (!cell.failure.empty()) run.progress.note(fmt::format("failed: {}: {}", cell.label(), cell.failure));
+  run.progress.advance();
+  if (--simulation.unfinished > 0 || run.keep_sequences) return;
+  const bool any_failed = std::any_of(simulation.cells.begin(), simulation.cells.end(),
+                                      [](const Cell& c) { return !c.failure.empty(); });
+  if (any_failed) return;  // the sequence is needed to try again, or to see why
+  forget_key(run.out / simulation.folder);
+  fs::remove_all(run.out / simulation.folder);
+}
+
+void run_simulation(const Run& run, Simulation& simulation) {
+  std::vector<Cell*> waiting;
+  for (Cell& cell : simulation.cells)
+    if (!is_done(run, cell)) waiting.push_back(&cell);
+  run.progress.advance(std::ssize(simulation.cells) - std::ssize(waiting));
+  if (waiting.empty()) return;
+  std::vector<std::string> command = {"simulate", simulation.scene_file, run.out / simulation.folder,
+                                      "--seed", std::to_string(simulation.seed)};
+  if (run.config.frames) command.insert(command.end(), {"--frames", std::to_string(*run.config.frames)});
+  const fs::path log = run.out / (simulation.folder.string() + ".log");
+  fs::create_directories(log.parent_path());
+  fs::remove(log);
+  const ProcessResult result = run_stage(run, run.out / simulation.folder, simulation.key, command, log);
+  simulation.unfinished = static_cast<int>(waiting.size());
+  for (Cell* cell : waiting)
+    if (result.ok)
+      run.pool.add([&run, &simulation, cell] {
+        run_cell(run, simulation, *cell);
+        finish_cell(run, simulation, *cell);
+      });
+    else {
+      cell->failure = "simulate: " + result.message;
+      finish_cell(run, simulation, *cell);
+    }
+}
+
+std::string csv_field(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ';');
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+int write_index(const fs::path& out, const BenchConfig& config,
+                const std::vector<std::unique_ptr<Simulation>>& simulations) {
+  std::string text = "scene,variant,seed,status,folder,message\n";
+  int failed = 0;
+  for (const auto& simulation : simulations)
+    for (const Cell& cell : simulation->cells) {
+      const bool ok = cell.failure.empty();
+      failed += !ok;
+      text += fmt::format("{},{},{},{},{},{}\n", cell.scene, cell.variant, cell.seed, ok ? "ok" : "failed",
+                          cell.folder.string(), csv_field(cell.failure));
+    }
+  write_text(out / "cells.csv", text);
+  write_text(out / "bench.yaml", bench_yaml(config));
+  return failed;
+}
+
+std::string hardware() {
+  std::string model = "unknown processor";
+  for_each_line(
+      "/proc/cpuinfo",
+      [&](int, const std::vector<std::string_view>& fields) {
+        if (fields.size() == 2 && fields[0] == "model name") model = std::string(fields[1]);
+      },
+      ':');
+  return fmt::format("{}, {} threads\n", model, std::thread::hardware_concurrency());
+}
+
+}  // namespace
+
+int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& options) {
+  const BenchConfig config = load_bench_config(config_file);
+  const auto simulations = plan(config);
+  fs::create_directories(out);
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int jobs = options.jobs > 0 ? options.jobs : cores;
+  std::int64_t cells = 0;
+  for (const auto& simulation : simulations) cells += std::ssize(simulation->cells);
+  {
+    Progress progress("bench", cells, options.quiet);
+    TaskPool pool(jobs);
+    const Run run{config,   out, std::max(1, cores / jobs), config.keep_sequences || options.keep_sequences,
+                  progress, pool};
+    for (auto it = simulations.rbegin(); it != simulations.rend(); ++it)  // the pool starts with the last
+      pool.add([&run, &simulation = **it] { run_simulation(run, simulation); });
+    pool.wait();
+  }
+  const int failed = write_index(out, config, simulations);
+  write_text(out / "command.txt", options.command + "\n");
+  write_text(out / "hardware.txt", hardware());
+  write_report(out);
+  return failed;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace uniquadric {
+
+struct BenchOptions {
+  int jobs = 0;  ///< stages at once; 0: as many as the machine has cores
+  bool quiet = false;
+  bool keep_sequences = false;  ///< beside the configuration's own wish
+  std::string command;          ///< the command line, for the report
+};
+
+/// Runs scenes x variants x seeds of a bench file into `out` and writes the report. Stages run as processes
+/// of this program, so that one that fails, crashes or hangs costs its own cell alone; stages whose inputs
+/// and code have not changed are not run again. Returns the number of failed cells. Throws InputError for a
+/// bad configuration, scene or variant before any stage runs.
+int bench(const std::filesystem::path& config, const std::filesystem::path& out, const BenchOptions& options);
+
+}  // namespace uniquadric

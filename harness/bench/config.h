@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace uniquadric {
+
+/// A file that a bench names: its stem is the name of the scene or variant in all results.
+struct BenchItem {
+  std::string name;
+  std::filesystem::path path;
+};
+
+/// scenes x variants x seeds (configs/bench/README.md).
+struct BenchConfig {
+  std::string name;
+  std::vector<BenchItem> scenes, variants;
+  std::vector<std::uint64_t> seeds;
+  std::optional<std::int64_t> frames;  ///< instead of each scene's own number
+  bool keep_sequences = false;         ///< ours: 250 MB a sequence would fill a disk in a sweep
+  double stage_limit_s = 3600;         ///< ours: a stage that hangs is killed after this time
+  int overlays = 8;                    ///< frames with overlays a cell
+};
+
+/// Reads a bench file; paths in it are relative to it. Throws InputError with file and line, also for a scene
+/// or variant that is missing.
+BenchConfig load_bench_config(const std::filesystem::path& path);
+
+/// The resolved configuration as YAML.
+std::string bench_yaml(const BenchConfig& config);
+
+}  // namespace uniquadric

@@ -1,0 +1,58 @@
+#include "harness/bench/keys.h"
+
+#include "core/base/files.h"
+#include "core/base/hash.h"
+#include "core/base/version.h"
+#include "harness/source_hashes.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+fs::path key_file(const fs::path& folder) {
+  return folder.string() + ".key";
+}
+
+Hash stage(const char* name, const char* sources) {
+  Hash hash;
+  hash.add(name).add(kProgram).add(kcore_sources).add(sources);
+  return hash;
+}
+
+}  // namespace
+
+std::string simulation_key(const std::string& scene_hash, std::uint64_t seed,
+                           std::optional<std::int64_t> frames) {
+  return stage("simulate", ksimulator_sources)
+      .add(scene_hash)
+      .add(seed)
+      .add(static_cast<std::uint64_t>(frames.value_or(0)))
+      .hex();
+}
+
+std::string estimate_key(const std::string& simulation_key, const std::string& variant_yaml,
+                         std::uint64_t seed) {
+  return stage("estimate", kestimator_sources).add(simulation_key).add(variant_yaml).add(seed).hex();
+}
+
+std::string evaluation_key(const std::string& estimate_key) {
+  return stage("evaluate", kevaluation_sources).add(estimate_key).hex();
+}
+
+std::string overlay_key(const std::string& estimate_key, int count) {
+  return stage("overlay", kevaluation_sources).add(estimate_key).add(static_cast<std::uint64_t>(count)).hex();
+}
+
+bool is_current(const fs::path& folder, const std::string& key) {
+  return fs::is_directory(folder) && fs::exists(key_file(folder)) && read_text(key_file(folder)) == key;
+}
+
+void forget_key(const fs::path& folder) {
+  fs::remove(key_file(folder));
+}
+
+void record_key(const fs::path& folder, const std::string& key) {
+  write_text(key_file(folder), key);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace uniquadric {
+
+/// Keys of the pipeline's stages: each a hash of everything its result depends on, the sources of the code
+/// included.
+std::string simulation_key(const std::string& scene_hash, std::uint64_t seed,
+                           std::optional<std::int64_t> frames);
+std::string estimate_key(const std::string& simulation_key, const std::string& variant_yaml,
+                         std::uint64_t seed);
+std::string evaluation_key(const std::string& estimate_key);
+std::string overlay_key(const std::string& estimate_key, int count);
+
+/// Whether `folder` holds the result of the stage with this key (recorded beside it, in FOLDER.key).
+bool is_current(const std::filesystem::path& folder, const std::string& key);
+/// To be called before a stage runs again: a crash leaves no folder with another run's key.
+void forget_key(const std::filesystem::path& folder);
+void record_key(const std::filesystem::path& folder, const std::string& key);
+
+}  // namespace uniquadric

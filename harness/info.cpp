@@ -1,0 +1,122 @@
+#include "harness/info.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "core/sequence/sequence.h"
+#include "core/sequence/tracks.h"
+#include "estimator/variant.h"
+#include "evaluation/report/report.h"
+#include "harness/bench/config.h"
+#include "simulator/scene/scene.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+double seconds(std::int64_t ns) {
+  return static_cast<double>(ns) * 1e-9;
+}
+
+double path_length_m(const Trajectory& trajectory) {
+  double length = 0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i)
+    length += (trajectory[i].pose.translation - trajectory[i - 1].pose.translation).norm();
+  return length;
+}
+
+std::string describe_trajectory(const Trajectory& trajectory) {
+  if (trajectory.empty()) return "0 poses";
+  return fmt::format("{} poses over {:.3f} s, path {:.3f} m", trajectory.size(),
+                     seconds(trajectory.back().stamp_ns - trajectory.front().stamp_ns),
+                     path_length_m(trajectory));
+}
+
+std::string describe_sequence(const fs::path& path) {
+  const Sequence sequence = open_sequence(path);
+  const auto& frames = sequence.frames;
+  const auto count = [&](auto has) { return std::count_if(frames.begin(), frames.end(), has); };
+  const Camera& camera = sequence.camera;
+  std::string text = fmt::format("sequence '{}' made by {}", sequence.name, sequence.program);
+  if (!sequence.scene_hash.empty())
+    text += fmt::format(", scene {}, seed {}", sequence.scene_hash, sequence.seed);
+  text += fmt::format("\ncamera: {}x{} px, fx {} fy {} cx {} cy {}, {} Hz{}\n", camera.width, camera.height,
+                      camera.fx, camera.fy, camera.cx, camera.cy, sequence.rate_hz,
+                      camera.has_distortion() ? ", distorted" : "");
+  text += fmt::format("frames: {} over {:.3f} s; {} with depth, {} with masks\n", frames.size(),
+                      seconds(frames.back().stamp_ns - frames.front().stamp_ns),
+                      count([](const SequenceFrame& f) { return !f.depth.empty(); }),
+                      count([](const SequenceFrame& f) { return !f.masks.empty(); }));
+  text += "camera poses given: " +
+          (sequence.given_camera ? describe_trajectory(*sequence.given_camera) : "none") + "\n";
+  return text;
+}
+
+std::string describe_tracks(const fs::path& path) {
+  const Tracks tracks = read_tracks(path);
+  std::string text = fs::exists(path / "objects.csv") ? "estimate\n" : "truth\n";
+  text += "camera: " + describe_trajectory(tracks.camera) + "\n";
+  for (const auto& track : tracks.objects) {
+    text += fmt::format("object {}{}: {} states", track.id, track.name.empty() ? "" : " '" + track.name + "'",
+                        track.states.size());
+    if (!track.states.empty()) {
+      const auto& a = track.states.back().ellipsoid.semi_axes_m;
+      text += fmt::format(", last semi-axes {:.4f} {:.4f} {:.4f} m", a.x(), a.y(), a.z());
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string describe_scene(const fs::path& path) {
+  const Scene scene = load_scene(path);
+  std::string text = fmt::format("scene '{}' ({}): {} frames at {} Hz, {}x{} px\n", scene.name, scene.hash,
+                                 scene.frames, scene.rate_hz, scene.camera.width, scene.camera.height);
+  for (const Body& body : scene.objects) {
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : body.meshes) triangles += mesh.triangles.size();
+    const auto& a = body.semi_axes_m;
+    text += fmt::format("object {} '{}': {}, semi-axes {:.4f} {:.4f} {:.4f} m, {} triangles\n", body.id,
+                        body.name, body.shape, a.x(), a.y(), a.z(), triangles);
+  }
+  return text;
+}
+
+std::string describe_yaml(const fs::path& path) {
+  const ConfigNode root = ConfigNode::load(path);
+  if (!root.is_map()) throw InputError(path, "is no scene, variant or bench file");
+  if (root.has("scenes")) {
+    const BenchConfig config = load_bench_config(path);
+    return fmt::format("bench '{}': {} scenes x {} variants x {} seeds\n", config.name, config.scenes.size(),
+                       config.variants.size(), config.seeds.size());
+  }
+  if (root.has("camera")) return describe_scene(path);
+  return "variant\n" + variant_yaml(load_variant(path));
+}
+
+std::string describe_folder(const fs::path& path) {
+  if (fs::exists(path / "sequence.yaml")) return describe_sequence(path);
+  if (fs::exists(path / "sequence/sequence.yaml"))
+    return describe_sequence(path / "sequence") +
+           (fs::exists(path / "truth") ? describe_tracks(path / "truth") : "");
+  if (fs::exists(path / "camera.tum")) return describe_tracks(path);
+  if (fs::exists(path / "cells.csv")) return "results\n" + summary_table(path);
+  if (fs::exists(path / "evaluation.json"))
+    return "evaluation: see " + (path / "evaluation.json").string() + "\n";
+  throw InputError(path, "is no sequence, truth, estimate, evaluation or results folder");
+}
+
+}  // namespace
+
+std::string describe(const fs::path& path) {
+  if (fs::is_directory(path)) return describe_folder(path);
+  if (!fs::exists(path)) throw InputError(path, "does not exist");
+  if (path.extension() == ".tum") return "trajectory: " + describe_trajectory(read_tum(path)) + "\n";
+  if (path.extension() == ".yaml") return describe_yaml(path);
+  throw InputError(path, "is of no kind this program knows (.yaml, .tum, folders)");
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,146 @@
+// Bad input through the program itself: one line that names the culprit, exit code 2, nothing half-written.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/base/files.h"
+#include "tests/harness/program.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+class Cli : public testing::Test {
+ protected:
+  const fs::path& folder() const { return temp_.path(); }
+  fs::path out() const { return folder() / "out"; }
+  fs::path write(const std::string& name, const std::string& text) const {
+    fs::create_directories((folder() / name).parent_path());
+    write_text(folder() / name, text);
+    return folder() / name;
+  }
+  void expect_refusal(const std::vector<std::string>& arguments, const std::string& what) const {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_NE(run.err.find(what), std::string::npos) << "wanted: " << what << "\ngot: " << run.err;
+    EXPECT_FALSE(fs::exists(out()));
+    for (const auto& entry : fs::directory_iterator(folder()))
+      EXPECT_FALSE(entry.path().string().ends_with(".partial")) << entry.path();
+  }
+  // The small scene with `find` replaced; the error must stand at the end of the replacement, or
+  // `lines_after`.
+  void expect_scene_refused(const std::string& find, const std::string& by, const std::string& what,
+                            int lines_after = 0) const {
+    std::string text = small_scene_yaml();
+    const std::size_t begin = text.find(find);
+    ASSERT_NE(begin, std::string::npos);
+    text.replace(begin, find.size(), by);
+    const fs::path scene = write("scene.yaml", text);
+    const auto end = static_cast<std::ptrdiff_t>(begin + by.size());
+    const auto line = std::count(text.begin(), text.begin() + end, '\n') + 1 + lines_after;
+    expect_refusal({"simulate", scene, out()}, scene.string() + ":" + std::to_string(line) + ": " + what);
+  }
+
+ private:
+  TempFolder temp_;
+};
+
+TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
+  for (const std::string command :
+       {"simulate", "estimate", "evaluate", "bench", "report", "overlay", "info", "metric", "import"}) {
+    const ProgramRun run = run_program({command, "--help"});
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 40) << command;
+    EXPECT_NE(run.out.find("Usage"), std::string::npos);
+  }
+}
+
+TEST_F(Cli, RefusesWhatItDoesNotKnow) {
+  expect_refusal({"simulat"}, "subcommand");
+  expect_refusal({}, "subcommand");
+  expect_refusal({"simulate", "a.yaml", out(), "--sed", "1"}, "--sed");
+  expect_refusal({"simulate", "a.yaml", out(), "--frames", "0"}, "--frames");
+  expect_refusal({"simulate", folder() / "none.yaml", out()}, "none.yaml: cannot be read");
+  expect_refusal({"metric", "iou4d"}, "iou4d");
+}
+
+TEST_F(Cli, RefusesBadScenesByLine) {
+  expect_scene_refused("frames: 4", "frames: [4", "malformed YAML", 1);  // noticed on the next line
+  expect_scene_refused("rate_hz: 10", "rate_hz: 10\nframse: 3", "unknown key 'framse'");
+  expect_scene_refused("rate_hz: 10", "rate_hz: 0", "rate_hz");
+  expect_scene_refused("size_m: [0.4, 0.3, 0.2]", "size_m: [0.4, 0.0, 0.2]", "objects[0].size_m");
+  expect_scene_refused("position_m: [0.5, 0, 0]", "position_m: [.nan, 0, 0]", "objects[0].motion");
+  expect_scene_refused("time_s: 1, position_m: [0.5", "time_s: -1, position_m: [0.5", "objects[0].motion");
+  expect_scene_refused("primitive: box\n    size_m: [0.4, 0.3, 0.2]", "mesh: none.obj", "objects[0]");
+  expect_scene_refused("id: 2", "id: 1", "objects[1].id");
+}
+
+TEST_F(Cli, RefusesBadSequences) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
+  ASSERT_EQ(run_program({"simulate", scene, data, "--quiet"}).exit_code, 0);
+  const fs::path rgb = data / "sequence/rgb/000001.png", given = data / "sequence/camera_given.tum";
+  const std::string image = read_text(rgb), poses = read_text(given);
+  const auto estimate_refused = [&](const std::string& what) {
+    expect_refusal({"estimate", data / "sequence", out(), "--quiet"}, what);
+  };
+  const fs::path depth = data / "sequence/depth/000001.png";
+  const std::string depth_image = read_text(depth);
+  write_text(depth, depth_image.substr(0, depth_image.size() / 2));
+  estimate_refused("depth/000001.png: is a truncated image");
+  write_text(depth, image);
+  estimate_refused("depth/000001.png: expected a 16-bit grey image");
+  write_text(depth, depth_image);
+
+  write_text(given, poses + "2.0 0 0 nan 0 0 0 1\n");
+  estimate_refused("camera_given.tum:6: 'nan' is not a finite number");
+  write_text(given, poses + "0.05 0 0 0 0 0 0 1\n");
+  estimate_refused("camera_given.tum:6: timestamp 0.05 does not come after");
+  fs::remove(given);
+  estimate_refused("camera_given.tum");
+  estimate_refused(data.string());
+  expect_refusal({"estimate", folder() / "none", out()}, "none: is not a folder");
+}
+
+TEST_F(Cli, RefusesBadVariantsAndBenches) {
+  const fs::path variant = write("variant.yaml", "schema: 1\nbackedn: single_frame\n");
+  expect_refusal({"estimate", folder(), out(), "--variant", variant},
+                 "variant.yaml:2: unknown key 'backedn'");
+  const fs::path bench = write("bench.yaml", "scenes: [none.yaml]\nvariants: [v.yaml]\nseeds: [1]\n");
+  expect_refusal({"bench", bench, out()}, "bench.yaml:1: scenes[0]: file");
+  expect_refusal(
+      {"bench", write("b.yaml", "seeds: []\nscenes: [bench.yaml]\nvariants: [bench.yaml]\n"), out()},
+      "b.yaml:1: seeds: expected at least one");
+}
+
+TEST_F(Cli, RefusesBadTracks) {
+  write("truth/camera.tum", "0 0 0 0 0 0 0 1\n0.1 0 0 0 0 0 0 1\n0.2 0 0 0 0 0 0 1\n");
+  write("truth/objects.yaml", "schema: 1\nobjects:\n  - {id: 1, name: a, semi_axes_m: [1, .nan, 1]}\n");
+  write("truth/objects/1.tum", "0 0 0 0 0 0 0 1\n");
+  expect_refusal({"evaluate", folder() / "truth", folder() / "truth", out()},
+                 "objects.yaml:3: objects[0].semi_axes_m[1]");
+}
+
+TEST_F(Cli, ARefusedOutputStaysAsItWas) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml());
+  write("taken/precious.txt", "precious");
+  const ProgramRun run = run_program({"simulate", scene, folder() / "taken", "--quiet"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("not empty"), std::string::npos);
+  EXPECT_EQ(read_text(folder() / "taken/precious.txt"), "precious");
+}
+
+TEST_F(Cli, MetricAnswersLineByLine) {
+  const std::string sphere = R"({"c":[0,0,0],"q":[0,0,0,1],"a":[1,1,1]})";
+  const ProgramRun run =
+      run_program({"metric", "iou3d"}, R"({"id":1,"gt":)" + sphere + R"(,"est":)" + sphere + "}\nnonsense\n");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.out.find(R"("iou":1.0)"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find(R"("error")"), std::string::npos);
+  EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 2);
+}
+
+}  // namespace
+}  // namespace uniquadric

@@ -1,0 +1,157 @@
+// The whole chain through the program, on a small scene.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/base/files.h"
+#include "harness/bench/process.h"
+#include "tests/harness/program.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Pipeline : public testing::Test {
+ protected:
+  void SetUp() override { write_text(scene(), small_scene_yaml()); }
+  const fs::path& folder() const { return temp_.path(); }
+  fs::path scene() const { return folder() / "small.yaml"; }
+  void ok(const std::vector<std::string>& arguments) const {
+    const ProgramRun run = run_program(arguments);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  fs::path bench_file(const std::string& scenes) const {
+    const fs::path variant = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/single_frame_obb.yaml";
+    write_text(folder() / "bench.yaml",
+               "scenes: [" + scenes + "]\nvariants: [" + variant.string() + "]\nseeds: [1]\noverlays: 2\n");
+    return folder() / "bench.yaml";
+  }
+
+ private:
+  TempFolder temp_;
+};
+
+TEST_F(Pipeline, TruthAgainstItselfIsPerfect) {
+  ok({"simulate", scene(), folder() / "data", "--quiet"});
+  const fs::path truth = folder() / "data/truth";
+  ok({"evaluate", truth, truth, folder() / "evaluation", "--quiet"});
+  const json evaluation = json::parse(read_text(folder() / "evaluation/evaluation.json"));
+  for (const char* metric : {"ape", "rpe"})
+    for (const char* part : {"translation_m", "rotation_rad"}) {
+      EXPECT_EQ(evaluation["camera"][metric][part]["max"], 0.0);
+      for (const auto& object : evaluation["objects"]) EXPECT_EQ(object[metric][part]["max"], 0.0);
+    }
+  ASSERT_EQ(evaluation["objects"].size(), 2u);
+  for (const auto& object : evaluation["objects"]) {
+    EXPECT_EQ(object["iou3d"]["min"], 1.0);
+    EXPECT_EQ(object["iou2d"]["min"], 1.0);
+    EXPECT_EQ(object["coverage"], 1.0);
+  }
+}
+
+TEST_F(Pipeline, EstimateNeedsNoTruth) {
+  ok({"simulate", scene(), folder() / "data", "--quiet"});
+  ok({"estimate", folder() / "data/sequence", folder() / "a", "--quiet"});
+  fs::rename(folder() / "data/truth", folder() / "hidden");
+  ok({"estimate", folder() / "data/sequence", folder() / "b", "--quiet"});
+  EXPECT_EQ(folder_hash(folder() / "a", {"timing.csv"}), folder_hash(folder() / "b", {"timing.csv"}));
+  fs::rename(folder() / "data/sequence", folder() / "alone");  // and no path of its origin
+  ok({"estimate", folder() / "alone", folder() / "c", "--quiet"});
+  EXPECT_EQ(folder_hash(folder() / "a", {"timing.csv"}), folder_hash(folder() / "c", {"timing.csv"}));
+}
+
+TEST_F(Pipeline, SameBytesForAnyThreadsAndOtherNoiseForAnotherSeed) {
+  ok({"simulate", scene(), folder() / "a", "--seed", "7", "--threads", "1", "--quiet"});
+  ok({"simulate", scene(), folder() / "b", "--seed", "7", "--threads", "2", "--quiet"});
+  ok({"simulate", scene(), folder() / "c", "--seed", "8", "--quiet"});
+  EXPECT_EQ(folder_hash(folder() / "a"), folder_hash(folder() / "b"));
+  EXPECT_EQ(folder_hash(folder() / "a/truth"), folder_hash(folder() / "c/truth"));
+  EXPECT_NE(folder_hash(folder() / "a/sequence/depth"), folder_hash(folder() / "c/sequence/depth"));
+  for (const char* threads : {"1", "2"})
+    ok({"estimate", folder() / "a/sequence", folder() / (std::string("e") + threads), "--threads", threads,
+        "--quiet"});
+  EXPECT_EQ(folder_hash(folder() / "e1", {"timing.csv"}), folder_hash(folder() / "e2", {"timing.csv"}));
+}
+
+TEST_F(Pipeline, AKilledSimulationResumesToTheSameBytes) {
+  const std::string program = UNIQUADRIC_PROGRAM;
+  ok({"simulate", scene(), folder() / "whole", "--frames", "60", "--quiet"});
+  int killed = 0;
+  for (const double limit_s : {0.15, 0.25, 0.4, 0.6}) {
+    const ProcessResult run =
+        run_process({program, "simulate", scene(), folder() / "killed", "--frames", "60", "--quiet"},
+                    folder() / "log.txt", limit_s);
+    if (run.ok) break;
+    ++killed;
+    EXPECT_FALSE(fs::exists(folder() / "killed"));
+  }
+  EXPECT_GT(killed, 0);
+  if (!fs::exists(folder() / "killed"))
+    ok({"simulate", scene(), folder() / "killed", "--frames", "60", "--quiet"});
+  EXPECT_EQ(folder_hash(folder() / "whole"), folder_hash(folder() / "killed"));
+  EXPECT_FALSE(fs::exists(folder() / "killed.partial"));
+}
+
+TEST_F(Pipeline, BenchEndsInAReportAndDoesNothingTwice) {
+  const fs::path out = folder() / "out", file = bench_file("small.yaml");
+  ok({"bench", file, out, "--quiet", "--keep"});
+  for (const char* name : {"report.html", "report.md", "scores.csv", "cells.csv", "bench.yaml"})
+    EXPECT_TRUE(fs::exists(out / name)) << name;
+  const fs::path evaluation = out / "cells/small/single_frame_obb/seed_1/evaluation/evaluation.json";
+  const auto made = fs::last_write_time(evaluation);
+  const std::string scores = read_text(out / "scores.csv");
+  EXPECT_NE(scores.find("small,box,single_frame_obb,1,iou3d_mean,"), std::string::npos) << scores;
+  const std::string before = folder_hash(out);
+  ok({"bench", file, out, "--quiet", "--keep"});
+  EXPECT_EQ(fs::last_write_time(evaluation), made);
+  EXPECT_EQ(folder_hash(out), before);
+  fs::remove_all(out / "cells/small/single_frame_obb/seed_1/evaluation");
+  ok({"bench", file, out, "--quiet", "--keep"});
+  EXPECT_EQ(read_text(out / "scores.csv"), scores);
+}
+
+TEST_F(Pipeline, BenchSurvivesAFailingCellAndCountsIt) {
+  std::string no_given = small_scene_yaml();  // this variant needs given camera poses: its cell fails
+  no_given.insert(no_given.find("  motion:"), "  given: false\n");
+  write_text(folder() / "blind.yaml", no_given);
+  const fs::path out = folder() / "out";
+  const ProgramRun run = run_program({"bench", bench_file("small.yaml, blind.yaml"), out, "--quiet"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("1 cells failed"), std::string::npos) << run.err;
+  const std::string cells = read_text(out / "cells.csv");
+  EXPECT_NE(cells.find("small,single_frame_obb,1,ok"), std::string::npos) << cells;
+  EXPECT_NE(cells.find("blind,single_frame_obb,1,failed"), std::string::npos) << cells;
+  EXPECT_NE(cells.find("camera_given.tum"), std::string::npos) << cells;
+  EXPECT_TRUE(fs::exists(out / "report.html"));
+  EXPECT_FALSE(fs::exists(out / "simulations/small/seed_1"));  // removed after use; the failed one is kept
+  EXPECT_TRUE(fs::exists(out / "simulations/blind/seed_1/sequence"));
+}
+
+TEST(Process, AHangingStageIsEndedAtItsLimit) {
+  const TempFolder temp;
+  const auto start = std::chrono::steady_clock::now();
+  const ProcessResult result = run_process({"/bin/sleep", "60"}, temp.path() / "log", 0.2);
+  EXPECT_FALSE(result.ok);
+  EXPECT_EQ(result.message, "ran longer than 0.2 s");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+TEST(Process, SaysWhyAStageFailed) {
+  const TempFolder temp;
+  EXPECT_EQ(
+      run_process({"/bin/sh", "-c", "echo first; echo last >&2; exit 3"}, temp.path() / "a", 10).message,
+      "last");
+  EXPECT_EQ(run_process({"/bin/sh", "-c", "kill -SEGV $$"}, temp.path() / "b", 10).message,
+            "killed by signal 11 (Segmentation fault)");
+  EXPECT_EQ(run_process({"/bin/false"}, temp.path() / "c", 10).message, "exit code 1");
+  EXPECT_TRUE(run_process({"/bin/true"}, temp.path() / "d", 10).ok);
+}
+
+}  // namespace
+}  // namespace uniquadric
