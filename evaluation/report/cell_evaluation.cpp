@@ -103,12 +103,6 @@ std::vector<NamedObject> read_names(const fs::path& file, const json& root) {
   return named;
 }
 
-std::string text_of(const json& root, const char* key) {
-  const auto found = root.find(key);
-  if (found == root.end() || found->is_null()) return "";
-  return found->is_string() ? found->get<std::string>() : found->dump();
-}
-
 }  // namespace
 
 CellEvaluation read_cell_evaluation(const fs::path& folder) {
@@ -118,8 +112,8 @@ CellEvaluation read_cell_evaluation(const fs::path& folder) {
   if (const auto schema = number_at(file, root, "/schema"); !schema || *schema != kEvaluationSchema)
     fail(file, "schema", fmt::format("this program reads version {}", kEvaluationSchema));
   CellEvaluation evaluation;
-  evaluation.program = text_of(root, "program");
-  evaluation.config = text_of(root, "config");
+  if (const auto program = root.find("program"); program != root.end() && program->is_string())
+    evaluation.program = program->get<std::string>();
   const std::vector<NamedObject> names = read_names(file, root);
   for (std::size_t i = 0; i < names.size(); ++i)
     evaluation.subjects.push_back(

@@ -19,7 +19,8 @@ struct PageOptions {
 std::string page_html(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options = {});
 
-/// The page's data: everything but the pictures. JSON text, keys sorted.
+/// The page's data: everything but the pictures. JSON text, keys sorted. A column of a series is one value
+/// where it is constant.
 std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options);
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
@@ -10,6 +11,20 @@
 namespace uniquadric {
 namespace {
 using nlohmann::json;
+
+// Columns of frames.csv that page/charts.js plots.
+constexpr const char* kPlotted[] = {"ape_translation_m",
+                                    "ape_rotation_rad",
+                                    "iou3d",
+                                    "iou2d",
+                                    "est_semi_axis_x_m",
+                                    "est_semi_axis_y_m",
+                                    "est_semi_axis_z_m",
+                                    "true_semi_axis_x_m",
+                                    "true_semi_axis_y_m",
+                                    "true_semi_axis_z_m",
+                                    "rpe_translation_m",
+                                    "rpe_rotation_rad"};
 
 json metrics_json() {
   json list = json::array();
@@ -42,13 +57,21 @@ json rounded(const std::optional<double>& value, int digits) {
   return value ? json(*parse_double(fmt::format("{:.{}g}", *value, digits))) : json(nullptr);
 }
 
+// A list, or its one value where all are the same (true semi-axes).
+json column_json(const std::vector<std::optional<double>>& values, int digits) {
+  const bool constant =
+      std::all_of(values.begin(), values.end(), [&](const auto& v) { return v == values.front(); });
+  json list = json::array();
+  for (std::size_t i = 0; i < (constant ? std::min<std::size_t>(1, values.size()) : values.size()); ++i)
+    list.push_back(rounded(values[i], digits));
+  return list;
+}
+
 json series_json(const ObjectSeries& series, int digits) {
   json columns = json::object();
-  for (const auto& [name, values] : series.columns) {
-    json list = json::array();
-    for (const auto& value : values) list.push_back(rounded(value, digits));
-    columns[name] = list;
-  }
+  for (const char* name : kPlotted)
+    if (const auto found = series.columns.find(name); found != series.columns.end())
+      columns[name] = column_json(found->second, digits);
   return {{"object", series.subject},
           {"frames", series.frames},
           {"stamps_ns", series.stamps_ns},

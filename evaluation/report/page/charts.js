@@ -28,7 +28,8 @@ function scene_start_ns(scene) {
 
 function points(series, column, start_ns) {
   const values = series.columns[column];
-  return series.stamps_ns.map((stamp, i) => ({ x: (stamp - start_ns) / 1e9, y: values[i] ?? NaN, frame: series.frames[i] }));
+  const at = (i) => (values.length === 1 ? values[0] : values[i]) ?? NaN;
+  return series.stamps_ns.map((stamp, i) => ({ x: (stamp - start_ns) / 1e9, y: at(i), frame: series.frames[i] }));
 }
 
 function line(label, list, color, width, extra = {}) {
@@ -83,7 +84,7 @@ function axis(options) {
 
 function chart_options(plot) {
   const log = plot.error && chart_state.log;
-  const y = { type: log ? "logarithmic" : "linear", beginAtZero: !log,
+  const y = { type: log ? "logarithmic" : "linear", beginAtZero: !log, grace: "4%",
     ticks: { maxTicksLimit: 6, callback: (value) => (value === 0 ? "0" : String(Number(value.toPrecision(3)))) } };
   if (plot.range) Object.assign(y, { min: plot.range[0], max: plot.range[1] });
   return {
