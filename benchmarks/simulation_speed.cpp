@@ -1,13 +1,17 @@
 // Frames per second of `simulate`, files written, against a bare loop that only draws the same pass (colour,
 // ids, depth) and reads it back into images it reuses.
 //   simulation_speed SCENE.yaml [FRAMES [ROUNDS]]
-// Every measurement is a process of its own, so that the bare loop has OSMesa as it comes (its own threads,
-// one a core) and simulate has it as simulate sets it. The two take turns; the ratio is that of the medians.
+// Measured for the scene as it is and with its triangles split until there are 200 000: the same images of
+// heavier geometry. Every measurement is a process of its own, so that the bare loop has OSMesa as it comes
+// (its own threads, one a core) and simulate has it as simulate sets it. The two take turns; the ratio is
+// that of the medians. The time of all cores for a frame tells what other programs on the machine hide.
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -15,6 +19,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/base/text.h"
@@ -25,32 +30,53 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
+constexpr std::size_t kHeavyTriangles = 200'000;
+
 double seconds(const std::function<void()>& action) {
   const auto start = std::chrono::steady_clock::now();
   action();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// What `measure` returns, from a child process.
-double in_own_process(const std::function<double()>& measure) {
+struct Speed {
+  double fps = 0, cpu_ms = 0;  // cpu_ms: of all cores, for a frame
+};
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto value = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return value(usage.ru_utime) + value(usage.ru_stime);
+}
+
+Speed measure(std::int64_t frames, const std::function<void()>& action) {
+  const double cpu_s = cpu_seconds(), count = static_cast<double>(frames);
+  const double time_s = seconds(action);
+  return {count / time_s, 1e3 * (cpu_seconds() - cpu_s) / count};
+}
+
+// What `run` returns, from a child process.
+Speed in_own_process(const std::function<Speed()>& run) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
   const pid_t child = fork();
   if (child == 0) {
-    const double value = measure();
-    const bool written = write(ends[1], &value, sizeof value) == sizeof value;
+    const Speed speed = run();
+    const bool written = write(ends[1], &speed, sizeof speed) == sizeof speed;
     _exit(written ? 0 : 1);
   }
   close(ends[1]);
-  double value = 0;
-  const bool complete = read(ends[0], &value, sizeof value) == sizeof value;
+  Speed speed;
+  const bool complete = read(ends[0], &speed, sizeof speed) == sizeof speed;
   close(ends[0]);
   waitpid(child, nullptr, 0);
   if (!complete) throw std::runtime_error("a measurement failed");
-  return value;
+  return speed;
 }
 
-double bare_fps(const Scene& scene, std::int64_t frames) {
+Speed bare_speed(const Scene& scene, std::int64_t frames) {
   setenv("LP_NUM_THREADS", std::to_string(std::thread::hardware_concurrency()).c_str(), 0);
   Renderer renderer(scene);
   cv::Mat bgra, ids, depth_m;
@@ -59,19 +85,50 @@ double bare_fps(const Scene& scene, std::int64_t frames) {
     renderer.read_back(bgra, ids, depth_m);
   };
   draw(0);  // compiles the shaders
-  return static_cast<double>(frames) / seconds([&] {
-           for (std::int64_t frame = 0; frame < frames; ++frame) draw(frame);
-         });
+  return measure(frames, [&] {
+    for (std::int64_t frame = 0; frame < frames; ++frame) draw(frame);
+  });
 }
 
-double simulate_fps(const Scene& scene, std::int64_t frames) {
+// Everything counts here: the renderers' preparation too.
+Speed simulate_speed(const Scene& scene, std::int64_t frames) {
   const fs::path out = fs::temp_directory_path() / fmt::format("simulation_speed.{}", getpid());
   SimulateOptions options;
   options.frames = frames;
   options.quiet = true;
-  const double time_s = seconds([&] { simulate(scene, options, out); });
+  const Speed speed = measure(frames, [&] { simulate(scene, options, out); });
   fs::remove_all(out);
-  return static_cast<double>(frames) / time_s;
+  return speed;
+}
+
+// Halves every edge: four triangles for one, in the same plane.
+void split_triangles(Mesh& mesh) {
+  const auto split = std::exchange(mesh.triangles, {});
+  for (const auto& [a, b, c] : split) {
+    const auto middle = [&](unsigned i, unsigned j) {
+      mesh.positions.push_back((mesh.positions[i] + mesh.positions[j]) / 2);
+      mesh.normals.push_back((mesh.normals[i] + mesh.normals[j]).normalized());
+      mesh.uvs.push_back((mesh.uvs[i] + mesh.uvs[j]) / 2);
+      return static_cast<unsigned>(mesh.positions.size() - 1);
+    };
+    const unsigned ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    for (const auto& triangle : {std::array{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}})
+      mesh.triangles.push_back(triangle);
+  }
+}
+
+std::vector<Mesh*> all_meshes(Scene& scene) {
+  std::vector<Mesh*> meshes;
+  for (auto* bodies : {&scene.world, &scene.objects})
+    for (Body& body : *bodies)
+      for (Mesh& mesh : body.meshes) meshes.push_back(&mesh);
+  return meshes;
+}
+
+std::size_t count_triangles(Scene& scene) {
+  std::size_t count = 0;
+  for (const Mesh* mesh : all_meshes(scene)) count += mesh->triangles.size();
+  return count;
 }
 
 double median(std::vector<double> values) {
@@ -87,21 +144,31 @@ std::int64_t argument(int argc, char** argv, int place, std::int64_t fallback) {
   return *value;
 }
 
+void compare(Scene& scene, std::int64_t frames, std::int64_t rounds) {
+  std::vector<double> bare_fps, bare_ms, simulate_fps, simulate_ms;
+  for (std::int64_t round = 0; round < rounds; ++round) {
+    const Speed bare = in_own_process([&] { return bare_speed(scene, frames); });
+    const Speed simulated = in_own_process([&] { return simulate_speed(scene, frames); });
+    bare_fps.push_back(bare.fps), bare_ms.push_back(bare.cpu_ms);
+    simulate_fps.push_back(simulated.fps), simulate_ms.push_back(simulated.cpu_ms);
+  }
+  fmt::print("scene {}, {} triangles: {} frames, {} rounds, {} cores\n", scene.name, count_triangles(scene),
+             frames, rounds, std::thread::hardware_concurrency());
+  fmt::print("  bare draw and read-back  {:7.1f} fps  {:7.1f} ms of all cores for a frame\n",
+             median(bare_fps), median(bare_ms));
+  fmt::print("  simulate, files written  {:7.1f} fps  {:7.1f} ms of all cores for a frame\n",
+             median(simulate_fps), median(simulate_ms));
+  fmt::print("  ratio                    {:7.2f}\n", median(simulate_fps) / median(bare_fps));
+}
+
 void run(int argc, char** argv) {
   if (argc < 2) throw std::runtime_error("usage: simulation_speed SCENE.yaml [FRAMES [ROUNDS]]");
-  const Scene scene = load_scene(argv[1]);
+  Scene scene = load_scene(argv[1]);
   const std::int64_t frames = argument(argc, argv, 2, 150), rounds = argument(argc, argv, 3, 3);
-  std::vector<double> bare, simulated;
-  for (std::int64_t round = 0; round < rounds; ++round) {
-    bare.push_back(in_own_process([&] { return bare_fps(scene, frames); }));
-    simulated.push_back(in_own_process([&] { return simulate_fps(scene, frames); }));
-    fmt::print(stderr, "round {}: bare {:.1f} fps, simulate {:.1f} fps\n", round + 1, bare.back(),
-               simulated.back());
-  }
-  fmt::print("scene {}: {} frames, {} cores\n", scene.name, frames, std::thread::hardware_concurrency());
-  fmt::print("bare draw and read-back  {:7.1f} fps\n", median(bare));
-  fmt::print("simulate, files written  {:7.1f} fps\n", median(simulated));
-  fmt::print("ratio                    {:7.2f}\n", median(simulated) / median(bare));
+  compare(scene, frames, rounds);
+  while (count_triangles(scene) < kHeavyTriangles)
+    for (Mesh* mesh : all_meshes(scene)) split_triangles(*mesh);
+  compare(scene, frames, rounds);
 }
 
 }  // namespace

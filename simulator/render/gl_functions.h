@@ -32,7 +32,6 @@ namespace uniquadric {
   X(Enable, void, unsigned)                                                                      \
   X(EnableVertexArrayAttrib, void, unsigned, unsigned)                                           \
   X(FrontFace, void, unsigned)                                                                   \
-  X(GenerateTextureMipmap, void, unsigned)                                                       \
   X(GetError, unsigned)                                                                          \
   X(GetProgramInfoLog, void, unsigned, int, int*, char*)                                         \
   X(GetProgramiv, void, unsigned, unsigned, int*)                                                \

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <opencv2/imgproc.hpp>
 
 namespace uniquadric {
 namespace {
@@ -27,17 +28,23 @@ void attach_attribute(const GlFunctions& gl, unsigned vertex_array, unsigned pla
   gl.EnableVertexArrayAttrib(vertex_array, place);
 }
 
-// Trilinear filtering: textures shrink without flicker, which would make false corners.
-unsigned upload_texture(const GlFunctions& gl, const cv::Mat& given) {
-  const cv::Mat white(1, 1, CV_8UC3, cv::Scalar::all(255));
-  const cv::Mat image = given.empty() ? white : given.isContinuous() ? given : given.clone();
-  assert(image.type() == CV_8UC3);
+// Trilinear filtering: textures shrink without flicker, which would make false corners. The levels are made
+// here: llvmpipe would compile shaders for it and take five times as long.
+unsigned upload_texture(const GlFunctions& gl, const cv::Mat& image) {
+  assert(image.empty() || image.type() == CV_8UC3);
+  cv::Mat level(1, 1, CV_8UC4, cv::Scalar::all(255));
+  if (!image.empty()) cv::cvtColor(image, level, cv::COLOR_BGR2RGBA);
+  const int levels = std::bit_width(static_cast<unsigned>(std::max(level.cols, level.rows)));
   unsigned texture = 0;
   gl.CreateTextures(GL_TEXTURE_2D, 1, &texture);
-  const int levels = std::bit_width(static_cast<unsigned>(std::max(image.cols, image.rows)));
-  gl.TextureStorage2D(texture, levels, GL_RGBA8, image.cols, image.rows);
-  gl.TextureSubImage2D(texture, 0, 0, 0, image.cols, image.rows, GL_BGR, GL_UNSIGNED_BYTE, image.data);
-  gl.GenerateTextureMipmap(texture);
+  gl.TextureStorage2D(texture, levels, GL_RGBA8, level.cols, level.rows);
+  for (int i = 0; i < levels; ++i) {
+    gl.TextureSubImage2D(texture, i, 0, 0, level.cols, level.rows, GL_RGBA, GL_UNSIGNED_BYTE, level.data);
+    cv::Mat smaller;
+    cv::resize(level, smaller, {std::max(1, level.cols / 2), std::max(1, level.rows / 2)}, 0, 0,
+               cv::INTER_AREA);
+    level = smaller;
+  }
   gl.TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   gl.TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl.TextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_REPEAT);
