@@ -57,6 +57,15 @@ RandomStream::RandomStream(std::uint64_t seed, std::string_view name, std::uint6
   counter_ = {0, element, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32)};
 }
 
+RandomStream RandomStream::at_element(std::uint32_t element) const {
+  RandomStream stream = *this;
+  stream.counter_[0] = 0;
+  stream.counter_[1] = element;
+  stream.used_ = 4;
+  stream.has_spare_ = false;
+  return stream;
+}
+
 std::uint32_t RandomStream::bits() {
   if (used_ == 4) {
     block_ = philox(counter_, key_);

@@ -14,6 +14,9 @@ class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::string_view name, std::uint64_t frame = 0, std::uint32_t element = 0);
 
+  /// The start of the stream of another element of the same seed, name and frame.
+  RandomStream at_element(std::uint32_t element) const;
+
   /// 32 uniform random bits.
   std::uint32_t bits();
   /// The same numbers as that many calls of bits(), some four times faster.
