@@ -1,7 +1,7 @@
 #include "estimator/estimate.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -36,7 +36,9 @@ std::vector<FrameEstimate> estimate_frames(const Sequence& sequence,
   if (keeps_masks) fs::create_directories(out / "masks");
   Progress progress("estimate", std::ssize(sequence.frames), options.quiet);
   std::vector<FrameEstimate> results(sequence.frames.size());
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  const int threads = options.threads > 0 ? options.threads : tbb::this_task_arena::max_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  tbb::task_arena arena(threads);
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, sequence.frames.size(), [&](std::size_t i) {
       const SequenceFrame& frame = sequence.frames[i];

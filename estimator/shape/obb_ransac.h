@@ -26,10 +26,10 @@ struct ObbOptions {
 
 struct ObbEstimate {
   OrientedBox box;  ///< axes named as they are nearest to the reference
-  Eigen::Vector3d
-      semi_axes_std_m;  ///< standard deviation of the accepted models' half extents, along the same axes
-  int inliers = 0;      ///< of the best model
-  int accepted = 0;     ///< models that were the best when they came
+  /// Standard deviation of the accepted models' half extents, along the same axes [m].
+  Eigen::Vector3d semi_axes_std_m = Eigen::Vector3d::Zero();
+  int inliers = 0;   ///< of the best model
+  int accepted = 0;  ///< models that were the best when they came
 };
 
 /// Oriented bounding box by RANSAC with the uncertainty of its axes (Alg. 1) from points (3 x n, metres), its

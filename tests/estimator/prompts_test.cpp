@@ -1,0 +1,96 @@
+#include "estimator/perception/prompts.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+Sequence three_frames() {
+  Sequence sequence;
+  for (int i = 0; i < 3; ++i) {
+    SequenceFrame frame;
+    frame.frame = i;
+    frame.stamp_ns = 10'000'000'000 + 100'000'000LL * i;
+    sequence.frames.push_back(frame);
+  }
+  return sequence;
+}
+
+fs::path prompt_file(const std::string& text) {
+  const fs::path file = fs::path(testing::TempDir()) / "prompts.txt";
+  write_text(file, text);
+  return file;
+}
+
+TEST(Prompts, AFolderNamesFramesByItsFilesAndObjectsByOverlap) {
+  const fs::path folder = fs::path(testing::TempDir()) / "prompt_boxes";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  write_text(folder / "10.000.txt", "100\t50\t80\t60\t0.9\n300 50 80 60 0.5\n");
+  write_text(folder / "10.104.txt", "310 55 80 60\n\n110 50 80 60\n");  // 4 ms off its frame, the other order
+  write_text(folder / "10.200.txt", "\n");
+  const auto frames = read_box_prompts(folder, three_frames());
+  ASSERT_EQ(frames.size(), 3u);
+  ASSERT_EQ(frames[1].size(), 2u);
+  EXPECT_EQ(frames[0][0].id, 1);
+  EXPECT_EQ(frames[0][1].id, 2);
+  EXPECT_EQ(frames[1][0].id, 2);
+  EXPECT_EQ(frames[1][1].id, 1);
+  EXPECT_EQ(frames[1][0].x, 310);
+  EXPECT_TRUE(frames[2].empty());
+}
+
+TEST(Prompts, AFileGivesIdsOrHasThemFound) {
+  auto frames = read_box_prompts(prompt_file("10.0 1 2 30 40 7\n10.1 1 2 30 40 9\n"), three_frames());
+  EXPECT_EQ(frames[0].at(0).id, 7);
+  EXPECT_EQ(frames[1].at(0).id, 9);
+  frames = read_box_prompts(prompt_file("# stamp x y w h\n10.0 1 2 30 40\n10.1 1 2 30 40\n"), three_frames());
+  EXPECT_EQ(frames[1].at(0).id, 1);
+}
+
+TEST(Prompts, ALoneBoxThatJumpsKeepsItsIdUnlessItJumpsTooFar) {
+  std::vector<std::vector<BoxPrompt>> frames = {
+      {{0, 0, 0, 50, 50}}, {{0, 100, 0, 50, 50}}, {{0, 500, 0, 50, 50}}};
+  associate_boxes(frames, 640);
+  EXPECT_EQ(frames[1][0].id, 1);  // no overlap, 100 px away
+  EXPECT_EQ(frames[2][0].id, 2);  // 400 px: more than half the image
+}
+
+TEST(Prompts, BoxIou) {
+  EXPECT_DOUBLE_EQ(box_iou({0, 0, 0, 2, 2}, {0, 1, 1, 2, 2}), 1.0 / 7);
+  EXPECT_EQ(box_iou({0, 0, 0, 2, 2}, {0, 3, 0, 2, 2}), 0);
+}
+
+TEST(Prompts, BadFilesAreRefusedByLine) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"10.0 1 2 30\n", ":1: expected in every line"},
+      {"10.0 1 2 30 40\n10.1 1 2 30 40 5\n", ":2: expected in every line"},
+      {"10.0 1 2 x 40\n", ":1: 'x' is not a finite number"},
+      {"10.0 1 2 nan 40\n", ":1: 'nan' is not a finite number"},
+      {"10.0 1 2 0 40\n", ":1: a box needs a width and a height greater than 0"},
+      {"10.0 700 2 10 40\n", ":1: the box lies outside the 640x480 image"},
+      {"10.05 1 2 30 40\n", ":1: 10.05 is the stamp of no frame"},
+      {"10.0 1 2 30 40 0\n", ":1: id '0' is not an integer from 1 to 65535"},
+      {"10.0 1 2 30 40 3\n10.0 9 2 30 40 3\n", ":2: a second box of object 3 in one frame"},
+      {"# nothing\n", ": holds no prompts"},
+  };
+  int refused = 0;
+  for (const auto& [text, what] : cases) {
+    try {
+      read_box_prompts(prompt_file(text), three_frames());
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("prompts.txt" + what), std::string::npos) << e.what();
+      ++refused;
+    }
+  }
+  EXPECT_EQ(refused, 10);
+  EXPECT_THROW(read_box_prompts("no/such/file", three_frames()), InputError);
+}
+
+}  // namespace
+}  // namespace uniquadric

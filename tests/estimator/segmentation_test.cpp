@@ -1,0 +1,112 @@
+#include "estimator/perception/segmentation.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "box_scene.h"
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "estimator/perception/support_planes.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+const Camera kCamera{320, 240, 260, 260, 159.5, 119.5, {}};
+
+// Least upright box around a mask, widened by 3 px as a detector's.
+BoxPrompt box_around(const cv::Mat& mask) {
+  int left = mask.cols, right = 0, top = mask.rows, bottom = 0;
+  for (int v = 0; v < mask.rows; ++v)
+    for (int u = 0; u < mask.cols; ++u)
+      if (mask.at<std::uint16_t>(v, u))
+        left = std::min(left, u), right = std::max(right, u), top = std::min(top, v),
+        bottom = std::max(bottom, v);
+  return {1, left - 3.0, top - 3.0, right - left + 7.0, bottom - top + 7.0};
+}
+
+double mask_iou(const cv::Mat& a, const cv::Mat& b) {
+  return static_cast<double>(cv::countNonZero(a & b)) / cv::countNonZero(a | b);
+}
+
+TEST(GrabcutDepth, CutsABoxOffTheFloorItStandsOn) {
+  int cases = 0;
+  for (int i = 0; i < 3; ++i) {
+    RandomStream random(1, "image", i);
+    const BoxImage image = render_box(kCamera, scene_camera(5 * i), scene_box(5 * i), random);
+    cv::Mat depth;
+    image.depth.convertTo(depth, CV_32F, 1 / 5000.0);
+    const cv::Mat mask =
+        grabcut_depth(image.rgb, depth, kCamera, box_around(image.mask), GrabcutOptions{}, random);
+    // What is lost is the strip where the box stands: 2.5 cm of its height of 24 are within the floor's
+    // tolerance.
+    EXPECT_GT(mask_iou(mask, image.mask == 1), 0.88) << i;
+    EXPECT_LT(cv::countNonZero(mask & (image.mask == 0)), cv::countNonZero(mask) / 50) << i;
+    ++cases;
+  }
+  EXPECT_EQ(cases, 3);
+}
+
+TEST(GrabcutDepth, DepthDecidesWhereColourCannot) {
+  RandomStream random(2, "image");
+  const BoxImage image = render_box(kCamera, scene_camera(0), scene_box(0), random);
+  const cv::Mat grey(image.rgb.size(), CV_8UC3, cv::Scalar(128, 128, 128));
+  cv::Mat depth;
+  image.depth.convertTo(depth, CV_32F, 1 / 5000.0);
+  const cv::Mat mask = grabcut_depth(grey, depth, kCamera, box_around(image.mask), GrabcutOptions{}, random);
+  EXPECT_GT(mask_iou(mask, image.mask == 1), 0.7);  // its rim of a twentieth on each side may go to the floor
+}
+
+TEST(GrabcutDepth, ABoxWithoutDepthHasNoMask) {
+  RandomStream random(3, "image");
+  const cv::Mat rgb(240, 320, CV_8UC3, cv::Scalar(9, 9, 9)), depth = cv::Mat::zeros(240, 320, CV_32FC1);
+  EXPECT_EQ(cv::countNonZero(grabcut_depth(rgb, depth, kCamera, {1, 50, 50, 60, 60}, {}, random)), 0);
+}
+
+TEST(SupportPlanes, AreFoundLargestFirst) {
+  RandomStream random(4, "planes");
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 300; ++i)
+    points.emplace_back(random.uniform(-1, 1), random.uniform(-1, 1), 0.003 * random.normal());
+  for (int i = 0; i < 150; ++i) points.emplace_back(2, random.uniform(-1, 1), random.uniform(0.5, 2));
+  for (int i = 0; i < 50; ++i)
+    points.emplace_back(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(3, 5));
+  const auto planes = find_planes(points, 0.02, 0.2, 3, random);
+  ASSERT_EQ(planes.size(), 2u);
+  EXPECT_GT(std::abs(planes[0].normal.z()), 0.9999);
+  EXPECT_LT(planes[0].distance({0, 0, 0}), 0.001);  // m: 3 mm of noise over 300 points
+  EXPECT_GT(std::abs(planes[1].normal.x()), 0.9999);
+  EXPECT_LT(planes[1].distance({2, 0, 0}), 0.001);
+}
+
+TEST(Segmentation, PromptsSelectAmongTheSequencesMasks) {
+  const fs::path folder = fs::path(testing::TempDir()) / "segmentation_select";
+  Sequence sequence = write_box_sequence(folder, 1, false);
+  cv::Mat masks = read_masks(sequence, sequence.frames[0]).clone();
+  masks(cv::Rect(5, 5, 30, 20)).setTo(4);
+  write_png(folder / sequence.frames[0].masks, masks);
+  const auto ids = [&](const std::string& prompt) {
+    write_text(folder / "prompt.txt", prompt);
+    const Segmenter segmenter =
+        make_segmenter(sequence, {}, prompt.empty() ? fs::path() : folder / "prompt.txt");
+    const cv::Mat found = segment(segmenter, sequence, sequence.frames[0], {}, 0);
+    return std::pair(cv::countNonZero(found == 1) > 0, cv::countNonZero(found == 4) > 0);
+  };
+  EXPECT_EQ(ids(""), std::pair(true, true));
+  EXPECT_EQ(ids("1.0 3 4 30 20\n"), std::pair(false, true));
+  EXPECT_THROW(ids("1.0 280 4 20 20\n"), InputError);
+}
+
+TEST(Segmentation, SourcesThatAreNotThereAreRefused) {
+  const fs::path folder = fs::path(testing::TempDir()) / "segmentation_sources";
+  Sequence sequence = write_box_sequence(folder, 1, false);
+  EXPECT_THROW(make_segmenter(sequence, {MaskSource::grabcut_depth, {}}, {}), InputError);  // no prompts
+  EXPECT_EQ(make_segmenter(sequence, {}, {}).source, MaskSource::sequence);
+  sequence.frames[0].masks.clear();
+  EXPECT_THROW(make_segmenter(sequence, {MaskSource::sequence, {}}, {}), InputError);
+  EXPECT_THROW(make_segmenter(sequence, {}, {}), InputError);
+}
+
+}  // namespace
+}  // namespace uniquadric
