@@ -146,35 +146,45 @@ TEST(GeneratedMeshes, EllipsoidLiesOnItsSurfaceWithTheGradientAsNormal) {
   EXPECT_EQ(vertices, 6 * 21 * 21);
 }
 
-// Each cell of an 8 x 4 raster holds corners, when the surface is shown at the scale it has in an image: a 6
-// m wall 4 m from a camera of f = 525 px, a 0.4 m face 2.5 m from it.
-void expect_corners_everywhere(const cv::Mat& texture, const cv::Size& shown, const cv::Size& raster) {
+// The least, over the cells of a raster, of each cell's strongest corner (smaller eigenvalue of the gradient
+// matrix).
+double weakest_cell(const cv::Mat& texture, const cv::Size& shown, const cv::Size& raster) {
   cv::Mat image, grey;
   cv::resize(texture, image, shown, 0, 0, cv::INTER_AREA);
   cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   const cv::Size cell(shown.width / raster.width, shown.height / raster.height);
+  double weakest = 1e9;
   for (int i = 0; i < raster.height; ++i)
     for (int j = 0; j < raster.width; ++j) {
       cv::Mat eigenvalues;
       cv::cornerMinEigenVal(grey(cv::Rect({j * cell.width, i * cell.height}, cell)), eigenvalues, 5);
       double strongest;
       cv::minMaxLoc(eigenvalues, nullptr, &strongest);
-      // A corner between two grey levels 30 apart has about this smaller eigenvalue in OpenCV's scale.
-      EXPECT_GT(strongest, 4e-4) << "cell " << i << ", " << j;
+      weakest = std::min(weakest, strongest);
     }
+  return weakest;
 }
 
+// Surfaces are shown at the scale they have in an image: a 6 m wall 4 m from a camera of f = 525 px, a 0.4 m
+// face at 2.5 m.
 TEST(Textures, CarryCornersOnEverySurface) {
+  constexpr double kCorner =
+      4e-3;  // OpenCV's scale; a third of the weakest cell's, and smooth shading stays far below
+  const cv::Size wall_px(788, 394), wall_cells(8, 4), face_px(84, 84), face_cells(2, 2);
   int textures = 0;
-  for (int style = 0; style < static_cast<int>(kTextureStyleNames.size()); ++style) {
+  for (int style = 0; style < static_cast<int>(kTextureStyleNames.size()); ++style, ++textures) {
     SCOPED_TRACE(std::string(kTextureStyleNames[style]));
     const Material wall{.style = static_cast<TextureStyle>(style), .seed = 3, .size_px = 1024, .marks = 24};
-    expect_corners_everywhere(paint_texture(wall, 0, 6, 3), {788, 394}, {8, 4});
+    const cv::Mat painted = paint_texture(wall, 0, 6, 3);
+    EXPECT_GT(weakest_cell(painted, wall_px, wall_cells), kCorner);
     Material face = wall;
     face.size_px = 512;
     face.marks = 10;
-    expect_corners_everywhere(paint_texture(face, 1, 0.4, 0.4), {84, 84}, {2, 2});
-    ++textures;
+    EXPECT_GT(weakest_cell(paint_texture(face, 1, 0.4, 0.4), face_px, face_cells), kCorner);
+    cv::Mat smooth;
+    cv::GaussianBlur(painted, smooth, {}, 10);
+    EXPECT_LT(weakest_cell(smooth, wall_px, wall_cells), kCorner / 10)
+        << "the measure takes shading for corners";
   }
   EXPECT_EQ(textures, 6);
 }
