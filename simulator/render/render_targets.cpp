@@ -47,7 +47,7 @@ RenderTargets make_render_targets(const GlFunctions& gl, int width, int height) 
   attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT0, GL_RGBA8);
   attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT1, GL_R16UI);
   attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT2, GL_R32F);
-  attach(gl, targets, targets.image, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F);
+  attach(gl, targets, targets.image, GL_DEPTH_STENCIL_ATTACHMENT, GL_DEPTH32F_STENCIL8);
   constexpr std::array<unsigned, 3> buffers = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1,
                                                GL_COLOR_ATTACHMENT2};
   gl.NamedFramebufferDrawBuffers(targets.image, buffers.size(), buffers.data());
@@ -70,8 +70,8 @@ void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& de
   read_image(gl, targets, 2, GL_RED, GL_FLOAT, CV_32FC1, depth_m);
 }
 
-void read_silhouettes(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& bits) {
-  read(gl, targets, targets.silhouettes, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, CV_8UC1, bits);
+void read_stencil(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, cv::Mat& bits) {
+  read(gl, targets, framebuffer, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, CV_8UC1, bits);
 }
 
 }  // namespace uniquadric

@@ -9,18 +9,20 @@ namespace uniquadric {
 /// The framebuffers of one image size; they live as long as their OpenGL context. Row 0 is the image's top.
 struct RenderTargets {
   int width = 0, height = 0;  ///< [px]
-  unsigned image =
-      0;  ///< draw buffers: 0 colour (8 bits), 1 id (16 bits), 2 depth [m]; reversed-Z float depth
-  unsigned silhouettes = 0;  ///< 8 bits of stencil
+  /// Draw buffers 0 colour (8 bits), 1 id (16 bits), 2 depth [m]; beside them reversed-Z depth and 8 bits of
+  /// stencil.
+  unsigned image = 0;
+  unsigned silhouettes = 0;  ///< 8 bits of stencil alone
 };
 
 /// Throws std::runtime_error when the library refuses the size.
 RenderTargets make_render_targets(const GlFunctions& gl, int width, int height);
 
 /// Copies what was drawn; the images are kept when they have the right size and type already.
-void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& bgra);        ///< 8UC4
-void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids);           ///< 16UC1
-void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& depth_m);     ///< 32FC1
-void read_silhouettes(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& bits);  ///< 8UC1
+void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& bgra);     ///< 8UC4
+void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids);        ///< 16UC1
+void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& depth_m);  ///< 32FC1
+void read_stencil(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer,
+                  cv::Mat& bits);  ///< 8UC1
 
 }  // namespace uniquadric

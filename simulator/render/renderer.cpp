@@ -76,6 +76,7 @@ struct Renderer::State {
   cv::Mat bgra, bits;  // reused
 
   void use_program(const Scene& scene);
+  void draw(const ScenePoses& poses, bool silhouettes);
   void draw_body(const GpuBody& body, const Pose& camera_from_object) const;
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
 };
@@ -107,7 +108,7 @@ std::vector<ObjectView> Renderer::State::view_objects(const ScenePoses& poses, c
   const Pose camera_from_world = poses.world_from_camera.inverse();
   std::vector<ObjectView> views;
   for (const GpuBody& body : objects) views.push_back({static_cast<int>(body.id)});
-  draw_silhouettes(
+  view_silhouettes(
       gl, targets,
       [&](std::size_t i) { draw_body(objects[i], camera_from_world * poses.world_from_object[i]); }, bits,
       views);
@@ -134,24 +135,31 @@ Renderer::Renderer(const Scene& scene) : state_(std::make_unique<State>()) {
 
 Renderer::~Renderer() = default;
 
-void Renderer::draw(const ScenePoses& poses) {
-  State& s = *state_;
-  s.context->make_current();
+void Renderer::State::draw(const ScenePoses& poses, bool silhouettes) {
+  context->make_current();
   constexpr float kNothing[4] = {0, 0, 0, 0};
   constexpr unsigned kNoId[4] = {0, 0, 0, 0};
-  s.gl.BindFramebuffer(GL_FRAMEBUFFER, s.targets.image);
-  s.gl.ClearBufferfv(GL_COLOR, 0, kNothing);
-  s.gl.ClearBufferuiv(GL_COLOR, 1, kNoId);
-  s.gl.ClearBufferfv(GL_COLOR, 2, kNothing);
-  s.gl.ClearBufferfv(GL_DEPTH, 0, kNothing);
-  s.gl.Enable(GL_DEPTH_TEST);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.image);
+  gl.ClearBufferfv(GL_COLOR, 0, kNothing);
+  gl.ClearBufferuiv(GL_COLOR, 1, kNoId);
+  gl.ClearBufferfv(GL_COLOR, 2, kNothing);
+  gl.ClearBufferfv(GL_DEPTH, 0, kNothing);
+  gl.Enable(GL_DEPTH_TEST);
+  if (silhouettes) begin_silhouettes(gl);
   const Pose camera_from_world = poses.world_from_camera.inverse();
-  const Eigen::Vector3f sun = (camera_from_world.rotation * s.sun_direction).cast<float>();
-  s.gl.Uniform3fv(uniform_sun_direction, 1, sun.data());
-  for (std::size_t i = 0; i < s.objects.size(); ++i)  // first, so that they hide some of the world's pixels
-    s.draw_body(s.objects[i], camera_from_world * poses.world_from_object.at(i));
-  for (std::size_t i = 0; i < s.world.size(); ++i)
-    s.draw_body(s.world[i], camera_from_world * s.world_from_static[i]);
+  const Eigen::Vector3f sun = (camera_from_world.rotation * sun_direction).cast<float>();
+  gl.Uniform3fv(uniform_sun_direction, 1, sun.data());
+  for (std::size_t i = 0; i < objects.size(); ++i) {  // first, so that they hide some of the world's pixels
+    if (silhouettes) gl.StencilMask(silhouette_bit(i));
+    draw_body(objects[i], camera_from_world * poses.world_from_object.at(i));
+  }
+  gl.Disable(GL_STENCIL_TEST);
+  for (std::size_t i = 0; i < world.size(); ++i)
+    draw_body(world[i], camera_from_world * world_from_static[i]);
+}
+
+void Renderer::draw(const ScenePoses& poses) {
+  state_->draw(poses, false);
 }
 
 void Renderer::read_back(cv::Mat& bgra, cv::Mat& ids, cv::Mat& depth_m) {
@@ -164,7 +172,7 @@ void Renderer::read_back(cv::Mat& bgra, cv::Mat& ids, cv::Mat& depth_m) {
 
 RenderedFrame Renderer::render(const ScenePoses& poses) {
   RenderedFrame frame;
-  draw(poses);
+  state_->draw(poses, true);
   read_back(state_->bgra, frame.ids, frame.depth_m);
   cv::cvtColor(state_->bgra, frame.rgb, cv::COLOR_BGRA2BGR);
   frame.objects = state_->view_objects(poses, frame.ids);

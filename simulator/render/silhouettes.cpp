@@ -10,18 +10,14 @@ namespace {
 
 constexpr std::size_t kBits = 8;  // of the stencil buffer
 
+// Draws the objects from `first` on, as many as there are bits, into the buffer that has nothing but them.
 void draw_pass(const GlFunctions& gl, const RenderTargets& targets, std::size_t first, std::size_t last,
                const std::function<void(std::size_t)>& draw) {
-  constexpr int kNoBit = 0;
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.silhouettes);
   gl.Disable(GL_DEPTH_TEST);
-  gl.Enable(GL_STENCIL_TEST);
-  gl.StencilMask(0xff);
-  gl.ClearBufferiv(GL_STENCIL, 0, &kNoBit);
-  gl.StencilFunc(GL_ALWAYS, 0xff, 0xff);
-  gl.StencilOp(GL_KEEP, GL_REPLACE, GL_REPLACE);
+  begin_silhouettes(gl);
   for (std::size_t i = first; i < last; ++i) {
-    gl.StencilMask(1u << (i - first));
+    gl.StencilMask(silhouette_bit(i - first));
     draw(i);
   }
   gl.Disable(GL_STENCIL_TEST);
@@ -54,13 +50,28 @@ void count_pass(const cv::Mat& bits, std::size_t first, std::size_t last, std::v
 
 }  // namespace
 
-void draw_silhouettes(const GlFunctions& gl, const RenderTargets& targets,
+void begin_silhouettes(const GlFunctions& gl) {
+  constexpr int kNoBit = 0;
+  gl.Enable(GL_STENCIL_TEST);
+  gl.StencilMask(0xff);
+  gl.ClearBufferiv(GL_STENCIL, 0, &kNoBit);
+  gl.StencilFunc(GL_ALWAYS, 0xff, 0xff);
+  gl.StencilOp(GL_KEEP, GL_REPLACE, GL_REPLACE);
+}
+
+unsigned silhouette_bit(std::size_t object) {
+  return object < kBits ? 1u << object : 0;
+}
+
+void view_silhouettes(const GlFunctions& gl, const RenderTargets& targets,
                       const std::function<void(std::size_t)>& draw, cv::Mat& bits,
                       std::vector<ObjectView>& views) {
-  for (std::size_t first = 0; first < views.size(); first += kBits) {
+  read_stencil(gl, targets, targets.image, bits);
+  count_pass(bits, 0, std::min(kBits, views.size()), views);
+  for (std::size_t first = kBits; first < views.size(); first += kBits) {
     const std::size_t last = std::min(first + kBits, views.size());
     draw_pass(gl, targets, first, last, draw);
-    read_silhouettes(gl, targets, bits);
+    read_stencil(gl, targets, targets.silhouettes, bits);
     count_pass(bits, first, last, views);
   }
   check_gl(gl, "drawing silhouettes");
