@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 
 #include "core/base/error.h"
 #include "simulator/lidar/beam_casting.h"
@@ -36,7 +37,8 @@ void for_each_block(std::int64_t blocks, int threads, const std::function<void(s
     for (std::int64_t block = 0; block < blocks; ++block) work(block);
     return;
   }
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  const int most = tbb::this_task_arena::max_concurrency();
+  tbb::task_arena arena(threads > 0 ? std::min(threads, most) : most);
   arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, blocks), [&](const auto& range) {
       for (std::int64_t block = range.begin(); block < range.end(); ++block) work(block);
