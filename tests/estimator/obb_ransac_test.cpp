@@ -40,9 +40,7 @@ TEST(Alg1, FindsTheBoxOfFullPartialNoisyAndPollutedClouds) {
     for (int seed = 0; seed < 5; ++seed) {
       RandomStream random(seed, "clouds", c);
       Eigen::Matrix3Xd cloud = box_cloud(truth, cases[c].cloud, random);
-      const PointOptions points;
-      for (int round = 0; round < points.outlier_rounds; ++round)
-        cloud = drop_outliers(cloud, points.outlier_neighbours, points.outlier_sigmas);
+      for (int round = 0; round < 2; ++round) cloud = drop_outliers(cloud, 12, 2.5);
       const ObbEstimate result = fit(cloud, ObbOptions{}, truth.axes, seed);
       const double rms = (result.box.half_extents_m - kHalf).norm() / std::sqrt(3);
       EXPECT_LT(rms, cases[c].axes_m) << "case " << c << " seed " << seed;

@@ -54,8 +54,9 @@ TEST(ObjectPoints, PixelsAtDepthEdgesAndTheMasksRimAreLeftOut) {
 TEST(ObjectPoints, FewerThanTheLeastAreNone) {
   const cv::Mat depth(240, 320, CV_32FC1, cv::Scalar(2));
   cv::Mat mask = cv::Mat::zeros(240, 320, CV_8UC1);
-  mask(cv::Rect(10, 10, 8, 8)).setTo(255);  // 16 px after erosion by 2
+  mask(cv::Rect(10, 10, 8, 8)).setTo(255);
   PointOptions options;
+  options.erode_px = 2;  // leaves 16 px
   options.voxel_m = 1e-4;
   options.min_points = 16;
   options.outlier_rounds = 0;

@@ -19,9 +19,9 @@ TEST(VariantFile, EveryOptionReadsBack) {
   Variant variant;
   variant.name = "other";
   variant.segmentation = {MaskSource::grabcut_depth, {7, 3, 0.3, 0.7, 0.04, 0.25, 0.06, 0.05}};
-  variant.points = {1, 0.05, 20, 0.02, 8, 3, 1, 500, 40};
+  variant.points = {3, 0.05, 20, 0.02, 8, 3, 2, 500, 40};
   variant.obb = {BoxFit::pca, InlierDistance::corner, AxisRule::literal, false, 12, 33, 0.03, 0.25, 0.001};
-  variant.axis_naming = AxisNaming::previous;
+  variant.axis_naming = AxisNaming::world;
   const std::string yaml = variant_yaml(variant);
   EXPECT_NE(yaml, variant_yaml(Variant{}));
   const Variant back = load_variant(variant_file(yaml));
