@@ -15,16 +15,36 @@ using Eigen::Vector3d;
 
 class Formula final : public Motion::Curve {
  public:
-  explicit Formula(std::function<Pose(double)> pose_at) : pose_at_(std::move(pose_at)) {}
-  Pose at(double time_s) const override { return pose_at_(time_s); }
+  explicit Formula(std::function<Kinematics(const Jet&)> formula) : formula_(std::move(formula)) {}
+  Kinematics kinematics(double time_s) const override { return formula_(time_jet(time_s)); }
 
  private:
-  std::function<Pose(double)> pose_at_;
+  std::function<Kinematics(const Jet&)> formula_;
 };
 
-Motion from_formula(std::function<Pose(double)> pose_at) {
-  return Motion(std::make_shared<Formula>(std::move(pose_at)));
+Motion from_formula(std::function<Kinematics(const Jet&)> formula) {
+  return Motion(std::make_shared<Formula>(std::move(formula)));
 }
+
+class Composition final : public Motion::Curve {
+ public:
+  explicit Composition(std::vector<Motion> parts) : parts_(std::move(parts)) {}
+  Pose at(double time_s) const override {
+    Pose pose;
+    for (const Motion& part : parts_) pose = pose * part.at(time_s);
+    pose.rotation.normalize();
+    return pose;
+  }
+  Kinematics kinematics(double time_s) const override {
+    Kinematics result;
+    for (const Motion& part : parts_) result = result * part.kinematics(time_s);
+    result.pose.rotation.normalize();
+    return result;
+  }
+
+ private:
+  std::vector<Motion> parts_;
+};
 
 /// Columns right, down, forward (or forward, left, up) as a rotation.
 Quaterniond from_axes(const Vector3d& x, const Vector3d& y, const Vector3d& z) {
@@ -38,35 +58,69 @@ Quaterniond optical_axes(const Vector3d& forward, const Vector3d& up) {
   return from_axes(right, forward.cross(right), forward);
 }
 
-// In the frame that turns with the circle, the ball's turn per angle is constant: rolling, -(R/r) x, less the
-// frame's own turn. So the orientation is a product of two exponentials, exact for any law of the angle.
-Quaterniond rolled(const CircleOptions& o, const Quaterniond& world_from_circle, double angle) {
-  const double turned = angle - o.start_rad;
-  const Vector3d per_angle = -(o.radius_m / o.rolling_radius_m) * Vector3d::UnitX() - Vector3d::UnitZ();
-  const Quaterniond world_from_start = world_from_circle * exp_so3(o.start_rad * Vector3d::UnitZ());
-  return (world_from_circle * exp_so3(angle * Vector3d::UnitZ()) * exp_so3(turned * per_angle) *
-          world_from_start.conjugate() * o.orientation)
-      .normalized();
+Kinematics turned_by(const Quaterniond& rotation) {
+  return at_rest({rotation, Vector3d::Zero()});
 }
 
-Pose on_circle(const CircleOptions& o, const Quaterniond& world_from_circle, double time_s) {
-  const double angle = o.start_rad + o.rate_radps * time_s +
-                       o.sway_rad * std::sin(2 * std::numbers::pi * time_s / o.sway_period_s);
-  const Vector3d outward = world_from_circle * Vector3d(std::cos(angle), std::sin(angle), 0);
-  const Vector3d position = o.center_m + o.radius_m * outward;
-  const Vector3d forward = (o.rate_radps < 0 ? -1 : 1) * o.normal.cross(outward);
+/// Harmonic motion on top of a uniform one: start + rate t + amplitude sin(2 pi t / period + phase).
+Jet swaying(const Jet& time_s, double start, double rate, double amplitude, double period_s, double phase) {
+  return start + (rate * time_s + amplitude * sin(phase + (2 * std::numbers::pi / period_s) * time_s));
+}
+
+// In the frame that turns with the circle, the ball's turn per angle is constant: rolling, -(R/r) x, less the
+// frame's own turn. So the orientation is a product of two exponentials, exact for any law of the angle.
+Kinematics rolled(const CircleOptions& o, const Quaterniond& world_from_circle, const Jet& angle) {
+  const Vector3d per_angle = -(o.radius_m / o.rolling_radius_m) * Vector3d::UnitX() - Vector3d::UnitZ();
+  const Quaterniond world_from_start = world_from_circle * exp_so3(o.start_rad * Vector3d::UnitZ());
+  return turned_by(world_from_circle) * turning(Vector3d::UnitZ(), angle) *
+         turning(per_angle, -o.start_rad + angle) * turned_by(world_from_start.conjugate() * o.orientation);
+}
+
+// x forward along the circle, z along its normal; for a camera z forward, y against the normal.
+Kinematics along_tangent(const CircleOptions& o, const Quaterniond& world_from_circle, const Jet& angle) {
+  const double quarter = (o.rate_radps < 0 ? -0.5 : 0.5) * std::numbers::pi;
+  const Kinematics forward = turned_by(world_from_circle) * turning(Vector3d::UnitZ(), quarter + angle);
+  return o.optical ? forward * turned_by(optical_axes(Vector3d::UnitX(), Vector3d::UnitZ())) : forward;
+}
+
+// Yaw and elevation of the line of sight turn a camera that looked along x.
+Kinematics looking_at(const Vector3d& target_m, const Kinematics& mover) {
+  const auto sight = [&](int k) {
+    return Jet{target_m[k] - mover.pose.translation[k], -mover.velocity_mps[k], -mover.acceleration_mps2[k]};
+  };
+  const Jet x = sight(0), y = sight(1), z = sight(2);
+  const Pose pose = look_at(mover.pose.translation, target_m);  // throws where there is no such orientation
+  Kinematics result = turning(Vector3d::UnitZ(), atan2(y, x)) *
+                      turning(-Vector3d::UnitY(), atan2(z, hypot(x, y))) *
+                      turned_by(optical_axes(Vector3d::UnitX(), Vector3d::UnitZ()));
+  result.pose = pose;
+  return result;
+}
+
+Kinematics facing(const CircleOptions& o, const Quaterniond& world_from_circle, const Jet& angle,
+                  const Kinematics& mover) {
   switch (o.facing) {
-    case CircleOptions::Facing::fixed:
-      return {o.orientation, position};
     case CircleOptions::Facing::target:
-      return look_at(position, o.target_m);
+      return looking_at(o.target_m, mover);
     case CircleOptions::Facing::rolling:
-      return {rolled(o, world_from_circle, angle), position};
+      return rolled(o, world_from_circle, angle);
     case CircleOptions::Facing::tangent:
+      return along_tangent(o, world_from_circle, angle);
+    case CircleOptions::Facing::fixed:
       break;
   }
-  return {o.optical ? optical_axes(forward, o.normal) : from_axes(forward, o.normal.cross(forward), o.normal),
-          position};
+  return turned_by(o.orientation);
+}
+
+Kinematics on_circle(const CircleOptions& o, const Quaterniond& world_from_circle, const Jet& time_s) {
+  const Jet angle = swaying(time_s, o.start_rad, o.rate_radps, o.sway_rad, o.sway_period_s, 0);
+  Kinematics result = at_rest({world_from_circle, o.center_m}) * turning(Vector3d::UnitZ(), angle) *
+                      at_rest({Quaterniond::Identity(), o.radius_m * Vector3d::UnitX()});
+  const Kinematics turn = facing(o, world_from_circle, angle, result);
+  result.pose.rotation = turn.pose.rotation.normalized();
+  result.angular_velocity_radps = turn.angular_velocity_radps;
+  result.angular_acceleration_radps2 = turn.angular_acceleration_radps2;
+  return result;
 }
 
 }  // namespace
@@ -81,47 +135,45 @@ Pose look_at(const Vector3d& position_m, const Vector3d& target_m, double roll_r
 }
 
 Motion static_motion(const Pose& world_from_body) {
-  return from_formula([=](double) { return world_from_body; });
+  return from_formula([=](const Jet&) { return at_rest(world_from_body); });
 }
 
 Motion line_motion(const Pose& start, const Vector3d& velocity_mps, std::optional<double> rolling_radius_m) {
   const Vector3d turn_radps = rolling_radius_m
                                   ? Vector3d(Vector3d::UnitZ().cross(velocity_mps) / *rolling_radius_m)
                                   : Vector3d(Vector3d::Zero());
-  return from_formula([=](double time_s) {
-    return Pose{exp_so3(time_s * turn_radps) * start.rotation, start.translation + time_s * velocity_mps};
+  const Kinematics from = at_rest({Quaterniond::Identity(), start.translation}),
+                   oriented = turned_by(start.rotation);
+  return from_formula([=](const Jet& time_s) {
+    return from * shifting(velocity_mps, time_s) * turning(turn_radps, time_s) * oriented;
   });
 }
 
 Motion circle_motion(const CircleOptions& options) {
   const Quaterniond world_from_circle = Quaterniond::FromTwoVectors(Vector3d::UnitZ(), options.normal);
-  return from_formula([=](double time_s) { return on_circle(options, world_from_circle, time_s); });
+  return from_formula([=](const Jet& time_s) { return on_circle(options, world_from_circle, time_s); });
 }
 
 Motion swing_motion(const SwingOptions& o) {
-  return from_formula([=](double time_s) {
-    const double angle = o.amplitude_rad * std::sin(2 * std::numbers::pi * time_s / o.period_s + o.phase_rad);
-    const Quaterniond swung = exp_so3(angle * o.axis);
-    return Pose{swung * o.orientation, o.pivot_m - o.length_m * (swung * Vector3d::UnitZ())};
+  const Kinematics pivot = at_rest({Quaterniond::Identity(), o.pivot_m}),
+                   hung = at_rest({o.orientation, -o.length_m * Vector3d::UnitZ()});
+  return from_formula([=](const Jet& time_s) {
+    return pivot * turning(o.axis, swaying(time_s, 0, 0, o.amplitude_rad, o.period_s, o.phase_rad)) * hung;
   });
 }
 
 Motion screw_motion(const ScrewOptions& o) {
-  return from_formula([=](double time_s) {
-    const double angle = o.rate_radps * time_s;
-    const Quaterniond turned = exp_so3(angle * o.axis);
-    const Vector3d along = o.pitch_m * angle / (2 * std::numbers::pi) * o.axis;
-    return Pose{turned * o.start.rotation, o.point_m + turned * (o.start.translation - o.point_m) + along};
+  const Kinematics point = at_rest({Quaterniond::Identity(), o.point_m}),
+                   start = at_rest({o.start.rotation, o.start.translation - o.point_m});
+  return from_formula([=](const Jet& time_s) {
+    const Jet angle = o.rate_radps * time_s;
+    return point * shifting(o.pitch_m / (2 * std::numbers::pi) * o.axis, angle) * turning(o.axis, angle) *
+           start;
   });
 }
 
 Motion composed_motion(std::vector<Motion> parts) {
-  return from_formula([parts = std::move(parts)](double time_s) {
-    Pose pose;
-    for (const Motion& part : parts) pose = pose * part.at(time_s);
-    pose.rotation.normalize();
-    return pose;
-  });
+  return Motion(std::make_shared<Composition>(std::move(parts)));
 }
 
 }  // namespace uniquadric

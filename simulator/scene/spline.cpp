@@ -28,6 +28,7 @@ class Spline final : public Motion::Curve {
  public:
   explicit Spline(const std::vector<Waypoint>& waypoints);
   Pose at(double time_s) const override;
+  Kinematics kinematics(double time_s) const override;
 
  private:
   Weights weights(double time_s) const;
@@ -129,6 +130,25 @@ Eigen::Quaterniond Spline::rotation(const Weights& w) const {
 Pose Spline::at(double time_s) const {
   const Weights w = weights(std::clamp(time_s, begin_s_, end_s_));
   return {rotation(w), positions_m_.middleRows<4>(w.first).transpose() * w.value.matrix()};
+}
+
+Kinematics Spline::kinematics(double time_s) const {
+  if (time_s < begin_s_ || time_s > end_s_) return at_rest(at(time_s));
+  const Eigen::Index first = Basis::Span(time_s, kDegree, knots_s_) - kDegree;
+  const Eigen::Array<double, 3, kDegree + 1> basis =  // values, first and second derivatives
+      Basis::BasisFunctionDerivatives(time_s, 2, kDegree, knots_s_);
+  Kinematics result = at_rest({rotations_[first], Eigen::Vector3d::Zero()});
+  for (Eigen::Index j = 1; j <= kDegree; ++j) {
+    const Eigen::Array3d share = basis.rightCols(kDegree + 1 - j).rowwise().sum();
+    result = result * turning(turns_.col(first + j), {share[0], share[1], share[2]});
+  }
+  result.pose.rotation.normalize();
+  const Eigen::Matrix3d positions =
+      positions_m_.middleRows<4>(first).transpose() * basis.matrix().transpose();
+  result.pose.translation = positions.col(0);
+  result.velocity_mps = positions.col(1);
+  result.acceleration_mps2 = positions.col(2);
+  return result;
 }
 
 void check(const std::vector<Waypoint>& waypoints) {

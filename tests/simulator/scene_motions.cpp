@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "core/base/error.h"
@@ -206,6 +208,104 @@ TEST(ComposedMotion, IsTheProductOfItsParts) {
     const Pose expected = outer.at(t) * inner.at(t);
     EXPECT_LT((both.at(t).translation - expected.translation).norm(), kRounding);
     EXPECT_LT(apart_rad(both.at(t).rotation, expected.rotation), kRounding);
+  }
+}
+
+struct NamedMotion {
+  std::string name;
+  Motion motion;
+};
+
+std::vector<NamedMotion> every_motion() {
+  using Facing = CircleOptions::Facing;
+  const Vector3d tilted = Vector3d(1, -2, 0.5).normalized();
+  const Quaterniond turned = exp_so3({0.3, 0.4, -0.5});
+  std::vector<NamedMotion> list;
+  const auto circle = [&](const std::string& name, Facing facing, const Vector3d& normal, double rate,
+                          bool optical) {
+    list.push_back({name, circle_motion({.center_m = {1, 2, 3},
+                                         .normal = normal,
+                                         .radius_m = 0.8,
+                                         .start_rad = 0.3,
+                                         .rate_radps = rate,
+                                         .sway_rad = 0.4,
+                                         .sway_period_s = 3,
+                                         .facing = facing,
+                                         .orientation = turned,
+                                         .optical = optical,
+                                         .target_m = {-0.5, 1, 0.4},
+                                         .rolling_radius_m = 0.15})});
+  };
+  list.push_back({"static", static_motion({turned, {1, 2, 3}})});
+  list.push_back({"line", line_motion({turned, {1, 2, 3}}, {0.5, -0.8, 0.2})});
+  list.push_back({"rolling_line", line_motion({turned, {1, 2, 3}}, {0.5, -0.8, 0}, 0.2)});
+  circle("circle_fixed", Facing::fixed, tilted, 0.7, false);
+  circle("circle_tangent", Facing::tangent, tilted, 0.7, false);
+  circle("circle_tangent_backwards", Facing::tangent, kZ, -0.7, false);
+  circle("circle_tangent_camera", Facing::tangent, tilted, -0.7, true);
+  circle("circle_target", Facing::target, tilted, 0.7, true);
+  circle("circle_rolling", Facing::rolling, kZ, -0.7, false);
+  list.push_back({"swing", swing_motion({.pivot_m = {1, 1, 3},
+                                         .axis = Vector3d(1, 1, 0).normalized(),
+                                         .length_m = 1.5,
+                                         .amplitude_rad = 0.6,
+                                         .period_s = 2.4,
+                                         .phase_rad = 0.7,
+                                         .orientation = turned})});
+  list.push_back({"screw", screw_motion({.start = {turned, {2, 0, 1}},
+                                         .point_m = {1, 0, 0},
+                                         .axis = tilted,
+                                         .rate_radps = 1.2,
+                                         .pitch_m = 0.3})});
+  list.push_back({"spline", spline_motion(uneven_waypoints())});
+  list.push_back({"compose", composed_motion({list.back().motion, list[8].motion, list[9].motion})});
+  return list;
+}
+
+// Derivatives at the middle of five values h apart, of fourth order.
+Vector3d rate(const std::array<Vector3d, 5>& f, double h) {
+  return (f[0] - 8 * f[1] + 8 * f[3] - f[4]) / (12 * h);
+}
+Vector3d second_rate(const std::array<Vector3d, 5>& f, double h) {
+  return (-f[0] + 16 * f[1] - 30 * f[2] + 16 * f[3] - f[4]) / (12 * h * h);
+}
+
+// Rotations are compared as rotation vectors relative to the middle one, whose first two derivatives there
+// are angular velocity and acceleration in the body frame.
+TEST(Kinematics, EveryMotionMatchesDifferencesOfItsPoses) {
+  // Truncation is h^4 / 30 of the fifth and h^4 / 90 of the sixth derivative (1e5 and 1e6 in these units: the
+  // ball rolls at 9 rad/s, and the composition swings it about); rounding is 1e-16 / h and 1e-16 / h^2.
+  constexpr double kWide_s = 1e-3, kRate = 1e-8, kAcceleration = 1e-7;
+  int compared = 0;
+  for (const auto& [name, motion] : every_motion())
+    for (const double t : {-0.7, 0.0, 0.23, 0.81, 1.9, 3.21, 5.6}) {
+      SCOPED_TRACE(name + " at " + std::to_string(t) + " s");
+      const Kinematics found = motion.kinematics(t);
+      std::array<Vector3d, 5> places, turns;
+      for (int k = 0; k < 5; ++k) {
+        const Pose pose = motion.at(t + (k - 2) * kWide_s);
+        places[k] = pose.translation;
+        turns[k] = log_so3(found.pose.rotation.conjugate() * pose.rotation);
+      }
+      EXPECT_LT((found.pose.translation - places[2]).norm(), kRounding);
+      EXPECT_LT(turns[2].norm(), kRounding);
+      EXPECT_LT((found.velocity_mps - rate(places, kWide_s)).norm(), kRate);
+      EXPECT_LT((found.acceleration_mps2 - second_rate(places, kWide_s)).norm(), kAcceleration);
+      EXPECT_LT((found.angular_velocity_radps - rate(turns, kWide_s)).norm(), kRate);
+      EXPECT_LT((found.angular_acceleration_radps2 - second_rate(turns, kWide_s)).norm(), kAcceleration);
+      ++compared;
+    }
+  EXPECT_EQ(compared, 13 * 7);
+}
+
+TEST(Kinematics, SplineIsAtRestBeyondItsEnds) {
+  const Motion motion = spline_motion(uneven_waypoints());
+  for (const double t : {-1.5, 6.5}) {
+    const Kinematics found = motion.kinematics(t);
+    EXPECT_EQ(found.velocity_mps, Vector3d::Zero());
+    EXPECT_EQ(found.acceleration_mps2, Vector3d::Zero());
+    EXPECT_EQ(found.angular_velocity_radps, Vector3d::Zero());
+    EXPECT_EQ(found.angular_acceleration_radps2, Vector3d::Zero());
   }
 }
 
