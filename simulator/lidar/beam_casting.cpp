@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include "core/base/random.h"
 #include "simulator/lidar/echoes.h"
@@ -12,7 +13,7 @@ namespace uniquadric {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-using Draws = std::array<BeamDraws, BeamBlock::kCapacity>;
+using Draws = BeamBlock::Row<BeamDraws>;
 
 struct Deflection {
   double horizontal_rad = 0, vertical_rad = 0;
@@ -68,26 +69,28 @@ void to_single(const BeamCasting& casting, const BeamBlock& beams, const WorldRa
   }
 }
 
-// The hit of ray i; its length undoes the rounding of the direction's.
-std::optional<RayReturn> return_of(const RayBlock& rays, int i, double share) {
-  if (rays.distance[i] < 0) return std::nullopt;
+// The hit of ray i, whose direction single precision has left a length of nearly 1: the range is in metres.
+RayReturn return_of(const RayBlock& rays, int i, double share) {
   const double x = rays.x[i], y = rays.y[i], z = rays.z[i];
+  const double length = 0.5 + 0.5 * (x * x + y * y + z * z);  // its square root within 1e-14
   const double cosine =
       rays.reflectivity[i] > 1 ? 1.0f : rays.incidence_cos[i];  // retro-reflectors: any angle
-  return RayReturn{rays.distance[i] * std::sqrt(x * x + y * y + z * z), rays.reflectivity[i] * cosine * share,
-                   rays.incidence_cos[i], rays.instance[i]};
+  return {rays.distance[i] * length, rays.reflectivity[i] * cosine * share, rays.incidence_cos[i],
+          rays.instance[i]};
 }
 
-std::optional<Echo> echo_of(const LidarRig& rig, const RayBlock& rays, int beam, const BeamDraws& draws) {
-  const int n = rig.beam.rays();
-  std::array<RayReturn, BeamBlock::kCapacity> returns;
-  std::size_t count = 0;
-  for (int i = beam * n; i < (beam + 1) * n; ++i)
-    if (const auto hit = return_of(rays, i, 1.0 / n)) returns[count++] = *hit;
-  if (count == 0) return std::nullopt;
+// `room` holds the returns of one beam.
+std::optional<Echo> echo_of(const LidarRig& rig, const RayBlock& rays, int beam, const BeamDraws& draws,
+                            std::vector<RayReturn>& room) {
   const double limit =
       rig.noise.r10_m > 0 ? std::max(0.0, 1 + rig.noise.detection_sigma * draws.detection) : 0;
-  return reported_echo({returns.data(), count}, rig.beam, rig.noise, limit);
+  const int n = rig.beam.rays();
+  if (n == 1)
+    return rays.distance[beam] < 0 ? std::nullopt : only_echo(return_of(rays, beam, 1), rig.noise, limit);
+  room.clear();
+  for (int i = beam * n; i < (beam + 1) * n; ++i)
+    if (rays.distance[i] >= 0) room.push_back(return_of(rays, i, 1.0 / n));
+  return reported_echo(room, rig.beam, rig.noise, limit);
 }
 
 double measured_range(const LidarRig& rig, const Echo& echo, const BeamDraws& draws) {
@@ -173,12 +176,13 @@ int cast_beams(const BeamCasting& casting, std::int64_t first, std::int64_t from
   casting.bodies.cast(rays);
 
   FalseAlarms false_alarms(casting, from);
+  std::vector<RayReturn> room;
   int written = 0;
   for (int i = 0; i < count; ++i) {
     if (const auto range = false_alarms.range_at(i)) {
       points[written] = point_of(casting, beams, i, *range);
       truth[written++] = {static_cast<float>(*range), 0, 0, LidarPointTruth::Kind::false_alarm};
-    } else if (const auto echo = echo_of(rig, rays, i, draws[i])) {
+    } else if (const auto echo = echo_of(rig, rays, i, draws[i], room)) {
       written += surface_point(casting, beams, i, *echo, draws[i], points[written], truth[written]);
     }
   }

@@ -26,8 +26,10 @@ struct Echo {
   int number = 0;      ///< among the beam's echoes, from 0
 };
 
+/// The echo of a beam of one ray, nothing when it is weaker than `limit` (in detection ratios).
+std::optional<Echo> only_echo(const RayReturn& met, const LidarNoise& noise, double limit);
+
 /// The echo a sensor reports of a beam whose rays met `returns` (sorted here), nothing when none is found.
-/// `limit` is the strength, in detection ratios, that is needed.
 std::optional<Echo> reported_echo(std::span<RayReturn> returns, const LidarBeam& beam,
                                   const LidarNoise& noise, double limit);
 

@@ -49,9 +49,8 @@ LidarNoise noise_of(std::string_view pattern) {
 }
 
 double range_sigma(const LidarNoise& noise, double range_m, double incidence_cos) {
-  const double least_cos = std::cos(noise.max_incidence_deg * std::numbers::pi / 180);
-  const double c = std::clamp(incidence_cos, least_cos, 1.0);
-  const double tangent = std::sqrt(1 - c * c) / c;
+  const double c = std::max(incidence_cos, 1e-9);
+  const double tangent = std::min(std::sqrt(std::max(0.0, 1 - c * c)) / c, noise.max_incidence_tan);
   const double spread = range_m * noise.divergence_deg * (std::numbers::pi / 180) * tangent;
   return std::sqrt(noise.range_sigma_m * noise.range_sigma_m + spread * spread / 12);
 }

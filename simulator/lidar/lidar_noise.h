@@ -9,14 +9,12 @@ namespace uniquadric {
 /// A LiDAR's errors. What is left at 0 is not simulated.
 struct LidarNoise {
   double range_sigma_m = 0.02;  ///< sigma_0 (data sheets of Livox and OS1)
-  double divergence_deg =
-      0.28;  ///< of the incidence term: sigma^2 = sigma_0^2 + (r gamma tan(theta) / sqrt 12)^2
-  double max_incidence_deg =
-      85;  ///< ours: the term stops growing there; no footprint is as long as its tangent
-  double angle_sigma_deg =
-      0.05;                  ///< of the beam's true direction about the reported one, in each of two axes
-  double quantum_m = 0.001;  ///< ranges are multiples of it
-  double min_range_m = 0.1;  ///< nothing nearer or farther is reported
+  /// gamma of the incidence term: sigma^2 = sigma_0^2 + (r gamma tan(theta) / sqrt 12)^2
+  double divergence_deg = 0.28;
+  double max_incidence_tan = 11.43;  ///< ours: the term stops growing at 85 deg; footprints end somewhere
+  double angle_sigma_deg = 0.05;  ///< of the beam's true direction about the reported one, a transverse axis
+  double quantum_m = 0.001;       ///< ranges are multiples of it
+  double min_range_m = 0.1;       ///< nothing nearer or farther is reported
   double max_range_m = 450;
   /// A surface of reflectivity 0.1 met head-on at this range returns a pulse at the limit of detection.
   double r10_m = 190;

@@ -15,10 +15,11 @@ struct CasterOptions {
   /// Instruction set Embree uses: ranges differ by up to 5e-7 m between them, never between thread counts.
   /// ours: avx2, so that machines with and without AVX-512 make the same bytes
   std::string isa = "avx2";
-  /// Poses a scan that a moving object's trajectory is cut into, between which it turns and moves uniformly.
-  /// 0: as many as `motion_tolerance_m` takes, body by body. 2 is the paper's model (paper: Eq. 3).
+  /// Poses a scan that a moving object's trajectory is cut into, between which it turns and moves uniformly:
+  /// 2 is the paper's model (paper: Eq. 3). 0: as many as `motion_tolerance_m` takes, body by body.
   int motion_keys = 0;
-  double motion_tolerance_m = 1e-6;  ///< ours: below the rounding of single precision at 20 m
+  double motion_tolerance_m =
+      1e-5;  ///< ours: of the motion between keys; the size of single precision's errors at 50 m
 };
 
 /// Rays in, hits out, an array a component. Coordinates are relative to CasterScan's origin, axes of the
@@ -38,6 +39,12 @@ struct RayBlock {
   Row<std::uint16_t> instance;  ///< the object's id, 0 for the static world
 };
 
+/// How a motion is cut into keys, evenly over a scan, and what it is taken for between them.
+struct MotionKeys {
+  int count = 1;      ///< 1: at rest
+  bool slerp = true;  ///< turning and moving uniformly; otherwise matrices are interpolated entry by entry
+};
+
 /// The bodies as Embree sees them at the times of one scan. Threads may cast at once.
 class CasterScan {
  public:
@@ -47,8 +54,8 @@ class CasterScan {
   ~CasterScan();
   /// Casts all rays of the block. Subnormal floats count as zero meanwhile.
   void cast(RayBlock& rays) const;
-  /// Poses in the scan that each object's motion was cut into, in the scene's order.
-  std::vector<int> motion_keys() const;
+  /// What each object's motion was cut into, in the scene's order.
+  std::vector<MotionKeys> motion_keys() const;
 
  private:
   std::unique_ptr<State> state_;
@@ -72,9 +79,10 @@ class RayCaster {
   std::shared_ptr<const State> state_;
 };
 
-/// Number of poses, evenly over [start_ns, end_ns], from which constant motion in between meets `motion`
-/// within `tolerance_m` for points up to `radius_m` from the body's origin; at most 129 (Embree's limit).
-int motion_keys_for(const Motion& motion, std::int64_t start_ns, std::int64_t end_ns, double radius_m,
-                    double tolerance_m);
+/// The cheaper way in which [start_ns, end_ns] of a motion is met within `tolerance_m` for points up to
+/// `radius_m` from the body's origin; at most 129 keys (Embree's limit). Uniform motion between keys is
+/// truer, but Embree takes some ten times as long to place it.
+MotionKeys motion_keys_for(const Motion& motion, std::int64_t start_ns, std::int64_t end_ns, double radius_m,
+                           double tolerance_m);
 
 }  // namespace uniquadric

@@ -120,16 +120,18 @@ TEST(LidarScan, CurvedMotionIsMetByAsManyKeysAsItTakes) {
 
 TEST(MotionKeys, FollowTheMeasuredError) {
   const std::int64_t end = 100'000'000;
-  EXPECT_EQ(motion_keys_for(Motion(), 0, end, 1, 1e-6), 1);
-  EXPECT_EQ(motion_keys_for(line({0, 0, 0}, {10, 0, 0}), 0, end, 1, 1e-6), 2);
-  EXPECT_EQ(motion_keys_for(tumbling({0, 0, 0}, {10, 0, 0}, 5), 0, end, 1, 1e-6), 2);
+  EXPECT_EQ(motion_keys_for(Motion(), 0, end, 1, 1e-6).count, 1);
+  const MotionKeys straight = motion_keys_for(line({0, 0, 0}, {10, 0, 0}), 0, end, 1, 1e-6);
+  EXPECT_EQ(straight.count, 2);
+  const MotionKeys tumble = motion_keys_for(tumbling({0, 0, 0}, {10, 0, 0}, 5), 0, end, 1, 1e-6);
+  EXPECT_EQ(tumble.count, 2);
+  EXPECT_TRUE(tumble.slerp);
   // A circle of radius r at rate w: n chords of a scan of T lie within r (w T / n)^2 / 8 of it.
   CircleOptions circle;
   circle.radius_m = 2;
   circle.rate_radps = 3;
-  const double n = std::sqrt(2 * 0.3 * 0.3 / 8 / 1e-4);
-  EXPECT_EQ(motion_keys_for(circle_motion(circle), 0, end, 0, 1e-4),
-            1 + static_cast<int>(std::exp2(std::ceil(std::log2(n)))));
+  const MotionKeys curved = motion_keys_for(circle_motion(circle), 0, end, 0, 1e-5);
+  EXPECT_EQ(curved.count, 1 + static_cast<int>(std::ceil(std::sqrt(2 * 0.3 * 0.3 / 8 / 1e-5))));
 }
 
 TEST(SensorPath, CubicsMeetTheMotion) {
