@@ -53,6 +53,7 @@ void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t f
   sequence.rate_hz = scene.rate_hz;
   sequence.depth_units_per_m = depth_units_per_m(scene.depth_noise);
   for (std::int64_t frame = 0; frame < frames; ++frame) sequence.frames.push_back(list_frame(scene, frame));
+  if (scene.imu) sequence.imu = scene.imu->calibration;
   if (scene.given_camera) sequence.given_camera = sample(scene, scene.camera_motion, frames);
   write_sequence_index(folder, sequence);
 }

@@ -13,6 +13,7 @@
 #include "core/base/progress.h"
 #include "core/base/version.h"
 #include "simulator/frame_files.h"
+#include "simulator/imu/imu_files.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene_files.h"
 
@@ -100,6 +101,7 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
   join_visibility(folder, frames);
   write_sequence_files(scene, options.seed, frames, folder / "sequence");
   write_truth_files(scene, frames, folder / "truth");
+  write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
   fs::remove_all(folder / "frames");
   fs::remove(folder / "key");
   pending.commit();

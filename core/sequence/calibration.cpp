@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/config.h"
 #include "core/base/files.h"
@@ -42,6 +43,26 @@ std::string camera_yaml(const Camera& camera) {
   return fmt::format("width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}, distortion: [{}]", camera.width,
                      camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
                      fmt::join(camera.distortion, ", "));
+}
+
+Pose read_extrinsics(const ConfigNode& node) {
+  constexpr double kUnitTolerance = 1e-3;  // of a quaternion's norm, as in trajectories
+  Pose pose;
+  pose.translation = node.get<Eigen::Vector3d>("position_m");
+  const auto q = node.get<std::vector<double>>("quaternion_xyzw");
+  if (q.size() != 4)
+    node.at("quaternion_xyzw").fail(fmt::format("expected 4 numbers x, y, z, w, found {}", q.size()));
+  pose.rotation = Eigen::Quaterniond(q[3], q[0], q[1], q[2]);
+  const double norm = pose.rotation.norm();
+  if (std::abs(norm - 1) > kUnitTolerance)
+    node.at("quaternion_xyzw").fail(fmt::format("norm is {:.6g}, expected 1", norm));
+  node.refuse_unknown_keys();
+  return pose;
+}
+
+std::string extrinsics_yaml(const Pose& pose) {
+  return fmt::format("{{position_m: [{}], quaternion_xyzw: [{}]}}", fmt::join(pose.translation, ", "),
+                     fmt::join(pose.rotation.coeffs(), ", "));
 }
 
 Camera read_camera_yaml(const std::filesystem::path& path) {

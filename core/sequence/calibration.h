@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/camera.h"
+#include "core/geometry/pose.h"
 
 namespace uniquadric {
 
@@ -29,6 +30,10 @@ void write_objects_yaml(const std::filesystem::path& path, const std::vector<Obj
 Camera read_camera(const ConfigNode& node);
 /// One line of YAML flow map content: "width: 640, height: ..." (no braces).
 std::string camera_yaml(const Camera& camera);
+
+/// Where a sensor sits, a_from_b: `{position_m: [x, y, z], quaternion_xyzw: [x, y, z, w]}`.
+Pose read_extrinsics(const ConfigNode& node);
+std::string extrinsics_yaml(const Pose& pose);
 
 /// A file that holds a camera's calibration alone (truth/camera.yaml).
 Camera read_camera_yaml(const std::filesystem::path& path);

@@ -65,6 +65,7 @@ Sequence open_sequence(const fs::path& given_folder) {
     sequence.depth_units_per_m = depth->positive("units_per_m");
     depth->refuse_unknown_keys();
   }
+  if (const auto imu = root.find("imu")) sequence.imu = read_imu_calibration(*imu);
   root.refuse_unknown_keys();
 
   for (const auto& entry : read_file_list(folder, "rgb.txt", false)) {
@@ -79,6 +80,8 @@ Sequence open_sequence(const fs::path& given_folder) {
     associate_depth(sequence.frames, read_file_list(folder, "depth.txt", false));
   if (fs::exists(folder / "masks.txt"))
     associate_masks(folder, sequence.frames, read_file_list(folder, "masks.txt", true));
+  if (sequence.imu && !fs::exists(folder / "imu.csv"))
+    throw InputError(folder / "imu.csv", "no such file, but sequence.yaml describes an IMU");
   if (fs::exists(folder / "camera_given.tum")) sequence.given_camera = read_tum(folder / "camera_given.tum");
   return sequence;
 }
@@ -90,6 +93,7 @@ void write_sequence_index(const fs::path& folder, const Sequence& sequence) {
     yaml += fmt::format("scene_hash: \"{}\"\nseed: {}\n", sequence.scene_hash, sequence.seed);
   yaml += fmt::format("camera: {{{}, rate_hz: {}}}\n", camera_yaml(sequence.camera), sequence.rate_hz);
   yaml += fmt::format("depth: {{units_per_m: {}}}\n", sequence.depth_units_per_m);
+  if (sequence.imu) yaml += fmt::format("imu: {{{}}}\n", imu_yaml(*sequence.imu));
 
   std::string rgb = "# timestamp filename\n", depth = rgb, masks = "# timestamp filename arrival\n";
   bool has_depth = false, has_masks = false;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/camera.h"
+#include "core/sequence/imu.h"
 #include "core/sequence/trajectory.h"
 
 namespace uniquadric {
@@ -30,6 +31,7 @@ struct Sequence {
   Camera camera;
   double rate_hz = 0;                      ///< nominal frame rate
   double depth_units_per_m = 5000;         ///< value of a depth pixel at 1 m
+  std::optional<ImuCalibration> imu;       ///< of imu.csv, when there is one
   std::vector<SequenceFrame> frames;       ///< in strictly increasing order of stamps
   std::optional<Trajectory> given_camera;  ///< world_from_camera from another system (camera_given.tum)
 };

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/config.h"
 #include "core/geometry/camera.h"
+#include "core/sequence/imu.h"
 #include "simulator/scene/mesh.h"
 #include "simulator/scene/motion.h"
 
@@ -51,6 +53,15 @@ struct SegmenterNoise {
   int min_pixels = 50;             ///< smaller masks are not found
 };
 
+/// An inertial measurement unit on the camera.
+struct ImuRig {
+  ImuCalibration calibration;
+  Eigen::Vector3d gyroscope_bias_radps = Eigen::Vector3d::Zero();     ///< when the sequence starts
+  Eigen::Vector3d accelerometer_bias_mps2 = Eigen::Vector3d::Zero();  ///< when the sequence starts
+  /// Readings beyond are cut off, an axis at a time; none: no limit.
+  std::optional<double> gyroscope_range_radps, accelerometer_range_mps2;
+};
+
 /// What the simulator renders: read from YAML (scenes/README.md).
 struct Scene {
   std::string name;
@@ -68,6 +79,8 @@ struct Scene {
   DepthNoise depth_noise;
   ImageNoise image_noise;
   SegmenterNoise segmenter;
+  std::optional<ImuRig> imu;
+  std::optional<ConfigNode> lidar;  ///< the section as it stands, for its own reader
 
   std::int64_t stamp_ns(std::int64_t frame) const;  ///< of a frame, from 0 on, rounded to the nanosecond
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/base/config.h"
+#include "simulator/scene/pose_reader.h"
 
 namespace uniquadric {
 namespace {
@@ -53,6 +54,23 @@ void read_segmenter(const ConfigNode& node, SegmenterNoise& noise) {
   if (noise.min_pixels < 1) node.at("min_pixels").fail("expected at least 1");
 }
 
+std::optional<double> optional_positive(const ConfigNode& node, const std::string& key) {
+  return node.has(key) ? std::optional(node.positive(key)) : std::nullopt;
+}
+
+void read_imu(const ConfigNode& node, ImuRig& imu) {
+  read_imu_model(node, imu.calibration);
+  if (const auto mount = node.find("camera_from_imu")) {
+    imu.calibration.camera_from_imu = read_pose(*mount, Mover::body);
+    mount->refuse_unknown_keys();
+  }
+  imu.gyroscope_bias_radps = node.get<Eigen::Vector3d>("gyroscope_bias_radps", imu.gyroscope_bias_radps);
+  imu.accelerometer_bias_mps2 =
+      node.get<Eigen::Vector3d>("accelerometer_bias_mps2", imu.accelerometer_bias_mps2);
+  imu.gyroscope_range_radps = optional_positive(node, "gyroscope_range_radps");
+  imu.accelerometer_range_mps2 = optional_positive(node, "accelerometer_range_mps2");
+}
+
 }  // namespace
 
 void read_sensor_models(const ConfigNode& root, Scene& scene) {
@@ -67,6 +85,8 @@ void read_sensor_models(const ConfigNode& root, Scene& scene) {
   section("image_noise", [&](const ConfigNode& node) {
     scene.image_noise.sigma = at_least_0(node, "sigma", scene.image_noise.sigma);
   });
+  section("imu", [&](const ConfigNode& node) { read_imu(node, scene.imu.emplace()); });
+  scene.lidar = root.find("lidar");
   section("segmenter", [&](const ConfigNode& node) { read_segmenter(node, scene.segmenter); });
 }
 
