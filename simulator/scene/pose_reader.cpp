@@ -60,4 +60,18 @@ Pose read_pose(const ConfigNode& node, Mover mover) {
   return {read_orientation(node, mover, position), position};
 }
 
+Pose camera_from_body_axes() {
+  return {Quaterniond(0.5, 0.5, -0.5, 0.5), Vector3d::Zero()};  // x -> z, y -> -x, z -> -y
+}
+
+Pose read_mounting(const ConfigNode& node, const std::string& sensor) {
+  const auto in_camera = node.find("camera_from_" + sensor), in_body = node.find("body_from_" + sensor);
+  if (in_camera && in_body) in_body->fail(fmt::format("give one of camera_from_{0}, body_from_{0}", sensor));
+  if (!in_camera && !in_body) return camera_from_body_axes();
+  const ConfigNode& given = in_camera ? *in_camera : *in_body;
+  const Pose pose = read_pose(given, Mover::body);
+  given.refuse_unknown_keys();
+  return in_camera ? pose : camera_from_body_axes() * pose;
+}
+
 }  // namespace uniquadric

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "core/base/config.h"
 #include "core/geometry/pose.h"
@@ -23,5 +24,13 @@ Eigen::Quaterniond read_orientation(const ConfigNode& node, Mover mover, const E
 
 /// position_m and an orientation.
 Pose read_pose(const ConfigNode& node, Mover mover);
+
+/// The frame of the rig that carries the camera: at the camera's centre, x forward, y left, z up.
+Pose camera_from_body_axes();
+
+/// Where a sensor sits on the camera's rig: `camera_from_SENSOR` or `body_from_SENSOR`
+/// (camera_from_body_axes), each a pose; with neither, along the body's axes at the camera's centre. Result:
+/// camera_from_sensor.
+Pose read_mounting(const ConfigNode& node, const std::string& sensor);
 
 }  // namespace uniquadric

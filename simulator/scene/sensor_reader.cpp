@@ -60,10 +60,7 @@ std::optional<double> optional_positive(const ConfigNode& node, const std::strin
 
 void read_imu(const ConfigNode& node, ImuRig& imu) {
   read_imu_model(node, imu.calibration);
-  if (const auto mount = node.find("camera_from_imu")) {
-    imu.calibration.camera_from_imu = read_pose(*mount, Mover::body);
-    mount->refuse_unknown_keys();
-  }
+  imu.calibration.camera_from_imu = read_mounting(node, "imu");
   imu.gyroscope_bias_radps = node.get<Eigen::Vector3d>("gyroscope_bias_radps", imu.gyroscope_bias_radps);
   imu.accelerometer_bias_mps2 =
       node.get<Eigen::Vector3d>("accelerometer_bias_mps2", imu.accelerometer_bias_mps2);
