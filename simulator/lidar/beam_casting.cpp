@@ -83,7 +83,7 @@ RayReturn return_of(const RayBlock& rays, int i, double share) {
 std::optional<Echo> echo_of(const LidarRig& rig, const RayBlock& rays, int beam, const BeamDraws& draws,
                             std::vector<RayReturn>& room) {
   const double limit =
-      rig.noise.r10_m > 0 ? std::max(0.0, 1 + rig.noise.detection_sigma * draws.detection) : 0;
+      detection_limit(rig.noise) * std::max(0.0, 1 + rig.noise.detection_sigma * draws.detection);
   const int n = rig.beam.rays();
   if (n == 1)
     return rays.distance[beam] < 0 ? std::nullopt : only_echo(return_of(rays, beam, 1), rig.noise, limit);

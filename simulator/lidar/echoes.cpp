@@ -10,7 +10,7 @@ Echo merged(std::span<const RayReturn> rays, const LidarNoise& noise) {
   Echo echo;
   double weight = 0, strongest = -1;
   for (const RayReturn& ray : rays) {
-    const double strength = detection_ratio(noise, ray.range_m, ray.reflected);
+    const double strength = received_strength(noise, ray.range_m, ray.reflected);
     weight += strength;
     echo.range_m += strength * ray.range_m;
     echo.reflected += ray.reflected;
@@ -21,7 +21,7 @@ Echo merged(std::span<const RayReturn> rays, const LidarNoise& noise) {
     }
     echo.mixed = echo.mixed || ray.instance != rays.front().instance;
   }
-  echo.ratio = weight;
+  echo.strength = weight;
   echo.range_m = weight > 0 ? echo.range_m / weight : rays.front().range_m;
   return echo;
 }
@@ -31,7 +31,7 @@ bool is_better(const Echo& echo, const Echo& than, LidarBeam::Return returned) {
     case LidarBeam::Return::first:
       return false;
     case LidarBeam::Return::strongest:
-      return echo.ratio > than.ratio;
+      return echo.strength > than.strength;
     case LidarBeam::Return::last:
       return true;
   }
@@ -42,8 +42,8 @@ bool is_better(const Echo& echo, const Echo& than, LidarBeam::Return returned) {
 
 std::optional<Echo> only_echo(const RayReturn& met, const LidarNoise& noise, double limit) {
   Echo echo;
-  echo.ratio = detection_ratio(noise, met.range_m, met.reflected);
-  if (echo.ratio < limit) return std::nullopt;
+  echo.strength = received_strength(noise, met.range_m, met.reflected);
+  if (echo.strength < limit) return std::nullopt;
   echo.range_m = met.range_m;
   echo.reflected = met.reflected;
   echo.incidence_cos = met.incidence_cos;
@@ -62,7 +62,7 @@ std::optional<Echo> reported_echo(std::span<RayReturn> returns, const LidarBeam&
     while (to < returns.size() && returns[to].range_m - returns[from].range_m <= beam.merge_m) ++to;
     Echo echo = merged(returns.subspan(from, to - from), noise);
     from = to;
-    if (echo.ratio < limit) continue;
+    if (echo.strength < limit) continue;
     echo.number = number++;
     if (!best || is_better(echo, *best, beam.returned)) best = echo;
   }

@@ -19,14 +19,14 @@ struct RayReturn {
 struct Echo {
   double range_m = 0;  ///< of a mixed echo: mean by strength
   double reflected = 0;
-  double ratio = 0;  ///< of detection
+  double strength = 0;  ///< received_strength(), of all rays
   float incidence_cos = 1;
   std::uint16_t instance = 0;  ///< of the strongest ray
   bool mixed = false;  ///< of more than one surface: rays differ in range by more than a footprint's slope
   int number = 0;      ///< among the beam's echoes, from 0
 };
 
-/// The echo of a beam of one ray, nothing when it is weaker than `limit` (in detection ratios).
+/// The echo of a beam of one ray, nothing when its strength is below `limit`.
 std::optional<Echo> only_echo(const RayReturn& met, const LidarNoise& noise, double limit);
 
 /// The echo a sensor reports of a beam whose rays met `returns` (sorted here), nothing when none is found.

@@ -32,11 +32,19 @@ void check(RTCDevice device, const char* doing) {
     throw std::runtime_error(fmt::format("lidar: Embree error {} while {}", static_cast<int>(error), doing));
 }
 
+// Embree itself takes an unknown or missing instruction set for another without a word.
+bool machine_has(const std::string& isa) {
+  if (isa == "sse2") return true;
+  if (isa == "sse4.2") return __builtin_cpu_supports("sse4.2");
+  if (isa == "avx") return __builtin_cpu_supports("avx");
+  if (isa == "avx2") return __builtin_cpu_supports("avx2");
+  return isa == "avx512" && __builtin_cpu_supports("avx512vl");
+}
+
 Device make_device(const std::string& isa) {
+  if (!machine_has(isa))
+    throw InputError(fmt::format("lidar: this machine has no instruction set '{}' (isa)", isa));
   Device device(rtcNewDevice(fmt::format("isa={}", isa).c_str()));
-  if (!device)
-    throw InputError(
-        fmt::format("lidar: Embree has no instruction set '{}' on this machine (option isa)", isa));
   check(device.get(), "starting");
   return device;
 }

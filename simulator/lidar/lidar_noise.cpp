@@ -55,9 +55,13 @@ double range_sigma(const LidarNoise& noise, double range_m, double incidence_cos
   return std::sqrt(noise.range_sigma_m * noise.range_sigma_m + spread * spread / 12);
 }
 
-double detection_ratio(const LidarNoise& noise, double range_m, double reflected) {
+double received_strength(const LidarNoise& noise, double range_m, double reflected) {
   const double haze = noise.extinction_per_m > 0 ? std::exp(-2 * noise.extinction_per_m * range_m) : 1;
-  return reflected * haze / (range_m * range_m) * noise.r10_m * noise.r10_m / 0.1;
+  return reflected * haze / (range_m * range_m);
+}
+
+double detection_limit(const LidarNoise& noise) {
+  return noise.r10_m > 0 ? 0.1 / (noise.r10_m * noise.r10_m) : 0;
 }
 
 float reported_intensity(double reflected) {

@@ -33,9 +33,12 @@ LidarNoise noise_of(std::string_view pattern);
 /// Standard deviation of a range [m] measured at an incidence of that cosine.
 double range_sigma(const LidarNoise& noise, double range_m, double incidence_cos);
 
-/// A pulse's strength over the limit of detection; at least 1 is found. `reflected` is reflectivity times
+/// Strength of a pulse as it comes back: reflected exp(-2 a r) / r^2, `reflected` being reflectivity times
 /// cosine.
-double detection_ratio(const LidarNoise& noise, double range_m, double reflected);
+double received_strength(const LidarNoise& noise, double range_m, double reflected);
+
+/// The strength at the limit of detection: 0.1 / r10^2; 0 when r10_m is.
+double detection_limit(const LidarNoise& noise);
 
 /// The number a driver reports: 0..150 for diffuse surfaces of 0..100 %, 151..255 for retro-reflectors, whose
 /// reflectivity is counted against a white diffuse surface; ours: logarithmic, 255 from a hundred times on.

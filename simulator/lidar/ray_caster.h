@@ -18,8 +18,8 @@ struct CasterOptions {
   /// Poses a scan that a moving object's trajectory is cut into, between which it turns and moves uniformly:
   /// 2 is the paper's model (paper: Eq. 3). 0: as many as `motion_tolerance_m` takes, body by body.
   int motion_keys = 0;
-  double motion_tolerance_m =
-      1e-5;  ///< ours: of the motion between keys; the size of single precision's errors at 50 m
+  /// ours: of the motion between keys; what single precision errs by at 50 m
+  double motion_tolerance_m = 3e-6;
 };
 
 /// Rays in, hits out, an array a component. Coordinates are relative to CasterScan's origin, axes of the

@@ -1,0 +1,133 @@
+#include "simulator/lidar/lidar_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "simulator/scene/body_reader.h"
+#include "simulator/scene/motion_reader.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kMaxRate_hz = 1000;
+
+void read_at_least_0(const ConfigNode& node, const std::string& key, double& value) {
+  const auto found = node.find(key);
+  if (!found) return;
+  value = found->as<double>();
+  if (value < 0) found->fail(fmt::format("expected at least 0, found {}", value));
+}
+
+int read_count(const ConfigNode& node, const std::string& key, int fallback, int least, int most) {
+  const int value = node.get<int>(key, fallback);
+  if (value < least || value > most)
+    node.at(key).fail(fmt::format("expected {} to {}, found {}", least, most, value));
+  return value;
+}
+
+void read_pattern(const ConfigNode& node, LidarRig& rig, std::vector<std::filesystem::path>& files) {
+  const auto name = node.find("pattern"), csv = node.find("csv");
+  if (name.has_value() == csv.has_value()) node.fail("give one of pattern, csv");
+  if (csv) {
+    if (const auto spin = node.find("spin_hz")) spin->fail("belongs to a pattern that spins");
+    const std::filesystem::path path = resolve_path(*csv);
+    rig.pattern_name = path.filename().string();
+    rig.pattern = csv_pattern(path);
+    files.push_back(path);
+    return;
+  }
+  rig.pattern_name = name->as<std::string>();
+  try {
+    rig.pattern = named_pattern(rig.pattern_name, node.positive("spin_hz", rig.rate_hz));
+  } catch (const InputError& error) {
+    name->fail(error.what());
+  }
+  rig.noise = noise_of(rig.pattern_name);
+}
+
+Pose read_mounting(const ConfigNode& node) {
+  const auto in_camera = node.find("camera_from_lidar"), in_body = node.find("body_from_lidar");
+  if (in_camera && in_body) node.fail("give one of camera_from_lidar, body_from_lidar");
+  if (!in_camera && !in_body) return camera_from_body();
+  const Pose pose = read_pose(in_camera ? *in_camera : *in_body, Mover::body);
+  (in_camera ? *in_camera : *in_body).refuse_unknown_keys();
+  return in_camera ? pose : camera_from_body() * pose;
+}
+
+void read_noise(const ConfigNode& node, LidarNoise& noise) {
+  if (node.choice("model", {"sensor", "none"}, "sensor") == "none") noise = LidarNoise::none();
+  read_at_least_0(node, "range_sigma_m", noise.range_sigma_m);
+  read_at_least_0(node, "divergence_deg", noise.divergence_deg);
+  read_at_least_0(node, "angle_sigma_deg", noise.angle_sigma_deg);
+  read_at_least_0(node, "quantum_m", noise.quantum_m);
+  read_at_least_0(node, "min_range_m", noise.min_range_m);
+  noise.max_range_m = node.positive("max_range_m", noise.max_range_m);
+  read_at_least_0(node, "r10_m", noise.r10_m);
+  read_at_least_0(node, "extinction_per_m", noise.extinction_per_m);
+  read_at_least_0(node, "detection_sigma", noise.detection_sigma);
+  read_at_least_0(node, "false_alarm", noise.false_alarm);
+  if (noise.false_alarm >= 1) node.at("false_alarm").fail("expected a probability below 1");
+  if (noise.max_range_m <= noise.min_range_m)
+    node.fail(
+        fmt::format("max_range_m {} is not above min_range_m {}", noise.max_range_m, noise.min_range_m));
+  node.refuse_unknown_keys();
+}
+
+void read_beam(const ConfigNode& node, LidarBeam& beam) {
+  read_at_least_0(node, "vertical_deg", beam.vertical_deg);
+  read_at_least_0(node, "horizontal_deg", beam.horizontal_deg);
+  constexpr int kMostRays = 16;  // in a row; a block of 256 rays holds a beam
+  beam.vertical_rays = read_count(node, "vertical_rays", beam.vertical_rays, 1, kMostRays);
+  beam.horizontal_rays = read_count(node, "horizontal_rays", beam.horizontal_rays, 1, kMostRays);
+  read_at_least_0(node, "merge_m", beam.merge_m);
+  const std::string returned = node.choice("return", {"first", "strongest", "last"}, "strongest");
+  beam.returned = returned == "first"  ? LidarBeam::Return::first
+                  : returned == "last" ? LidarBeam::Return::last
+                                       : LidarBeam::Return::strongest;
+  node.refuse_unknown_keys();
+}
+
+void read_method(const ConfigNode& node, LidarRig& rig) {
+  rig.method = node.choice("method", {"embree", "depth_octree"}, "embree") == "embree"
+                   ? LidarMethod::embree
+                   : LidarMethod::depth_octree;
+  rig.octree_resolution_m = node.positive("octree_resolution_m", rig.octree_resolution_m);
+  rig.caster.isa = node.choice("isa", {"sse2", "sse4.2", "avx", "avx2", "avx512"}, rig.caster.isa);
+  rig.caster.motion_keys = read_count(node, "motion_keys", 0, 0, 129);
+  if (rig.caster.motion_keys == 1) node.at("motion_keys").fail("expected 0 (by tolerance) or 2 to 129");
+  rig.caster.motion_tolerance_m = node.positive("motion_tolerance_m", rig.caster.motion_tolerance_m);
+}
+
+void read_reflectivity(const ConfigNode& node, LidarRig& rig) {
+  for (const auto& [name, value] : node.entries()) {
+    if (value.as<double>() < 0) value.fail("expected at least 0");
+    rig.reflectivity.emplace_back(name, value.as<double>());
+  }
+}
+
+}  // namespace
+
+Pose camera_from_body() {
+  Eigen::Matrix3d rotation;  // x, y, z of the camera: -y, -z, x of the body
+  rotation << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  return {Eigen::Quaterniond(rotation), Eigen::Vector3d::Zero()};
+}
+
+LidarRig read_lidar(const ConfigNode& node, std::vector<std::filesystem::path>& files) {
+  LidarRig rig;
+  rig.rate_hz = node.positive("rate_hz", rig.rate_hz);
+  if (rig.rate_hz > kMaxRate_hz) node.at("rate_hz").fail(fmt::format("expected at most {} Hz", kMaxRate_hz));
+  read_pattern(node, rig, files);
+  rig.camera_from_lidar = read_mounting(node);
+  read_method(node, rig);
+  if (const auto noise = node.find("noise")) read_noise(*noise, rig.noise);
+  if (const auto beam = node.find("beam")) read_beam(*beam, rig.beam);
+  if (const auto reflectivity = node.find("reflectivity")) read_reflectivity(*reflectivity, rig);
+  node.refuse_unknown_keys();
+  return rig;
+}
+
+}  // namespace uniquadric
