@@ -19,6 +19,11 @@ struct Deflection {
   double horizontal_rad = 0, vertical_rad = 0;
 };
 
+// Of a few degrees at most: within 1e-8 at 2 deg.
+double small_tangent(double angle_rad) {
+  return angle_rad * (1 + angle_rad * angle_rad / 3);
+}
+
 // Copies beam `from` of `beams` to place `to` of `rays`, turned by small angles: to the left, and up.
 void put_ray(const BeamBlock& beams, int from, const Deflection& deflection, BeamBlock& rays, int to) {
   rays.time_ns[to] = beams.time_ns[from];
@@ -26,10 +31,10 @@ void put_ray(const BeamBlock& beams, int from, const Deflection& deflection, Bea
   rays.origin_y[to] = beams.origin_y[from];
   rays.origin_z[to] = beams.origin_z[from];
   const double x = beams.x[from], y = beams.y[from], z = beams.z[from];
-  const double level = std::max(std::hypot(x, y), 1e-9);  // straight up, left is any direction
+  const double level = std::max(std::sqrt(x * x + y * y), 1e-9);  // straight up, left is any direction
   const double left_x = -y / level, left_y = x / level;
   const double up_x = -left_y * z, up_y = left_x * z, up_z = level;
-  const double h = std::tan(deflection.horizontal_rad), v = std::tan(deflection.vertical_rad);
+  const double h = small_tangent(deflection.horizontal_rad), v = small_tangent(deflection.vertical_rad);
   const double dx = x + h * left_x + v * up_x, dy = y + h * left_y + v * up_y, dz = z + v * up_z;
   const double scale = 1 / std::sqrt(dx * dx + dy * dy + dz * dz);
   rays.x[to] = dx * scale;
@@ -99,7 +104,9 @@ double measured_range(const LidarRig& rig, const Echo& echo, const BeamDraws& dr
   const double sigma =
       rig.beam.rays() > 1 ? noise.range_sigma_m : range_sigma(noise, echo.range_m, echo.incidence_cos);
   const double range = echo.range_m + sigma * draws.range;
-  return noise.quantum_m > 0 ? std::floor(range / noise.quantum_m + 0.5) * noise.quantum_m : range;
+  if (noise.quantum_m <= 0) return range;
+  // A cast, as std::round is a call for this instruction set; what is negative falls below the least range.
+  return static_cast<double>(static_cast<std::int64_t>(range / noise.quantum_m + 0.5)) * noise.quantum_m;
 }
 
 // Which of the block's beams report something that is not there, and how far: gaps between them are drawn.

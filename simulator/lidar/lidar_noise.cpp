@@ -66,7 +66,7 @@ double detection_limit(const LidarNoise& noise) {
 
 float reported_intensity(double reflected) {
   const double value = reflected <= 1 ? 150 * reflected : std::min(255.0, 151 + 52 * std::log10(reflected));
-  return static_cast<float>(std::floor(value + 0.5));
+  return static_cast<float>(static_cast<int>(value + 0.5));
 }
 
 void draw_beams(std::uint64_t seed, std::uint64_t scan, std::uint32_t first, std::span<BeamDraws> draws) {

@@ -43,13 +43,25 @@ struct WedgeOptics {
   bool x_is_up = true;  ///< optics x, y, z -> up, left, forward; otherwise left, up, forward
 };
 
+// What of the normal the refracted direction gains, for the cosine of the angle it is met at.
+double gain(double eta, double c) {
+  return eta * c - std::sqrt(1 - eta * eta * (1 - c * c));
+}
+
+void refract_flat(double eta, int n, double* x, double* y, double* z) {
+  for (int i = 0; i < n; ++i) {
+    const double m = gain(eta, z[i]);
+    x[i] *= eta;
+    y[i] *= eta;
+    z[i] = eta * z[i] - m;
+  }
+}
+
 void refract(const Face& face, int n, const double* cosine, const double* sine, double* x, double* y,
              double* z) {
-  const double eta2 = face.eta * face.eta;
   for (int i = 0; i < n; ++i) {
     const double nx = face.s * cosine[i], ny = face.s * sine[i], nz = -face.c;
-    const double c = -(x[i] * nx + y[i] * ny + z[i] * nz);
-    const double m = face.eta * c - std::sqrt(1 - eta2 * (1 - c * c));
+    const double m = gain(face.eta, -(x[i] * nx + y[i] * ny + z[i] * nz));
     x[i] = face.eta * x[i] + m * nx;
     y[i] = face.eta * y[i] + m * ny;
     z[i] = face.eta * z[i] + m * nz;
@@ -84,7 +96,11 @@ class WedgePattern : public ScanPattern::Source {
     for (std::size_t k = 0; k < optics_.wedges.size(); ++k)
       optics_.wedges[k].fill(first, count, cosine[k].data(), sine[k].data());
     for (const Face& face : optics_.faces)
-      refract(face, count, cosine[face.wedge].data(), sine[face.wedge].data(), x.data(), y.data(), z.data());
+      if (face.s == 0)
+        refract_flat(face.eta, count, x.data(), y.data(), z.data());
+      else
+        refract(face, count, cosine[face.wedge].data(), sine[face.wedge].data(), x.data(), y.data(),
+                z.data());
     start_at_the_axis(count, block);
   }
 
