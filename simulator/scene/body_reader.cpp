@@ -91,7 +91,7 @@ Body read_static_body(const ConfigNode& node, std::uint64_t default_seed, std::v
   if (const auto given = node.find("pose")) {
     pose = read_pose(*given, Mover::body);
     given->refuse_unknown_keys();
-  } else if (body.shape == "room") {
+  } else if (body.shape == "room" || body.shape == "street") {
     pose.translation.z() = body.semi_axes_m.z();  // the floor at z = 0
   }
   body.motion = static_motion(pose);
@@ -104,7 +104,7 @@ Body read_object(const ConfigNode& node, std::vector<fs::path>& files) {
   if (id < 1 || id > kMaxId) node.at("id").fail(fmt::format("expected 1 to {}, found {}", kMaxId, id));
   Body body = read_body(node, static_cast<std::uint64_t>(id), files);
   body.id = id;
-  if (body.shape == "room" || body.shape == "plane")
+  if (body.shape == "room" || body.shape == "street" || body.shape == "track" || body.shape == "plane")
     node.at("primitive").fail("is for the world, not for objects");
   body.motion = read_motion(node.at("motion"), Mover::body);
   node.refuse_unknown_keys();

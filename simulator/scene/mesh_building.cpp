@@ -97,6 +97,14 @@ void fit_to_box(std::vector<Mesh>& meshes, const Eigen::Vector3d& size_m) {
     }
 }
 
+void merge(Mesh& mesh, const Mesh& more) {
+  const std::uint32_t first = size32(mesh);
+  mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
+  mesh.normals.insert(mesh.normals.end(), more.normals.begin(), more.normals.end());
+  mesh.uvs.insert(mesh.uvs.end(), more.uvs.begin(), more.uvs.end());
+  for (const auto& t : more.triangles) mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
 void append(std::vector<Mesh>& meshes, std::vector<Mesh> more) {
   std::move(more.begin(), more.end(), std::back_inserter(meshes));
 }

@@ -45,6 +45,9 @@ Eigen::AlignedBox3d tight_box(const std::vector<Mesh>& meshes);
 /// single precision. An axis without extent is only centred.
 void fit_to_box(std::vector<Mesh>& meshes, const Eigen::Vector3d& size_m);
 
+/// Appends the triangles of `more`, whose look is left behind.
+void merge(Mesh& mesh, const Mesh& more);
+
 /// Appends all of `more`.
 void append(std::vector<Mesh>& meshes, std::vector<Mesh> more);
 

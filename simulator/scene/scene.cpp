@@ -47,6 +47,7 @@ void read_camera_section(const ConfigNode& node, Scene& scene) {
     calibration->refuse_unknown_keys();
   }
   scene.given_camera = node.get<bool>("given", scene.given_camera);
+  scene.depth = node.get<bool>("depth", scene.depth);
   scene.camera_motion = read_motion(node.at("motion"), Mover::camera);
   check_camera_motion(node.at("motion"), scene);
   node.refuse_unknown_keys();

@@ -74,8 +74,10 @@ struct Scene {
       true;  ///< whether the sequence carries the camera's poses as another system would give them
   std::vector<Body> world;  ///< static, id 0
   std::vector<Body> objects;
-  Eigen::Vector3d sun_direction = {0.3, 0.4, -0.85};  ///< direction the light travels in, world frame
-  double ambient = 0.55;                              ///< share of light that comes from everywhere
+  Eigen::Vector3d sun_direction = {0.3, 0.4, -0.85};    ///< direction the light travels in, world frame
+  double ambient = 0.55;                                ///< share of light that comes from everywhere
+  Eigen::Vector3d sky_color = Eigen::Vector3d::Zero();  ///< (red, green, blue) where no surface is
+  bool depth = true;                                    ///< whether the camera measures depth
   DepthNoise depth_noise;
   ImageNoise image_noise;
   SegmenterNoise segmenter;

@@ -23,6 +23,9 @@ double probability(const ConfigNode& node, const std::string& key, double fallba
 void read_light(const ConfigNode& node, Scene& scene) {
   scene.sun_direction = node.get<Eigen::Vector3d>("sun_direction", scene.sun_direction);
   if (!(scene.sun_direction.norm() > 0)) node.at("sun_direction").fail("a direction cannot be zero");
+  scene.sky_color = node.get<Eigen::Vector3d>("sky_color", scene.sky_color);
+  if (scene.sky_color.minCoeff() < 0 || scene.sky_color.maxCoeff() > 1)
+    node.at("sky_color").fail("expected red, green, blue from 0 to 1");
   scene.ambient = probability(node, "ambient", scene.ambient);
 }
 

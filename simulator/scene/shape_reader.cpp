@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <numbers>
 #include <string>
 
 #include "core/base/config.h"
@@ -11,7 +14,8 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kLargestBody_m = 10000;  // beyond it single precision is coarser than a millimetre
+constexpr double kLargestBody_m = 10000;          // beyond it single precision is coarser than a millimetre
+constexpr double kLeastStreet_m[] = {40, 28, 5};  // room for its houses, pavements and a lane
 constexpr int kMaxSegments = 512, kMaxFurniture = 100, kMinTexture_px = 16, kMaxTexture_px = 4096,
               kMaxMarks = 200;
 
@@ -38,7 +42,7 @@ Eigen::Vector3d color(const ConfigNode& node, const std::string& key, const Eige
 Material read_material(const ConfigNode& body, std::uint64_t default_seed, const std::string& primitive) {
   Material material;
   material.seed = default_seed;
-  if (primitive == "room" || primitive == "car" ||
+  if (primitive == "room" || primitive == "street" || primitive == "car" ||
       primitive == "carriage") {  // seen from nearer than their size
     material.size_px = 1024;
     material.marks = primitive == "carriage" ? 40 : 24;
@@ -64,6 +68,10 @@ Eigen::Vector3d read_size(const ConfigNode& node, const std::string& primitive) 
   const std::size_t expected = primitive == "plane" ? 2 : 3;
   if (values.size() != expected)
     size.fail(fmt::format("expected {} numbers, found {}", expected, values.size()));
+  if (primitive == "street")
+    for (int k = 0; k < 3; ++k)
+      if (values[k] < kLeastStreet_m[k])
+        size.fail(fmt::format("a street measures at least {} m", fmt::join(kLeastStreet_m, " x ")));
   for (const double value : values)
     if (value <= 0 || value > kLargestBody_m)
       size.fail(fmt::format("extents must be above 0 and at most {} m, found {}", kLargestBody_m, value));
@@ -85,6 +93,22 @@ RoundedBoxOptions read_rounding(const ConfigNode& node, const Eigen::Vector3d& s
   return options;
 }
 
+TrackOptions read_track(const ConfigNode& node) {
+  if (const auto size = node.find("size_m")) size->fail("a track is measured by radius_m and its angles");
+  constexpr double kRadians = std::numbers::pi / 180;
+  TrackOptions options;
+  options.radius_m = node.positive("radius_m");
+  options.gauge_m = node.positive("gauge_m", options.gauge_m);
+  options.from_rad = node.get<double>("from_deg") * kRadians;
+  options.to_rad = node.get<double>("to_deg") * kRadians;
+  if (options.radius_m > kLargestBody_m)
+    node.at("radius_m").fail(fmt::format("expected at most {} m", kLargestBody_m));
+  if (options.gauge_m > options.radius_m) node.at("gauge_m").fail("is wider than the radius");
+  if (!(options.to_rad > options.from_rad) || options.to_rad - options.from_rad > 2 * std::numbers::pi)
+    node.at("to_deg").fail("expected more than from_deg, by a turn at most");
+  return options;
+}
+
 std::vector<Mesh> build(const ConfigNode& node, const Shape& shape, const Material& material) {
   const std::string& name = shape.name;
   const Eigen::Vector3d& size_m = shape.size_m;
@@ -103,6 +127,7 @@ std::vector<Mesh> build(const ConfigNode& node, const Shape& shape, const Materi
   if (name == "car") return car(size_m, material);
   if (name == "carriage") return carriage(size_m, material);
   if (name == "plane") return plane(size_m.head<2>(), material);
+  if (name == "street") return street(size_m, material);
   return room(size_m, integer(node, "furniture", 6, 0, kMaxFurniture), material);
 }
 
@@ -112,11 +137,16 @@ Shape read_shape(const ConfigNode& node, std::uint64_t default_seed) {
   Shape shape;
   shape.name = node.choice("primitive",
                            {"box", "rounded_box", "ball", "ellipsoid", "cylinder", "skateboard", "car",
-                            "carriage", "plane", "room"},
+                            "carriage", "plane", "room", "street", "track"},
                            "");
   if (shape.name.empty()) node.fail("missing key 'primitive' (or 'mesh')");
+  const Material material = read_material(node, default_seed, shape.name);
+  if (shape.name == "track") {
+    shape.meshes = track(read_track(node), material);
+    return shape;
+  }
   shape.size_m = read_size(node, shape.name);
-  shape.meshes = build(node, shape, read_material(node, default_seed, shape.name));
+  shape.meshes = build(node, shape, material);
   return shape;
 }
 

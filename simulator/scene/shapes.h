@@ -42,4 +42,17 @@ std::vector<Mesh> plane(const Eigen::Vector2d& size_m, const Material& material)
 /// The inside of a room (floor, ceiling, four walls, facing inwards) with `furniture` boxes along its walls.
 std::vector<Mesh> room(const Eigen::Vector3d& size_m, int furniture, const Material& material);
 
+/// A street along x under the open sky: `size_m` is its length, its width from back to back of the houses,
+/// and the height of the tallest. Road and pavements, rows of houses on both sides and across both ends,
+/// lamps, trees and kiosks on the pavements, cars parked at the kerb. Free for traffic: the width
+/// less 20 m, in the middle.
+std::vector<Mesh> street(const Eigen::Vector3d& size_m, const Material& material);
+
+/// Rails and sleepers along an arc about the origin, on z = 0; angles count from +x about +z.
+struct TrackOptions {
+  double radius_m = 100, from_rad = 0, to_rad = 0.5;
+  double gauge_m = 1.435;  ///< between the rails' middles
+};
+std::vector<Mesh> track(const TrackOptions& options, const Material& material);
+
 }  // namespace uniquadric

@@ -94,6 +94,29 @@ void add_wheels(std::vector<Mesh>& meshes, double x, double y, double radius_m, 
     for (const double side : {-y, y}) append(meshes, wheel({end, side, radius_m}, radius_m, width_m, rubber));
 }
 
+Material rubber_of(const Material& material) {
+  Material rubber = part_material(material, 2, kRubber);
+  rubber.accent = 1.6 * kRubber;
+  return rubber;
+}
+
+// Panes on the long sides and the ends, thinner than the recess they stand in: the extents stay the shell's.
+void add_panes(std::vector<Mesh>& meshes, const Eigen::Vector3d& size_m, double recess_m, Material glass) {
+  const double L = size_m.x(), W = size_m.y(), H = size_m.z(), thickness_m = 0.8 * recess_m;
+  glass.accent = 1.5 * kGlass;
+  constexpr int kPanes = 9;
+  for (const double side : {-1.0, 1.0}) {
+    for (int k = 0; k < kPanes; ++k) {  // every third is a door
+      const bool door = k % 3 == 1;
+      const double at = 0.76 * L * ((k + 0.5) / kPanes - 0.5), height_m = (door ? 0.5 : 0.26) * H;
+      append(meshes, block({at, side * (W / 2 - recess_m), 0.79 * H - height_m / 2},
+                           {0.06 * L, thickness_m, height_m}, 0, glass));
+    }
+    append(meshes,
+           block({side * (L / 2 - recess_m), 0, 0.68 * H}, {thickness_m, 0.6 * W, 0.24 * H}, 0, glass));
+  }
+}
+
 }  // namespace
 
 std::vector<Mesh> skateboard(const Eigen::Vector3d& size_m, const Material& material) {
@@ -114,8 +137,7 @@ std::vector<Mesh> car(const Eigen::Vector3d& size_m, const Material& material) {
   auto meshes = block({0, 0, 0.43 * H}, {L, W, 0.5 * H}, std::min({0.05 * L, 0.15 * W, 0.12 * H}), material);
   append(meshes, frustum({-0.04 * L, 0, 0.83 * H}, {0.62 * L, 0.94 * W}, {0.4 * L, 0.76 * W}, 0.34 * H,
                          part_material(material, 1, kGlass)));
-  add_wheels(meshes, 0.3 * L, 0.43 * W, std::min(0.21 * H, 0.08 * L), 0.12 * W,
-             part_material(material, 2, kRubber));
+  add_wheels(meshes, 0.3 * L, 0.43 * W, std::min(0.21 * H, 0.08 * L), 0.12 * W, rubber_of(material));
   fit_to_box(meshes, size_m);
   return meshes;
 }
@@ -126,6 +148,7 @@ std::vector<Mesh> carriage(const Eigen::Vector3d& size_m, const Material& materi
       .radius_m = 0.06 * std::min({L, W, H}), .recess_depth_m = 0.02 * W, .recess_share = 0.8};
   auto meshes = rounded_box({L, W, 0.74 * H}, shell, material);
   transform(meshes, {Eigen::Quaterniond::Identity(), {0, 0, 0.58 * H}});
+  add_panes(meshes, size_m, shell.recess_depth_m, part_material(material, 3, kGlass));
   const Material metal = part_material(material, 1, kMetal);
   append(meshes,
          block({0, 0, 0.16 * H}, {0.4 * L, 0.8 * W, 0.14 * H}, 0, metal));  // equipment under the floor
@@ -134,8 +157,7 @@ std::vector<Mesh> carriage(const Eigen::Vector3d& size_m, const Material& materi
     append(meshes, block({end * L, 0, 0.965 * H}, {0.2 * L, 0.6 * W, 0.07 * H}, 0, metal));  // roof unit
     for (const double axle : {end - 0.05, end + 0.05})
       for (const double side : {-0.38, 0.38})
-        append(meshes, wheel({axle * L, side * W, 0.09 * H}, 0.09 * H, 0.08 * W,
-                             part_material(material, 2, kRubber)));
+        append(meshes, wheel({axle * L, side * W, 0.09 * H}, 0.09 * H, 0.08 * W, rubber_of(material)));
   }
   fit_to_box(meshes, size_m);
   return meshes;
