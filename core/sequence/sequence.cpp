@@ -66,6 +66,7 @@ Sequence open_sequence(const fs::path& given_folder) {
     depth->refuse_unknown_keys();
   }
   if (const auto imu = root.find("imu")) sequence.imu = read_imu_calibration(*imu);
+  if (const auto lidar = root.find("lidar")) sequence.lidar = read_lidar_calibration(*lidar);
   root.refuse_unknown_keys();
 
   for (const auto& entry : read_file_list(folder, "rgb.txt", false)) {
@@ -82,6 +83,9 @@ Sequence open_sequence(const fs::path& given_folder) {
     associate_masks(folder, sequence.frames, read_file_list(folder, "masks.txt", true));
   if (sequence.imu && !fs::exists(folder / "imu.csv"))
     throw InputError(folder / "imu.csv", "no such file, but sequence.yaml describes an IMU");
+  if (sequence.lidar)
+    for (const auto& entry : read_file_list(folder, "lidar.txt", false))
+      sequence.scans.push_back({entry.stamp_ns, entry.file});
   if (fs::exists(folder / "camera_given.tum")) sequence.given_camera = read_tum(folder / "camera_given.tum");
   return sequence;
 }
@@ -94,8 +98,10 @@ void write_sequence_index(const fs::path& folder, const Sequence& sequence) {
   yaml += fmt::format("camera: {{{}, rate_hz: {}}}\n", camera_yaml(sequence.camera), sequence.rate_hz);
   yaml += fmt::format("depth: {{units_per_m: {}}}\n", sequence.depth_units_per_m);
   if (sequence.imu) yaml += fmt::format("imu: {{{}}}\n", imu_yaml(*sequence.imu));
+  if (sequence.lidar) yaml += fmt::format("lidar: {{{}}}\n", lidar_yaml(*sequence.lidar));
 
-  std::string rgb = "# timestamp filename\n", depth = rgb, masks = "# timestamp filename arrival\n";
+  std::string rgb = "# timestamp filename\n", depth = rgb, lidar = rgb,
+              masks = "# timestamp filename arrival\n";
   bool has_depth = false, has_masks = false;
   for (const auto& frame : sequence.frames) {
     const std::string stamp = format_stamp(frame.stamp_ns);
@@ -105,7 +111,10 @@ void write_sequence_index(const fs::path& folder, const Sequence& sequence) {
       masks += fmt::format("{} {} {}\n", stamp, frame.masks.string(), format_stamp(frame.masks_arrival_ns)),
           has_masks = true;
   }
+  for (const auto& scan : sequence.scans)
+    lidar += fmt::format("{} {}\n", format_stamp(scan.stamp_ns), scan.file.string());
   write_text(folder / "rgb.txt", rgb);
+  if (sequence.lidar) write_text(folder / "lidar.txt", lidar);
   if (has_depth) write_text(folder / "depth.txt", depth);
   if (has_masks) write_text(folder / "masks.txt", masks);
   if (sequence.given_camera) write_tum(folder / "camera_given.tum", *sequence.given_camera);

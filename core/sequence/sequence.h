@@ -9,6 +9,7 @@
 
 #include "core/geometry/camera.h"
 #include "core/sequence/imu.h"
+#include "core/sequence/lidar.h"
 #include "core/sequence/trajectory.h"
 
 namespace uniquadric {
@@ -19,6 +20,12 @@ struct SequenceFrame {
   std::int64_t stamp_ns = 0;                ///< of the colour image
   std::filesystem::path rgb, depth, masks;  ///< relative to the sequence folder
   std::int64_t masks_arrival_ns = 0;        ///< when the segmenter's result is there (stamp + latency)
+};
+
+/// File of one LiDAR scan, whose points' times count from the stamp.
+struct SequenceScan {
+  std::int64_t stamp_ns = 0;   ///< start of the scan
+  std::filesystem::path file;  ///< relative to the sequence folder
 };
 
 /// A sequence folder: observations and calibration, nothing of the truth. Layout in docs/formats.md.
@@ -32,6 +39,8 @@ struct Sequence {
   double rate_hz = 0;                      ///< nominal frame rate
   double depth_units_per_m = 5000;         ///< value of a depth pixel at 1 m
   std::optional<ImuCalibration> imu;       ///< of imu.csv, when there is one
+  std::optional<LidarCalibration> lidar;   ///< of the scans, when there are any
+  std::vector<SequenceScan> scans;         ///< in strictly increasing order of stamps
   std::vector<SequenceFrame> frames;       ///< in strictly increasing order of stamps
   std::optional<Trajectory> given_camera;  ///< world_from_camera from another system (camera_given.tum)
 };

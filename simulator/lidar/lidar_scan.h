@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/pose.h"
+#include "core/sequence/lidar.h"
 #include "simulator/lidar/lidar_noise.h"
 #include "simulator/lidar/ray_caster.h"
 #include "simulator/lidar/scan_pattern.h"
@@ -44,16 +45,6 @@ struct LidarRig {
 
   /// Scan k takes [start_ns(k), start_ns(k + 1)).
   std::int64_t start_ns(std::int64_t scan) const;
-};
-
-/// What a driver gives: coordinates in the lidar frame at the point's own time, so that the cloud carries the
-/// distortion of the sensor's and of the objects' motion.
-struct LidarPoint {
-  float x = 0, y = 0, z = 0;    ///< [m]
-  float intensity = 0;          ///< reported_intensity()
-  std::uint32_t offset_ns = 0;  ///< since the scan's start
-  std::uint16_t ring = 0;       ///< laser or line
-  std::uint8_t tag = 0;  ///< bits 4-5: number of the echo in its beam (0 is the first), as Livox has it
 };
 
 /// What the simulator knows of a point.

@@ -4,8 +4,9 @@
 
 #include "core/base/config.h"
 #include "core/base/files.h"
+#include "core/sequence/pcd.h"
 #include "simulator/lidar/lidar_reader.h"
-#include "simulator/lidar/pcd.h"
+#include "simulator/lidar/point_truth.h"
 #include "tests/lidar/lidar_support.h"
 #include "tests/support/temp_folder.h"
 
@@ -26,11 +27,11 @@ TEST(Pcd, RoundTrips) {
   const TempFolder folder;
   const LidarScan scan = small_scan();
   const Pose pose{Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5), {0.1, -1e6, 1.0 / 3}};
-  write_pcd(folder.path() / "p.pcd", points_pcd(scan));
-  write_pcd(folder.path() / "t.pcd", truth_pcd(scan, pose));
+  write_lidar_points(folder.path() / "p.pcd", scan.points);
+  write_point_truth(folder.path() / "t.pcd", scan.truth, pose);
   LidarScan read{.start_ns = 5,
                  .beams = 4,
-                 .points = read_points(folder.path() / "p.pcd"),
+                 .points = read_lidar_points(folder.path() / "p.pcd"),
                  .truth = read_point_truth(folder.path() / "t.pcd")};
   EXPECT_EQ(bytes_of(read), bytes_of(scan));
   const PcdFile truth = read_pcd(folder.path() / "t.pcd");
@@ -40,7 +41,7 @@ TEST(Pcd, RoundTrips) {
 
 TEST(Pcd, HeaderAndBytesAreThoseOfTheFormat) {
   const TempFolder folder;
-  write_pcd(folder.path() / "p.pcd", points_pcd(small_scan()));
+  write_lidar_points(folder.path() / "p.pcd", small_scan().points);
   const std::string text = read_text(folder.path() / "p.pcd");
   const std::string header =
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z intensity offset_time t time "
@@ -60,7 +61,7 @@ TEST(Pcd, HeaderAndBytesAreThoseOfTheFormat) {
 TEST(Pcd, RefusesHeadersThatContradictTheirData) {
   const TempFolder folder;
   const auto path = folder.path() / "p.pcd";
-  write_pcd(path, points_pcd(small_scan()));
+  write_lidar_points(path, small_scan().points);
   const std::string good = read_text(path);
   const std::vector<std::array<std::string, 3>> cases = {
       {"POINTS 2", "POINTS 3", "p.pcd:10: POINTS: 3, but WIDTH 2 times HEIGHT 1 is 2"},
@@ -83,7 +84,7 @@ TEST(Pcd, RefusesHeadersThatContradictTheirData) {
     std::string bad = good;
     bad.replace(bad.find(from), from.size(), to);
     write_text(path, bad);
-    const std::string said = input_error([&] { read_points(path); });
+    const std::string said = input_error([&] { read_lidar_points(path); });
     EXPECT_NE(said.find(message), std::string::npos) << "said: " << said << "\nexpected: " << message;
   }
   write_text(path, good.substr(0, good.size() - 1));

@@ -1,4 +1,4 @@
-#include "simulator/lidar/pcd.h"
+#include "core/sequence/pcd.h"
 
 #include <fmt/format.h>
 
@@ -102,40 +102,6 @@ Pose read_viewpoint(const Header& header) {
   return pose;
 }
 
-template <typename T>
-void put(std::string& data, T value) {
-  data.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-// Where a field lies in a point.
-struct Column {
-  const PcdFile& file;
-  std::size_t offset = 0;
-
-  template <typename T>
-  T at(std::int64_t point) const {
-    T value;
-    std::copy_n(file.data.data() + static_cast<std::size_t>(point * file.point_size()) + offset, sizeof value,
-                reinterpret_cast<char*>(&value));
-    return value;
-  }
-};
-
-Column column(const std::filesystem::path& path, const PcdFile& file, std::string_view name, char type,
-              int size) {
-  std::size_t offset = 0;
-  for (const PcdField& field : file.fields) {
-    if (field.name == name) {
-      if (field.type != type || field.size != size)
-        throw InputError(
-            path, fmt::format("field {} is {}{}, expected {}{}", name, field.type, field.size, type, size));
-      return {file, offset};
-    }
-    offset += static_cast<std::size_t>(field.size);
-  }
-  throw InputError(path, fmt::format("has no field {}", name));
-}
-
 }  // namespace
 
 int PcdFile::point_size() const {
@@ -182,71 +148,19 @@ PcdFile read_pcd(const std::filesystem::path& path) {
   return file;
 }
 
-PcdFile points_pcd(const LidarScan& scan) {
-  PcdFile file;
-  file.fields = {{"x"},
-                 {"y"},
-                 {"z"},
-                 {"intensity"},
-                 {"offset_time", 4, 'U'},
-                 {"t", 4, 'U'},
-                 {"time"},
-                 {"ring", 2, 'U'},
-                 {"tag", 1, 'U'}};
-  file.points = static_cast<std::int64_t>(scan.points.size());
-  file.data.reserve(scan.points.size() * static_cast<std::size_t>(file.point_size()));
-  for (const LidarPoint& p : scan.points) {
-    for (const float value : {p.x, p.y, p.z, p.intensity}) put(file.data, value);
-    put(file.data, p.offset_ns);
-    put(file.data, p.offset_ns);
-    put(file.data, static_cast<float>(p.offset_ns * 1e-9));
-    put(file.data, p.ring);
-    put(file.data, p.tag);
+PcdColumn pcd_column(const std::filesystem::path& path, const PcdFile& file, std::string_view name, char type,
+                     int size) {
+  std::size_t offset = 0;
+  for (const PcdField& field : file.fields) {
+    if (field.name == name) {
+      if (field.type != type || field.size != size)
+        throw InputError(
+            path, fmt::format("field {} is {}{}, expected {}{}", name, field.type, field.size, type, size));
+      return {file, offset};
+    }
+    offset += static_cast<std::size_t>(field.size);
   }
-  return file;
-}
-
-PcdFile truth_pcd(const LidarScan& scan, const Pose& world_from_lidar) {
-  PcdFile file;
-  file.fields = {{"range"}, {"incidence_cos"}, {"instance", 2, 'U'}, {"kind", 1, 'U'}};
-  file.points = static_cast<std::int64_t>(scan.truth.size());
-  file.viewpoint = world_from_lidar;
-  for (const LidarPointTruth& t : scan.truth) {
-    put(file.data, t.range_m);
-    put(file.data, t.incidence_cos);
-    put(file.data, t.instance);
-    put(file.data, static_cast<std::uint8_t>(t.kind));
-  }
-  return file;
-}
-
-std::vector<LidarPoint> read_points(const std::filesystem::path& path) {
-  const PcdFile file = read_pcd(path);
-  const Column x = column(path, file, "x", 'F', 4), y = column(path, file, "y", 'F', 4),
-               z = column(path, file, "z", 'F', 4), intensity = column(path, file, "intensity", 'F', 4),
-               t = column(path, file, "t", 'U', 4), ring = column(path, file, "ring", 'U', 2),
-               tag = column(path, file, "tag", 'U', 1);
-  std::vector<LidarPoint> points;
-  for (std::int64_t i = 0; i < file.points; ++i)
-    points.push_back({x.at<float>(i), y.at<float>(i), z.at<float>(i), intensity.at<float>(i),
-                      t.at<std::uint32_t>(i), ring.at<std::uint16_t>(i), tag.at<std::uint8_t>(i)});
-  return points;
-}
-
-std::vector<LidarPointTruth> read_point_truth(const std::filesystem::path& path) {
-  const PcdFile file = read_pcd(path);
-  const Column range = column(path, file, "range", 'F', 4),
-               cosine = column(path, file, "incidence_cos", 'F', 4),
-               instance = column(path, file, "instance", 'U', 2), kind = column(path, file, "kind", 'U', 1);
-  std::vector<LidarPointTruth> truth;
-  for (std::int64_t i = 0; i < file.points; ++i) {
-    const auto what = kind.at<std::uint8_t>(i);
-    if (what > static_cast<std::uint8_t>(LidarPointTruth::Kind::false_alarm))
-      throw InputError(path, fmt::format("point {}: kind {} is none of 0, 1, 2", i, what));
-    truth.push_back({range.at<float>(i), cosine.at<float>(i), instance.at<std::uint16_t>(i),
-                     static_cast<LidarPointTruth::Kind>(what)});
-  }
-  return truth;
+  throw InputError(path, fmt::format("has no field {}", name));
 }
 
 }  // namespace uniquadric

@@ -1,0 +1,63 @@
+#include "core/sequence/lidar.h"
+
+#include <fmt/format.h>
+
+#include "core/base/config.h"
+#include "core/sequence/calibration.h"
+#include "core/sequence/pcd.h"
+
+namespace uniquadric {
+
+LidarCalibration read_lidar_calibration(const ConfigNode& node) {
+  LidarCalibration lidar;
+  lidar.pattern = node.get<std::string>("pattern");
+  lidar.rate_hz = node.positive("rate_hz");
+  lidar.camera_from_lidar = read_extrinsics(node.at("camera_from_lidar"));
+  node.refuse_unknown_keys();
+  return lidar;
+}
+
+std::string lidar_yaml(const LidarCalibration& calibration) {
+  return fmt::format("pattern: \"{}\", rate_hz: {}, camera_from_lidar: {}", calibration.pattern,
+                     calibration.rate_hz, extrinsics_yaml(calibration.camera_from_lidar));
+}
+
+void write_lidar_points(const std::filesystem::path& path, const std::vector<LidarPoint>& points) {
+  PcdFile file;
+  file.fields = {{"x"},
+                 {"y"},
+                 {"z"},
+                 {"intensity"},
+                 {"offset_time", 4, 'U'},
+                 {"t", 4, 'U'},
+                 {"time"},
+                 {"ring", 2, 'U'},
+                 {"tag", 1, 'U'}};
+  file.points = static_cast<std::int64_t>(points.size());
+  file.data.reserve(points.size() * static_cast<std::size_t>(file.point_size()));
+  for (const LidarPoint& p : points) {
+    for (const float value : {p.x, p.y, p.z, p.intensity}) file.put(value);
+    file.put(p.offset_ns);
+    file.put(p.offset_ns);
+    file.put(static_cast<float>(p.offset_ns * 1e-9));
+    file.put(p.ring);
+    file.put(p.tag);
+  }
+  write_pcd(path, file);
+}
+
+std::vector<LidarPoint> read_lidar_points(const std::filesystem::path& path) {
+  const PcdFile file = read_pcd(path);
+  const PcdColumn x = pcd_column(path, file, "x", 'F', 4), y = pcd_column(path, file, "y", 'F', 4),
+                  z = pcd_column(path, file, "z", 'F', 4),
+                  intensity = pcd_column(path, file, "intensity", 'F', 4),
+                  t = pcd_column(path, file, "t", 'U', 4), ring = pcd_column(path, file, "ring", 'U', 2),
+                  tag = pcd_column(path, file, "tag", 'U', 1);
+  std::vector<LidarPoint> points;
+  for (std::int64_t i = 0; i < file.points; ++i)
+    points.push_back({x.at<float>(i), y.at<float>(i), z.at<float>(i), intensity.at<float>(i),
+                      t.at<std::uint32_t>(i), ring.at<std::uint16_t>(i), tag.at<std::uint8_t>(i)});
+  return points;
+}
+
+}  // namespace uniquadric
