@@ -93,7 +93,9 @@ std::vector<Mesh> building(const Eigen::Vector3d& size_m, const Material& wall_p
   meshes[0].texture = paint_texture(wall_paint, 0, size_m.x(), size_m.z());
   meshes[1].texture = paint_texture(glass, 1, kWindow_m, 1.6);
   meshes[2].texture = paint_texture(trim_paint, 2, 4, 1);
-  meshes[3].texture = paint_texture(wall_paint, 3, size_m.x(), size_m.z());
+  Material coarse = wall_paint;  // seen at a glancing angle or not at all
+  coarse.size_px = std::max(16, coarse.size_px / 4);
+  meshes[3].texture = paint_texture(coarse, 3, size_m.x(), size_m.z());
   return meshes;
 }
 

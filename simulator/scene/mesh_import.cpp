@@ -12,7 +12,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/error.h"
+#include "core/base/files.h"
 #include "core/sequence/sequence.h"
+#include "simulator/scene/image_header.h"
 
 namespace uniquadric {
 namespace {
@@ -49,9 +51,11 @@ cv::Mat to_bgr(const cv::Mat& image, const fs::path& path) {
 cv::Mat embedded_texture(const aiTexture& texture, const fs::path& path) {
   cv::Mat image;
   if (texture.mHeight == 0) {  // a compressed file of mWidth bytes
+    check_texture_size(std::string_view(reinterpret_cast<const char*>(texture.pcData), texture.mWidth), path);
     const cv::Mat bytes(1, static_cast<int>(texture.mWidth), CV_8UC1, texture.pcData);
     image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
   } else {
+    check_texture_size(static_cast<int>(texture.mWidth), static_cast<int>(texture.mHeight), path);
     image =
         cv::Mat(static_cast<int>(texture.mHeight), static_cast<int>(texture.mWidth), CV_8UC4, texture.pcData)
             .clone();
@@ -77,7 +81,9 @@ void read_material(const aiScene& scene, const aiMaterial& material, const fs::p
   std::replace(file.begin(), file.end(), '\\', '/');
   file.erase(file.find_last_not_of(" \t\r") + 1);  // material files end lines with blanks
   const fs::path texture = path.parent_path() / file;
+  check_texture_size(read_text(texture), texture);
   mesh.texture = to_bgr(read_image(texture), texture);
+  check_texture_size(mesh.texture.cols, mesh.texture.rows, texture);
   if (std::find(files.begin(), files.end(), texture) == files.end()) files.push_back(texture);
 }
 

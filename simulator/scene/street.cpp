@@ -62,7 +62,7 @@ void lay_strip(Plan& plan, double y0, double y1, double z, TextureStyle style, c
                  x1 = plan.size_m.x() * ((k + 1.0) / tiles - 0.5);
     Mesh mesh;
     add_quad(mesh, {x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z});
-    Material paint = plan.paint(style, color, 1, marks);
+    Material paint = plan.paint(style, color, 0.5, marks);
     paint.contrast *= 0.6;  // a road is no camouflage
     mesh.texture = paint_texture(paint, 0, x1 - x0, y1 - y0);
     plan.meshes.push_back(std::move(mesh));
@@ -132,7 +132,7 @@ void stand_on_pavement(Plan& plan, int index, double x, double side) {
   } else if (index % 3 == 1) {
     const double height_m = random.uniform(4, 6);
     const Material bark = plan.paint(TextureStyle::planks, {0.36, 0.28, 0.2}, 0.125, 8);
-    plan.stand(tree(height_m, bark, plan.paint(TextureStyle::speckle, {0.26, 0.42, 0.2}, 0.25, 7)), at,
+    plan.stand(tree(height_m, bark, plan.paint(TextureStyle::speckle, {0.26, 0.42, 0.2}, 0.0625, 7)), at,
                random.uniform(0, 6));
   } else {
     const Vector3d size_m{random.uniform(1.6, 2.6), random.uniform(1.2, 1.7), random.uniform(2.1, 2.7)};
@@ -146,7 +146,7 @@ void park_cars(Plan& plan, double side) {
   RandomStream random = plan.random("parked", side > 0);
   for (double x = -plan.facade_x() + 6; x < plan.facade_x() - 6; x += random.uniform(6.5, 11)) {
     const Vector3d size_m{random.uniform(3.9, 4.8), random.uniform(1.7, 1.85), random.uniform(1.4, 1.8)};
-    Material body = plan.paint(TextureStyle::panels, muted(random, 0.25, 0.6), 0.25, 8);
+    Material body = plan.paint(TextureStyle::panels, muted(random, 0.25, 0.6), 0.125, 8);
     plan.stand(car(size_m, body), {x, side * (plan.kerb_y() - 1.2), size_m.z() / 2},
                random.uniform(-0.04, 0.04));
   }

@@ -138,6 +138,40 @@ TEST(MeshImport, RefusesWhatCannotBeRendered) {
   EXPECT_NE(refusal(sheet).find("sheet.png: is not an image"), std::string::npos);
 }
 
+std::string big_endian(std::uint32_t value, int bytes) {
+  std::string text;
+  for (int k = bytes - 1; k >= 0; --k) text += static_cast<char>(value >> 8 * k & 0xff);
+  return text;
+}
+
+// A header is enough: what it announces must not be decoded.
+std::string png_of(std::uint32_t width, std::uint32_t height) {
+  return "\x89PNG\r\n\x1a\n" + big_endian(13, 4) + "IHDR" + big_endian(width, 4) + big_endian(height, 4) +
+         std::string("\x08\x02\0\0\0", 5) + "crc!" + big_endian(0, 4) + "IEND" + "crc!";
+}
+
+std::string jpeg_of(std::uint32_t width, std::uint32_t height) {
+  return std::string("\xff\xd8\xff\xe0") + big_endian(4, 2) + "JF" + "\xff\xc4" + big_endian(3, 2) + "h" +
+         "\xff\xc2" + big_endian(11, 2) + "\x08" + big_endian(height, 2) + big_endian(width, 2) +
+         "\x01"
+         "abc" +
+         "\xff\xd9";
+}
+
+TEST(MeshImport, RefusesTexturesOfAGigapixelByTheirHeader) {
+  const ScratchFolder folder("import_gigapixel");
+  folder.write("sheet.mtl", kPaint);
+  const auto sheet = folder.write("sheet.obj", kSheet);
+  folder.write("sheet.png", png_of(40'000, 30'000));
+  EXPECT_NE(refusal(sheet).find("sheet.png: texture has 40000x30000 px, at most 8192"), std::string::npos);
+  folder.write("sheet.png", jpeg_of(32'000, 65'000));  // told by its content, whatever the name
+  EXPECT_NE(refusal(sheet).find("sheet.png: texture has 32000x65000 px, at most 8192"), std::string::npos);
+  folder.write("sheet.png", jpeg_of(8192, 8192));  // the size would do, the rest is no image
+  EXPECT_NE(refusal(sheet).find("sheet.png: is not an image"), std::string::npos);
+  write_png(folder.path() / "sheet.png", cv::Mat(1, 8200, CV_8UC3, cv::Scalar(0, 0, 0)));
+  EXPECT_NE(refusal(sheet).find("sheet.png: texture has 8200x1 px"), std::string::npos);
+}
+
 const std::string kBar =
     "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 0 0 1\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
 

@@ -218,5 +218,69 @@ TEST(Room, FurnitureStaysInsideAndApart) {
   }
 }
 
+double area_facing(const std::vector<Mesh>& meshes, const Vector3d& direction) {
+  constexpr double kWithin = 0.99;  // cosine
+  double area = 0;
+  for (const Mesh& mesh : meshes)
+    for (const auto& t : mesh.triangles) {
+      const Vector3d a = mesh.positions[t[0]].cast<double>(), b = mesh.positions[t[1]].cast<double>(),
+                     c = mesh.positions[t[2]].cast<double>();
+      const Vector3d twice = (b - a).cross(c - a);
+      if (twice.dot(direction) > kWithin * twice.norm()) area += twice.norm() / 2;
+    }
+  return area;
+}
+
+void expect_normals_outside(const std::vector<Mesh>& meshes) {
+  for (const Mesh& mesh : meshes)
+    for (const auto& t : mesh.triangles) {
+      const Eigen::Vector3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+      for (const auto i : t) {
+        ASSERT_NEAR(mesh.normals[i].norm(), 1, 1e-5);
+        ASSERT_GT(mesh.normals[i].dot((b - a).cross(c - a).normalized()), 0.3);
+      }
+    }
+}
+
+TEST(Street, KeepsItsMiddleFreeAndShowsSurfacesInEveryDirection) {
+  const Vector3d size(90, 40, 12);
+  const auto meshes = street(size, Material{.seed = 3, .size_px = 32});
+  const Eigen::AlignedBox3d box = tight_box(meshes);
+  EXPECT_LT((box.sizes() - size).norm(), 1e-4);  // single precision at 45 m
+  EXPECT_LT(box.center().norm(), 1e-4);
+  expect_normals_outside(meshes);
+  for (const Mesh& mesh : meshes)
+    for (const auto& p : mesh.positions)
+      if (p.z() > -size.z() / 2 + 0.3) {
+        ASSERT_TRUE(std::abs(p.y()) > size.y() / 2 - 10 || std::abs(p.x()) > size.x() / 2 - 5)
+            << p.transpose();
+      }
+  const Vector3d up = Vector3d::UnitZ(), x = Vector3d::UnitX(), y = Vector3d::UnitY();
+  EXPECT_GT(area_facing(meshes, up), size.x() * size.y());  // ground and roofs
+  for (const Vector3d& direction : {x, y, Vector3d(-x), Vector3d(-y)})
+    EXPECT_GT(area_facing(meshes, direction), 150) << direction.transpose();
+}
+
+TEST(Track, FollowsItsCircleAtItsGauge) {
+  const TrackOptions options{.radius_m = 40, .from_rad = -2, .to_rad = -1.4, .gauge_m = 1.2};
+  const auto meshes = track(options, Material{.size_px = 32});
+  ASSERT_EQ(meshes.size(), 2u);
+  expect_normals_outside(meshes);
+  // Facets of one sleeper's distance are chords: 1.4 mm inside the circle.
+  constexpr double kChord_m = 2e-3;
+  std::set<int> rails;
+  for (const auto& p : meshes[0].positions) {
+    const double from_middle = p.head<2>().cast<double>().norm() - 40;
+    ASSERT_NEAR(std::abs(from_middle), 0.6, 0.04 + kChord_m);
+    rails.insert(from_middle > 0);
+    const double angle = std::atan2(p.y(), p.x());
+    ASSERT_GE(angle, -2 - 1e-6);
+    ASSERT_LE(angle, -1.4 + 1e-6);
+  }
+  EXPECT_EQ(rails.size(), 2u);
+  const double length = 40 * 0.6;
+  EXPECT_NEAR(area_facing({meshes[0]}, Vector3d::UnitZ()), 2 * 0.08 * length, 0.01 * length);
+}
+
 }  // namespace
 }  // namespace uniquadric

@@ -88,6 +88,7 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
   const std::vector<Fault> faults = {
       {"frames: 20", "frame: 20", ":1: unknown key 'frame'"},
       {"frames: 20", "frames: 0", ":1: frames: expected 1 to"},
+      {"rate_hz: 25", "rate_hz: 0", ":2: rate_hz: expected a number greater than 0"},
       {"rate_hz: 25", "rate_hz: -25", ":2: rate_hz: expected a number greater than 0"},
       {"rate_hz: 25", "rate_hz: 1e9", ":2: rate_hz: expected at most"},
       {"rate_hz: 25", "rate_hz: [25", "malformed YAML"},
@@ -99,6 +100,15 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
       {"kind: spline", "kind: warp", ":6: camera.motion.kind: 'warp' is none of"},
       {"baseline_m: 0.1", "baseline_m: 0", ":11: depth_noise.baseline_m"},
       {"latency_s: 0.2", "delay_s: 0.2", ":12: unknown key 'segmenter.delay_s'"},
+      {"ambient: 0.4", "sky_color: [0, 2, 0]", ":13: light.sky_color: expected red, green, blue from 0 to 1"},
+      {"primitive: room, size_m: [6, 6, 3], furniture: 0", "primitive: street, size_m: [30, 30, 9]",
+       ":15: world[0].size_m: a street measures at least 40 x 28 x 5 m"},
+      {"primitive: room, size_m: [6, 6, 3], furniture: 0",
+       "primitive: track, radius_m: 9, from_deg: 10, to_deg: 10", ":15: world[0].to_deg: expected more than"},
+      {"primitive: room, size_m: [6, 6, 3], furniture: 0",
+       "primitive: track, radius_m: 9, from_deg: 10, to_deg: 20, size_m: [1, 1, 1]",
+       ":15: world[0].size_m: a track is measured by"},
+      {"primitive: box", "primitive: street", ":20: objects[0].size_m: a street measures"},
       {"ambient: 0.4", "ambient: 1.4", ":13: light.ambient: expected 0 to 1"},
       {"furniture: 0", "furniture: 1000", ":15: world[0].furniture"},
       {"kind: spline\n    look_at_m: [0, 0, 1]\n    waypoints:\n      - {time_s: 0, position_m: [-2, -2, "
@@ -134,8 +144,28 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
     EXPECT_EQ(message.find('\n'), message.npos) << message;
     refused += message != "accepted";
   }
-  EXPECT_EQ(refused, 28);
+  EXPECT_EQ(refused, 34);
   EXPECT_NE(refusal(folder.path() / "absent.yaml").find("cannot be read"), std::string::npos);
+}
+
+TEST(SceneFile, WithAMeshThatCannotBeRenderedIsRefused) {
+  const ScratchFolder folder("scene_bad_mesh");
+  const std::string body = "primitive: box\n    size_m: [0.4, 0.2, 0.1]\n    material: {texture_px: 64}";
+  const auto path = folder.write("scene.yaml", replaced(kScene, body, "mesh: part.obj"));
+  EXPECT_NE(refusal(path).find(":19: objects[0].mesh: no such file"), std::string::npos);
+  folder.write("part.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\n");
+  EXPECT_NE(refusal(path).find("part.obj: "), std::string::npos) << "no faces";
+  folder.write("part.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_NE(refusal(path).find(":19: objects[0].mesh: is flat"), std::string::npos);
+}
+
+TEST(SceneFile, KeepsTheLidarSectionForItsReader) {
+  const ScratchFolder folder("scene_lidar");
+  const Scene scene = load_scene(folder.write("scene.yaml", kScene + "lidar: {pattern: some, rate_hz: 0}\n"));
+  ASSERT_TRUE(scene.lidar);
+  EXPECT_EQ(scene.lidar->get<std::string>("pattern"), "some");
+  EXPECT_THROW(scene.lidar->positive("rate_hz"), InputError);
+  EXPECT_FALSE(load_scene(folder.write("scene.yaml", kScene)).lidar);
 }
 
 TEST(SceneFile, HashFollowsContentNotPlace) {
