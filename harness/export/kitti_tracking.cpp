@@ -1,0 +1,109 @@
+// The layout of KITTI's tracking benchmark (Geiger et al., CVPR 2012; devkit_tracking/readme.txt).
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <opencv2/core.hpp>
+
+#include "core/base/files.h"
+#include "core/base/progress.h"
+#include "harness/export/export.h"
+#include "harness/export/export_source.h"
+#include "harness/export/kitti_label.h"
+#include "harness/export/writers.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr double kFullIntensity = 255;  // of a point; KITTI's reflectance is from 0 to 1
+
+std::string rows_of(const Pose& pose) {
+  std::string text;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) text += fmt::format(" {:.16e}", pose.matrix()(row, column));
+  return text.substr(1);
+}
+
+std::string calibration_text(const Sequence& sequence) {
+  const Camera& camera = sequence.camera;
+  std::string text;
+  for (int i = 0; i < 4; ++i)
+    text += fmt::format("P{}: {:.16e} 0 {:.16e} 0 0 {:.16e} {:.16e} 0 0 0 1 0\n", i, camera.fx, camera.cx,
+                        camera.fy, camera.cy);
+  const Pose camera_from_velodyne =
+      sequence.lidar ? sequence.lidar->camera_from_lidar : camera_from_velodyne_axes();
+  text += "R_rect 1 0 0 0 1 0 0 0 1\n";
+  text += "Tr_velo_cam " + rows_of(camera_from_velodyne) + "\n";
+  const Pose camera_from_imu = sequence.imu ? sequence.imu->camera_from_imu : camera_from_velodyne;
+  text += "Tr_imu_velo " + rows_of(camera_from_velodyne.inverse() * camera_from_imu) + "\n";
+  return text;
+}
+
+// The scan whose middle is nearest to a frame, at most a scan's length away; nothing when there is none.
+const SequenceScan* scan_near(const Sequence& sequence, std::int64_t stamp_ns) {
+  if (!sequence.lidar) return nullptr;
+  const std::int64_t period_ns = std::llround(1e9 / sequence.lidar->rate_hz);
+  const SequenceScan* nearest = nullptr;
+  std::int64_t least_ns = period_ns + 1;
+  for (const SequenceScan& scan : sequence.scans) {
+    const std::int64_t distance_ns = std::abs(scan.stamp_ns + period_ns / 2 - stamp_ns);
+    if (distance_ns < least_ns) nearest = &scan, least_ns = distance_ns;
+  }
+  return nearest;
+}
+
+void write_velodyne(const Sequence& sequence, const SequenceScan& scan, const fs::path& path) {
+  std::string bytes;
+  for (const LidarPoint& point : read_lidar_points(sequence.folder / scan.file))
+    for (const float value :
+         {point.x, point.y, point.z, static_cast<float>(point.intensity / kFullIntensity)})
+      bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  write_text(path, bytes);
+}
+
+std::string label_lines(const ExportSource& source, const SequenceFrame& frame) {
+  if (!source.truth) return "";
+  const cv::Mat ids = rectify(source.sequence.camera, read_instances(source, frame), false);
+  std::string lines;
+  for (const ObjectAtFrame& object : objects_at(source, frame))
+    if (const auto box = box_of_id(ids, object.object->id))
+      lines += kitti_label_line(source.sequence.camera, frame.frame, object, *box);
+  return lines;
+}
+
+// KITTI odometry's poses: first_camera_from_camera. The format has no gaps: nothing unless every frame has
+// one.
+std::string poses_text(const ExportSource& source) {
+  const Trajectory poses = camera_poses(source);
+  if (poses.size() != source.sequence.frames.size()) return "";
+  std::string text;
+  for (const StampedPose& pose : poses) text += rows_of(poses.front().pose.inverse() * pose.pose) + "\n";
+  return text;
+}
+
+}  // namespace
+
+void write_kitti_tracking(const ExportSource& source, const ExportOptions& options, const fs::path& folder) {
+  const Sequence& sequence = source.sequence;
+  for (const char* name : {"image_02/0000", "calib", "label_02", "times", "poses", "velodyne/0000"})
+    if (sequence.lidar || !std::string_view(name).starts_with("velodyne"))
+      fs::create_directories(folder / name);
+  std::string labels, times;
+  Progress progress("export kitti-tracking", std::ssize(sequence.frames), options.quiet);
+  for (const SequenceFrame& frame : sequence.frames) {
+    write_color_png(source, frame, true, folder / fmt::format("image_02/0000/{:06}.png", frame.frame));
+    if (const SequenceScan* scan = scan_near(sequence, frame.stamp_ns))
+      write_velodyne(sequence, *scan, folder / fmt::format("velodyne/0000/{:06}.bin", frame.frame));
+    labels += label_lines(source, frame);
+    times += format_stamp(frame.stamp_ns) + "\n";
+    progress.advance();
+  }
+  write_text(folder / "calib/0000.txt", calibration_text(sequence));
+  write_text(folder / "times/0000.txt", times);
+  if (source.truth) write_text(folder / "label_02/0000.txt", labels);
+  if (const std::string poses = poses_text(source); !poses.empty())
+    write_text(folder / "poses/0000.txt", poses);
+}
+
+}  // namespace uniquadric
