@@ -79,10 +79,10 @@ Speed in_own_process(const std::function<Speed()>& run) {
 Speed bare_speed(const Scene& scene, std::int64_t frames) {
   setenv("LP_NUM_THREADS", std::to_string(std::thread::hardware_concurrency()).c_str(), 0);
   Renderer renderer(scene);
-  cv::Mat bgra, ids, depth_m;
+  cv::Mat rgba, ids, depth_m;
   const auto draw = [&](std::int64_t frame) {
     renderer.draw(poses_at(scene, static_cast<double>(frame) / scene.rate_hz));
-    renderer.read_back(bgra, ids, depth_m);
+    renderer.read_back(rgba, ids, depth_m);
   };
   draw(0);  // compiles the shaders
   return measure(frames, [&] {

@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
+#include <cstring>
 
 #include "core/base/files.h"
 #include "simulator/noise/depth_noise.h"
-#include "simulator/noise/image_noise.h"
 #include "simulator/noise/segmenter.h"
-#include "simulator/png.h"
 
 namespace uniquadric {
 namespace {
@@ -16,58 +14,73 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxUnits = 65535;  // 16 bits
 
-fs::path marker(const fs::path& folder, std::int64_t frame) {
-  return folder / "frames" / fmt::format("{:06}.csv", frame);
+// Drops the fourth channel. A pixel is copied with the byte behind it, which the next one overwrites.
+void pack_rgb(const unsigned char* rgba, int count, unsigned char* rgb) {
+  for (int u = 0; u + 1 < count; ++u) std::memcpy(rgb + 3 * u, rgba + 4 * u, 4);
+  std::memcpy(rgb + 3 * (count - 1), rgba + 4 * (count - 1), 3);
 }
 
-std::string visibility_rows(const Scene& scene, std::int64_t frame, const std::vector<ObjectView>& views) {
-  std::string rows;
-  for (const ObjectView& view : views)
-    rows += fmt::format("{},{},{},{},{},{},{}\n", frame, scene.stamp_ns(frame), view.id, view.visible_px,
-                        view.silhouette_px, view.visible_fraction(), view.touches_border ? 1 : 0);
-  return rows;
-}
-
-cv::Mat encode_depth(const cv::Mat& depth_m, double units_per_m) {
-  cv::Mat encoded;
-  depth_m.convertTo(encoded, CV_16U, units_per_m);
-  return encoded;
+void pack_16_bits(const std::uint16_t* values, int count, unsigned char* out) {
+  for (int u = 0; u < count; ++u) {
+    const auto swapped = static_cast<std::uint16_t>(values[u] >> 8 | values[u] << 8);
+    std::memcpy(out + 2 * u, &swapped, 2);
+  }
 }
 
 }  // namespace
 
-void create_frame_folders(const fs::path& folder) {
-  for (const char* name : {"frames", "sequence/rgb", "sequence/depth", "sequence/masks", "truth/instances"})
+void create_frame_folders(const Scene& scene, const fs::path& folder) {
+  for (const char* name : {"sequence/rgb", "sequence/masks", "truth/instances"})
     fs::create_directories(folder / name);
+  if (scene.depth) fs::create_directories(folder / "sequence/depth");
 }
 
-bool is_frame_complete(const fs::path& folder, std::int64_t frame) {
-  return fs::exists(marker(folder, frame));
-}
+FrameWriter::FrameWriter(const Scene& scene, std::uint64_t seed, fs::path folder)
+    : scene_(scene),
+      seed_(seed),
+      folder_(std::move(folder)),
+      image_noise_(scene.image_noise, seed),
+      color_(PngFormat::rgb_8, scene.camera.width, scene.camera.height),
+      depth_(PngFormat::grey_16, scene.camera.width, scene.camera.height) {}
 
-void write_frame(const Scene& scene, std::uint64_t seed, const fs::path& folder, std::int64_t frame,
-                 const RenderedFrame& rendered) {
+void FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered) {
   const std::string file = fmt::format("{:06}.png", frame);
-  const fs::path sequence = folder / "sequence";
-  write_png(sequence / "rgb" / file, add_image_noise(rendered.rgb, scene.image_noise, seed, frame),
-            PngPacking::stored);
-  const cv::Mat depth_m = add_depth_noise(rendered.depth_m, scene.camera, scene.depth_noise, seed, frame);
-  write_png(sequence / "depth" / file, encode_depth(depth_m, depth_units_per_m(scene.depth_noise)),
-            PngPacking::stored);
-  if (is_segmented(scene.segmenter, frame))
-    write_png(sequence / "masks" / file, segment(rendered.ids, scene.segmenter, seed, frame),
-              PngPacking::packed);
-  write_png(folder / "truth/instances" / file, rendered.ids, PngPacking::packed);
-  write_text(marker(folder, frame), visibility_rows(scene, frame, rendered.objects));
+  write_color(frame, rendered.rgba);
+  if (scene_.depth) write_depth(frame, rendered.depth_m);
+  if (is_segmented(scene_.segmenter, frame))
+    write_file(folder_ / "sequence/masks" / file,
+               pack_png(segment(rendered.ids, scene_.segmenter, seed_, frame)));
+  write_file(folder_ / "truth/instances" / file, pack_png(rendered.ids));
 }
 
-void join_visibility(const fs::path& folder, std::int64_t frames) {
-  const fs::path path = folder / "truth/instances/visibility.csv";
-  std::ofstream out(path, std::ios::binary);
-  out << "frame,timestamp_ns,id,visible_px,silhouette_px,visible_fraction,touches_border\n";
-  for (std::int64_t frame = 0; frame < frames; ++frame) out << read_text(marker(folder, frame));
-  out.close();
-  if (!out) throw std::runtime_error(fmt::format("{}: cannot be written", path.string()));
+void FrameWriter::write_color(std::int64_t frame, const cv::Mat& rgba) {
+  for (int v = 0; v < rgba.rows; ++v) {
+    unsigned char* row = color_.row(v);
+    pack_rgb(rgba.ptr(v), rgba.cols, row);
+    image_noise_.add_to_row(frame, v, {row, 3 * static_cast<std::size_t>(rgba.cols)});
+  }
+  write_file(folder_ / "sequence/rgb" / fmt::format("{:06}.png", frame), color_.finish());
+}
+
+void FrameWriter::write_depth(std::int64_t frame, const cv::Mat& depth_m) {
+  const cv::Mat noisy_m = add_depth_noise(depth_m, scene_.camera, scene_.depth_noise, seed_, frame);
+  cv::Mat units;
+  noisy_m.convertTo(units, CV_16U, depth_units_per_m(scene_.depth_noise));
+  for (int v = 0; v < units.rows; ++v) pack_16_bits(units.ptr<std::uint16_t>(v), units.cols, depth_.row(v));
+  write_file(folder_ / "sequence/depth" / fmt::format("{:06}.png", frame), depth_.finish());
+}
+
+std::string visibility_lines(const Scene& scene, std::int64_t frame, const RenderedFrame& rendered) {
+  std::string lines;
+  for (const ObjectView& view : rendered.objects)
+    lines += fmt::format("{},{},{},{},{},{},{}\n", frame, scene.stamp_ns(frame), view.id, view.visible_px,
+                         view.silhouette_px, view.visible_fraction(), view.touches_border ? 1 : 0);
+  return lines;
+}
+
+void write_visibility(const fs::path& folder, const std::string& lines) {
+  write_text(folder / "truth/instances/visibility.csv",
+             "frame,timestamp_ns,id,visible_px,silhouette_px,visible_fraction,touches_border\n" + lines);
 }
 
 double depth_units_per_m(const DepthNoise& noise) {

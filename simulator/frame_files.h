@@ -2,27 +2,42 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
+#include "simulator/noise/image_noise.h"
+#include "simulator/png.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene/scene.h"
 
 namespace uniquadric {
 
 /// Makes the folders that the images of all frames go to, below `folder`.
-void create_frame_folders(const std::filesystem::path& folder);
+void create_frame_folders(const Scene& scene, const std::filesystem::path& folder);
 
-/// Adds the sensors' errors to a rendered frame and writes its images: sequence/{rgb,depth,masks} as
-/// measured, truth/instances exact. A last small file (how much of each object is visible) marks the frame as
-/// complete.
-void write_frame(const Scene& scene, std::uint64_t seed, const std::filesystem::path& folder,
-                 std::int64_t frame, const RenderedFrame& rendered);
+/// Adds the sensors' errors to rendered frames and writes their images: sequence/{rgb,depth,masks} as
+/// measured, truth/instances exact. For one thread; what it writes depends on the frame alone.
+class FrameWriter {
+ public:
+  FrameWriter(const Scene& scene, std::uint64_t seed, std::filesystem::path folder);
+  void write(std::int64_t frame, const RenderedFrame& rendered);
 
-/// Whether write_frame() went through for this frame.
-bool is_frame_complete(const std::filesystem::path& folder, std::int64_t frame);
+ private:
+  void write_color(std::int64_t frame, const cv::Mat& rgba);
+  void write_depth(std::int64_t frame, const cv::Mat& depth_m);
 
-/// Joins the frames' last files to truth/instances/visibility.csv: frame, timestamp_ns, id, visible_px,
-/// silhouette_px, visible_fraction, touches_border (0, 1; ObjectView), a line for each object and frame.
-void join_visibility(const std::filesystem::path& folder, std::int64_t frames);
+  const Scene& scene_;
+  std::uint64_t seed_;
+  std::filesystem::path folder_;
+  ImageNoiseSource image_noise_;
+  StoredPng color_, depth_;
+};
+
+/// The frame's lines of truth/instances/visibility.csv, one an object.
+std::string visibility_lines(const Scene& scene, std::int64_t frame, const RenderedFrame& rendered);
+
+/// Writes truth/instances/visibility.csv: frame, timestamp_ns, id, visible_px, silhouette_px,
+/// visible_fraction, touches_border (0, 1; ObjectView), a line for each object and frame.
+void write_visibility(const std::filesystem::path& folder, const std::string& lines);
 
 /// Value of a depth pixel at 1 m: TUM's 5000 when max_range_m fits into 16 bits so (13.1 m), else 1000, else
 /// 256.

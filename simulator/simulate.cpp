@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <future>
+#include <memory>
 #include <thread>
 
 #include "core/base/error.h"
@@ -13,9 +12,11 @@
 #include "core/base/progress.h"
 #include "core/base/version.h"
 #include "simulator/frame_files.h"
+#include "simulator/frame_log.h"
 #include "simulator/imu/imu_files.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene_files.h"
+#include "simulator/workers.h"
 
 namespace uniquadric {
 namespace {
@@ -32,59 +33,42 @@ void discard_other_work(const Scene& scene, const std::string& key, const fs::pa
   const fs::path key_file = folder / "key";
   if (!scene.hash.empty() && fs::exists(key_file) && read_text(key_file) == key) return;
   for (const auto& entry : fs::directory_iterator(folder)) fs::remove_all(entry.path());
-  create_frame_folders(folder);
+  create_frame_folders(scene, folder);
   write_text(key_file, key);
 }
 
-// Takes frames off a shared counter until none is left. A thread renders and encodes its own frames with a
+// What one worker does: takes frames until none is left. It renders and encodes its own frames with a
 // renderer of its own: that keeps every core busy whichever of the two is slower, and holds one frame a
-// thread in memory.
-class FrameQueue {
- public:
-  FrameQueue(const Scene& scene, const SimulateOptions& options, std::int64_t frames, fs::path folder)
-      : scene_(scene),
-        seed_(options.seed),
-        frames_(frames),
-        folder_(std::move(folder)),
-        progress_(fmt::format("simulate {}", scene.name), frames, options.quiet) {}
-
-  void work() {
-    try {
-      std::unique_ptr<Renderer> renderer;
-      for (std::int64_t frame = next_++; frame < frames_; frame = next_++) {
-        if (!is_frame_complete(folder_, frame)) {
-          if (!renderer) renderer = std::make_unique<Renderer>(scene_);
-          write_frame(scene_, seed_, folder_, frame,
-                      renderer->render(poses_at(scene_, frame_time_s(scene_, frame))));
-        }
-        progress_.advance();
-      }
-    } catch (...) {
-      next_ = frames_;  // the other threads finish their frame and stop
-      throw;
+// worker in memory.
+void write_frames_of(const Scene& scene, std::uint64_t seed, const fs::path& folder, SharedCounter& frames,
+                     FrameLog& log) {
+  std::unique_ptr<Renderer> renderer;
+  FrameWriter writer(scene, seed, folder);
+  for (std::int64_t frame = frames.take(); frame < frames.limit(); frame = frames.take()) {
+    if (!log.has(frame)) {
+      if (!renderer) renderer = std::make_unique<Renderer>(scene);
+      const RenderedFrame& rendered = renderer->render(poses_at(scene, frame_time_s(scene, frame)));
+      writer.write(frame, rendered);
+      log.add(frame, visibility_lines(scene, frame, rendered));
     }
+    frames.finish();
   }
+}
 
- private:
-  const Scene& scene_;
-  std::uint64_t seed_;
-  std::int64_t frames_;
-  fs::path folder_;
-  Progress progress_;
-  std::atomic<std::int64_t> next_ = 0;
-};
-
-void write_frames(const Scene& scene, const SimulateOptions& options, std::int64_t frames,
-                  const fs::path& folder) {
+void write_frames(const Scene& scene, const SimulateOptions& options, std::int64_t count,
+                  const fs::path& folder, const fs::path& log_file) {
   const int machine = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const std::int64_t threads =
-      std::min<std::int64_t>(options.threads > 0 ? options.threads : machine, frames);
-  FrameQueue queue(scene, options, frames, folder);
-  std::vector<std::future<void>> workers;
-  for (std::int64_t i = 1; i < threads; ++i)
-    workers.push_back(std::async(std::launch::async, [&] { queue.work(); }));
-  queue.work();
-  for (auto& worker : workers) worker.get();
+  const std::int64_t workers = std::min<std::int64_t>(options.threads > 0 ? options.threads : machine, count);
+  SharedCounter frames(count);
+  FrameLog log(log_file);  // the workers append to it, a record a write
+  Progress progress(fmt::format("simulate {}", scene.name), count, options.quiet);
+  std::int64_t shown = 0;
+  run_workers(
+      static_cast<int>(workers), [&](int) { write_frames_of(scene, options.seed, folder, frames, log); },
+      [&] {
+        if (const std::int64_t steps = frames.finished() - shown; steps > 0)
+          progress.advance(steps), shown += steps;
+      });
 }
 
 }  // namespace
@@ -97,12 +81,13 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
   PendingFolder pending(out, options.force, true);
   const fs::path& folder = pending.path();
   discard_other_work(scene, resume_key(scene, options.seed, frames), folder);
-  write_frames(scene, options, frames, folder);
-  join_visibility(folder, frames);
+  const fs::path log_file = folder / "frames.log";
+  write_frames(scene, options, frames, folder, log_file);
+  write_visibility(folder, FrameLog(log_file).lines());
   write_sequence_files(scene, options.seed, frames, folder / "sequence");
   write_truth_files(scene, frames, folder / "truth");
   write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
-  fs::remove_all(folder / "frames");
+  fs::remove(log_file);
   fs::remove(folder / "key");
   pending.commit();
 }

@@ -60,22 +60,30 @@ void drop_out_of_range(cv::Mat& depth_m, const DepthNoise& noise) {
   }
 }
 
-// Marks both pixels of each pair (a[i], b[i]) that an edge runs between.
-void mark_edges(const float* a_m, const float* b_m, int count, std::uint8_t* edge_a, std::uint8_t* edge_b) {
-  for (int i = 0; i < count; ++i)
-    if (std::abs(a_m[i] - b_m[i]) > kEdgeStep * std::min(a_m[i], b_m[i])) edge_a[i] = edge_b[i] = 255;
+// Marks both pixels of each pair (a[i], b[i]) that an edge runs between. `edge` is a place to work in, so
+// that the compiler can look at many pairs at once.
+void mark_edges(const float* __restrict a_m, const float* __restrict b_m, int count,
+                std::uint8_t* __restrict edge, std::uint8_t* edge_a, std::uint8_t* edge_b) {
+  for (int i = 0; i < count; ++i) {
+    const float step = std::abs(a_m[i] - b_m[i]), near = a_m[i] < b_m[i] ? a_m[i] : b_m[i];
+    edge[i] = step > kEdgeStep * near ? 255 : 0;
+  }
+  for (int i = 0; i < count; ++i) edge_a[i] |= edge[i];
+  for (int i = 0; i < count; ++i) edge_b[i] |= edge[i];
 }
 
 }  // namespace
 
 cv::Mat depth_edges(const cv::Mat& depth_m) {
   cv::Mat edges = cv::Mat::zeros(depth_m.size(), CV_8UC1);
+  std::vector<std::uint8_t> pair(static_cast<std::size_t>(depth_m.cols));
   for (int v = 0; v < depth_m.rows; ++v) {
     const auto* z_m = depth_m.ptr<float>(v);
     auto* edge = edges.ptr<std::uint8_t>(v);
-    mark_edges(z_m, z_m + 1, depth_m.cols - 1, edge, edge + 1);
+    mark_edges(z_m, z_m + 1, depth_m.cols - 1, pair.data(), edge, edge + 1);
     if (v + 1 < depth_m.rows)
-      mark_edges(z_m, depth_m.ptr<float>(v + 1), depth_m.cols, edge, edges.ptr<std::uint8_t>(v + 1));
+      mark_edges(z_m, depth_m.ptr<float>(v + 1), depth_m.cols, pair.data(), edge,
+                 edges.ptr<std::uint8_t>(v + 1));
   }
   return edges;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "core/base/random.h"
 #include "simulator/noise/normals.h"
@@ -14,43 +13,48 @@ constexpr int kTableSize = 1 << 16;  // entries: each stands for a probability o
 
 // The distribution of the rounded noise as a table: an entry drawn uniformly is a draw of the noise. Pixels
 // are whole numbers before, so that rounding the noise rounds the sum.
-std::vector<std::int16_t> make_table(double sigma) {
-  std::vector<std::int16_t> table(kTableSize);
+std::vector<std::int16_t> make_levels(double sigma) {
+  std::vector<std::int16_t> levels(kTableSize);
   const int reach = static_cast<int>(std::ceil(5 * sigma)) + 1;  // beyond 5 sigma no entry is left
   int begin = 0;
   for (int level = -reach; level <= reach; ++level) {
     const double up_to = level == reach ? 1 : normal_cdf((level + 0.5) / sigma);
     const int end = static_cast<int>(std::lround(up_to * kTableSize));
-    std::fill(table.begin() + begin, table.begin() + end, static_cast<std::int16_t>(level));
+    std::fill(levels.begin() + begin, levels.begin() + end, static_cast<std::int16_t>(level));
     begin = end;
   }
-  return table;
+  return levels;
 }
 
-std::uint8_t add(std::uint8_t pixel, int noise) {
-  return static_cast<std::uint8_t>(std::clamp(pixel + noise, 0, 255));
+// Apart from the drawing, so that the compiler adds eight values at once.
+void add_clamped(std::span<const std::int16_t> noise, std::span<std::uint8_t> values) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto sum = static_cast<std::int16_t>(values[i] + noise[i]);
+    values[i] = static_cast<std::uint8_t>(std::clamp<std::int16_t>(sum, 0, 255));
+  }
 }
 
 }  // namespace
 
-cv::Mat add_image_noise(const cv::Mat& rgb, const ImageNoise& noise, std::uint64_t seed, std::int64_t frame) {
-  cv::Mat noisy = rgb.clone();
-  if (noise.sigma <= 0) return noisy;
-  const std::vector<std::int16_t> table = make_table(noise.sigma);
-  const int values = noisy.cols * noisy.channels();
-  std::vector<std::uint32_t> bits(static_cast<std::size_t>(values + 1) / 2);  // 32 bits are two draws
-  for (int v = 0; v < noisy.rows; ++v) {
-    RandomStream stream(seed, "image_noise", static_cast<std::uint64_t>(frame),
-                        static_cast<std::uint32_t>(v));
-    auto* row = noisy.ptr<std::uint8_t>(v);
-    stream.fill(bits);
-    for (int i = 0; i + 1 < values; i += 2) {
-      row[i] = add(row[i], table[bits[i / 2] & 0xffff]);
-      row[i + 1] = add(row[i + 1], table[bits[i / 2] >> 16]);
-    }
-    if (values % 2) row[values - 1] = add(row[values - 1], table[bits.back() & 0xffff]);
+ImageNoiseSource::ImageNoiseSource(const ImageNoise& noise, std::uint64_t seed) : seed_(seed) {
+  constexpr double kMost = 6000;  // grey levels: any picture is gone long before, and 16 bits hold five sigma
+  if (noise.sigma > 0) levels_ = make_levels(std::min(noise.sigma, kMost));
+}
+
+void ImageNoiseSource::add_to_row(std::int64_t frame, int row, std::span<std::uint8_t> values) {
+  if (levels_.empty()) return;
+  const std::size_t words = (values.size() + 1) / 2;  // 32 bits are two draws
+  bits_.resize(words);
+  row_.resize(2 * words);
+  RandomStream stream(seed_, "image_noise", static_cast<std::uint64_t>(frame),
+                      static_cast<std::uint32_t>(row));
+  stream.fill(bits_);
+  const std::int16_t* levels = levels_.data();
+  for (std::size_t i = 0; i < words; ++i) {
+    row_[2 * i] = levels[bits_[i] & 0xffff];
+    row_[2 * i + 1] = levels[bits_[i] >> 16];
   }
-  return noisy;
+  add_clamped(row_, values);
 }
 
 }  // namespace uniquadric

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kCellBits = 12;
 constexpr int kCells = 1 << kCellBits;
-constexpr int kPlaceBits = 32 - kCellBits;
+constexpr int kPlaceBits = 16 - kCellBits;
 
 // Edges of the cells; the first and the last stand at the finite side of theirs.
 std::array<float, kCells + 1> make_edges() {
@@ -46,12 +46,12 @@ double normal_quantile(double p) {
 
 void fill_normals(RandomStream& stream, std::span<float> values) {
   static const std::array<float, kCells + 1> edges = make_edges();
-  std::vector<std::uint32_t> bits(values.size());
+  std::vector<std::uint32_t> bits((values.size() + 1) / 2);
   stream.fill(bits);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::uint32_t cell = bits[i] >> kPlaceBits;
+    const std::uint32_t draw = bits[i / 2] >> (i % 2 ? 16 : 0) & 0xffff, cell = draw >> kPlaceBits;
     const float place =
-        (static_cast<float>(bits[i] & ((1u << kPlaceBits) - 1)) + 0.5f) * (1.0f / (1u << kPlaceBits));
+        (static_cast<float>(draw & ((1u << kPlaceBits) - 1)) + 0.5f) * (1.0f / (1u << kPlaceBits));
     values[i] = edges[cell] + (edges[cell + 1] - edges[cell]) * place;
     if (cell == 0 || cell == kCells - 1) {
       const double tail = tail_normal(stream, edges[kCells - 1]);

@@ -8,6 +8,7 @@
 
 #include "core/base/random.h"
 #include "simulator/noise/normals.h"
+#include "simulator/noise/outline_distance.h"
 
 namespace uniquadric {
 namespace {
@@ -35,28 +36,20 @@ std::map<int, TrueMask> find_masks(const cv::Mat& ids) {
   return masks;
 }
 
-// Distance to the outline [px], positive inside; the outline runs midway between the pixels on its two sides.
-cv::Mat signed_distance(const cv::Mat& inside) {
-  cv::Mat outside, within, beyond;
-  cv::bitwise_not(inside, outside);
-  cv::distanceTransform(inside, within, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  cv::distanceTransform(outside, beyond, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  cv::Mat distance = within - beyond;
-  cv::subtract(distance, 0.5, distance, inside);
-  cv::add(distance, 0.5, distance, outside);
-  return distance;
-}
-
-// Gives `id` to the pixels of `box` that the moved outline holds more deeply than what holds them so far.
-void add_mask(const cv::Mat& ids, int id, const cv::Rect& box, const cv::Mat& displacement_px,
-              cv::Mat& depth_px, cv::Mat& masks) {
-  cv::Mat inside;
-  cv::compare(ids(box), id, inside, cv::CMP_EQ);
-  const cv::Mat moved = signed_distance(inside) + displacement_px;
-  cv::Mat held = depth_px(box);
-  const cv::Mat wins = moved > held;
-  moved.copyTo(held, wins);
-  masks(box).setTo(id, wins);
+// Gives `id` to the pixels that the moved outline holds more deeply than what holds them so far.
+void add_mask(int id, const cv::Mat& distance_px, const cv::Mat& displacement_px, double sigma_px,
+              cv::Mat depth_px, cv::Mat masks) {
+  const auto sigma = static_cast<float>(sigma_px);
+  for (int v = 0; v < distance_px.rows; ++v) {
+    const auto *distance = distance_px.ptr<float>(v), *displacement = displacement_px.ptr<float>(v);
+    auto* depth = depth_px.ptr<float>(v);
+    auto* mask = masks.ptr<std::uint16_t>(v);
+    for (int u = 0; u < distance_px.cols; ++u) {
+      const float moved = distance[u] + sigma * displacement[u];
+      mask[u] = moved > depth[u] ? static_cast<std::uint16_t>(id) : mask[u];
+      depth[u] = std::max(moved, depth[u]);
+    }
+  }
 }
 
 // Unit energy, so that white noise keeps its variance; twice convolved with itself it is the autocorrelation.
@@ -95,7 +88,8 @@ cv::Mat smooth_field(cv::Size size, double length_px, std::uint64_t seed, std::i
 cv::Mat segment(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame) {
   cv::Mat masks = cv::Mat::zeros(ids.size(), CV_16UC1);
   cv::Mat depth_px = cv::Mat::zeros(ids.size(), CV_32FC1);  // how deep a pixel lies in the mask that holds it
-  const int margin = static_cast<int>(std::ceil(kReach_sigmas * noise.boundary_sigma_px)) + 1;
+  const int reach = static_cast<int>(std::ceil(kReach_sigmas * noise.boundary_sigma_px)) + 1;
+  const int margin = std::min(reach, kMostOutlineReach_px);
   for (const auto& [id, mask] : find_masks(ids)) {
     RandomStream miss(seed, "segmenter_miss", static_cast<std::uint64_t>(frame),
                       static_cast<std::uint32_t>(id));
@@ -104,7 +98,8 @@ cv::Mat segment(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64_t s
                         mask.box.height + 2 * margin);
     const cv::Rect box = wide & cv::Rect({0, 0}, ids.size());
     const cv::Mat field = smooth_field(box.size(), noise.boundary_length_px, seed, frame, id);
-    add_mask(ids, id, box, noise.boundary_sigma_px * field, depth_px, masks);
+    add_mask(id, outline_distance(ids(box), id, margin), field, noise.boundary_sigma_px, depth_px(box),
+             masks(box));
   }
   return masks;
 }

@@ -15,6 +15,7 @@ namespace uniquadric {
   X(BindVertexArray, void, unsigned)                                                             \
   X(CheckNamedFramebufferStatus, unsigned, unsigned, unsigned)                                   \
   X(ClearBufferiv, void, unsigned, int, const int*)                                              \
+  X(ClearBufferfi, void, unsigned, int, float, int)                                              \
   X(ClearBufferfv, void, unsigned, int, const float*)                                            \
   X(ClearBufferuiv, void, unsigned, int, const unsigned*)                                        \
   X(ClipControl, void, unsigned, unsigned)                                                       \

@@ -41,7 +41,7 @@ void main() {
   vec3 n = normalize(gl_FrontFacing ? normal_in_camera : -normal_in_camera);
   float light = ambient + (1 - ambient) * max(0, -dot(n, sun_direction));
   vec3 rgb = texture(surface, texture_uv).rgb * color * light;
-  out_color = vec4(rgb.bgr, 1);  // OpenCV's order
+  out_color = vec4(rgb, 1);
   out_id = instance_id;
   out_depth_m = 1 / gl_FragCoord.w;
 }

@@ -58,8 +58,8 @@ RenderTargets make_render_targets(const GlFunctions& gl, int width, int height) 
   return targets;
 }
 
-void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& bgra) {
-  read_image(gl, targets, 0, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, bgra);
+void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rgba) {
+  read_image(gl, targets, 0, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, rgba);
 }
 
 void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids) {

@@ -19,7 +19,7 @@ struct RenderTargets {
 RenderTargets make_render_targets(const GlFunctions& gl, int width, int height);
 
 /// Copies what was drawn; the images are kept when they have the right size and type already.
-void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& bgra);     ///< 8UC4
+void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rgba);     ///< 8UC4
 void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids);        ///< 16UC1
 void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& depth_m);  ///< 32FC1
 void read_stencil(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer,

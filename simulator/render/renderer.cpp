@@ -3,7 +3,7 @@
 #include <GL/glcorearb.h>
 #include <fmt/format.h>
 
-#include <opencv2/imgproc.hpp>
+#include <array>
 #include <set>
 
 #include "core/base/error.h"
@@ -73,7 +73,9 @@ struct Renderer::State {
   std::vector<GpuBody> world, objects;
   std::vector<Pose> world_from_static;  // one a body of the world
   Eigen::Vector3d sun_direction;
-  cv::Mat bgra, bits;  // reused
+  std::array<float, 4> sky{};
+  RenderedFrame frame;  // reused, as is
+  cv::Mat bits;
 
   void use_program(const Scene& scene);
   void draw(const ScenePoses& poses, bool silhouettes);
@@ -130,6 +132,7 @@ Renderer::Renderer(const Scene& scene) : state_(std::make_unique<State>()) {
   }
   for (const Body& body : scene.objects) s.objects.push_back(upload_body(s.gl, body));
   s.sun_direction = scene.sun_direction.normalized();
+  for (int k = 0; k < 3; ++k) s.sky[k] = static_cast<float>(scene.sky_color[k]);
   check_gl(s.gl, "preparing to draw");
 }
 
@@ -140,10 +143,11 @@ void Renderer::State::draw(const ScenePoses& poses, bool silhouettes) {
   constexpr float kNothing[4] = {0, 0, 0, 0};
   constexpr unsigned kNoId[4] = {0, 0, 0, 0};
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.image);
-  gl.ClearBufferfv(GL_COLOR, 0, kNothing);
+  gl.ClearBufferfv(GL_COLOR, 0, sky.data());
   gl.ClearBufferuiv(GL_COLOR, 1, kNoId);
   gl.ClearBufferfv(GL_COLOR, 2, kNothing);
-  gl.ClearBufferfv(GL_DEPTH, 0, kNothing);
+  gl.StencilMask(0xff);
+  gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, 0, 0);  // together they are cleared in one go
   gl.Enable(GL_DEPTH_TEST);
   if (silhouettes) begin_silhouettes(gl);
   const Pose camera_from_world = poses.world_from_camera.inverse();
@@ -162,19 +166,18 @@ void Renderer::draw(const ScenePoses& poses) {
   state_->draw(poses, false);
 }
 
-void Renderer::read_back(cv::Mat& bgra, cv::Mat& ids, cv::Mat& depth_m) {
+void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
   State& s = *state_;
-  read_color(s.gl, s.targets, bgra);
+  read_color(s.gl, s.targets, rgba);
   read_ids(s.gl, s.targets, ids);
   read_depth(s.gl, s.targets, depth_m);
   check_gl(s.gl, "drawing");
 }
 
-RenderedFrame Renderer::render(const ScenePoses& poses) {
-  RenderedFrame frame;
+const RenderedFrame& Renderer::render(const ScenePoses& poses) {
+  RenderedFrame& frame = state_->frame;
   state_->draw(poses, true);
-  read_back(state_->bgra, frame.ids, frame.depth_m);
-  cv::cvtColor(state_->bgra, frame.rgb, cv::COLOR_BGRA2BGR);
+  read_back(frame.rgba, frame.ids, frame.depth_m);
   frame.objects = state_->view_objects(poses, frame.ids);
   return frame;
 }

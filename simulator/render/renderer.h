@@ -30,7 +30,7 @@ struct ObjectView {
 };
 
 struct RenderedFrame {
-  cv::Mat rgb;                      ///< 8UC3, blue, green, red
+  cv::Mat rgba;                     ///< 8UC4, the fourth channel without meaning
   cv::Mat ids;                      ///< 16UC1: the object's id, 0 for the world and where nothing is
   cv::Mat depth_m;                  ///< 32FC1: z along the optical axis [m], 0 where nothing is
   std::vector<ObjectView> objects;  ///< in the scene's order
@@ -50,12 +50,13 @@ class Renderer {
   explicit Renderer(const Scene& scene);
   ~Renderer();
 
-  RenderedFrame render(const ScenePoses& poses);
+  /// The frame is the renderer's own, until the next call.
+  const RenderedFrame& render(const ScenePoses& poses);
 
   /// The steps of render(), apart, for measurements: draws colour, ids and depth;
   void draw(const ScenePoses& poses);
-  /// copies them as they are (colour with a fourth channel) into images that are reused.
-  void read_back(cv::Mat& bgra, cv::Mat& ids, cv::Mat& depth_m);
+  /// copies them into images that are reused.
+  void read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m);
 
  private:
   struct State;

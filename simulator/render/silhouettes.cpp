@@ -15,6 +15,9 @@ void draw_pass(const GlFunctions& gl, const RenderTargets& targets, std::size_t 
                const std::function<void(std::size_t)>& draw) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.silhouettes);
   gl.Disable(GL_DEPTH_TEST);
+  constexpr int kNoBit = 0;
+  gl.StencilMask(0xff);
+  gl.ClearBufferiv(GL_STENCIL, 0, &kNoBit);
   begin_silhouettes(gl);
   for (std::size_t i = first; i < last; ++i) {
     gl.StencilMask(silhouette_bit(i - first));
@@ -51,10 +54,7 @@ void count_pass(const cv::Mat& bits, std::size_t first, std::size_t last, std::v
 }  // namespace
 
 void begin_silhouettes(const GlFunctions& gl) {
-  constexpr int kNoBit = 0;
   gl.Enable(GL_STENCIL_TEST);
-  gl.StencilMask(0xff);
-  gl.ClearBufferiv(GL_STENCIL, 0, &kNoBit);
   gl.StencilFunc(GL_ALWAYS, 0xff, 0xff);
   gl.StencilOp(GL_KEEP, GL_REPLACE, GL_REPLACE);
 }

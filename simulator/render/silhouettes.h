@@ -9,8 +9,8 @@
 
 namespace uniquadric {
 
-/// Makes every pixel that is drawn from here on, hidden or not, set the bits of the stencil mask, which are
-/// all zero at first. So the pass that draws the image yields the silhouettes too.
+/// Makes every pixel that is drawn from here on, hidden or not, set the bits of the stencil mask in a stencil
+/// that is zero at first. So the pass that draws the image yields the silhouettes too.
 void begin_silhouettes(const GlFunctions& gl);
 
 /// The stencil mask of an object (from 0) in that pass: a bit of its own for each of the first eight, none
@@ -18,8 +18,7 @@ void begin_silhouettes(const GlFunctions& gl);
 unsigned silhouette_bit(std::size_t object);
 
 /// Fills silhouette_px and touches_border from the image's stencil; objects beyond the first eight are drawn
-/// again
-/// (`draw(i)`), eight a pass. `bits` is reused from call to call.
+/// again (`draw(i)`), eight a pass. `bits` is reused from call to call.
 void view_silhouettes(const GlFunctions& gl, const RenderTargets& targets,
                       const std::function<void(std::size_t)>& draw, cv::Mat& bits,
                       std::vector<ObjectView>& views);

@@ -5,11 +5,12 @@
 #include <map>
 #include <numbers>
 #include <numeric>
-#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "simulator/noise/depth_noise.h"
 #include "simulator/noise/image_noise.h"
 #include "simulator/noise/normals.h"
+#include "simulator/noise/outline_distance.h"
 #include "simulator/noise/segmenter.h"
 
 namespace uniquadric {
@@ -70,6 +71,15 @@ TEST(Normals, FollowTheNormalDistributionInBulkAndTail) {
     expected[i] = kCount * ((i == kBins - 1 ? 1 : normal_cdf(low + kStep)) - (i == 0 ? 0 : normal_cdf(low)));
   }
   expect_chi_square(counts, expected);
+}
+
+cv::Mat add_image_noise(const cv::Mat& image, const ImageNoise& noise, std::uint64_t seed,
+                        std::int64_t frame) {
+  cv::Mat noisy = image.clone();
+  ImageNoiseSource source(noise, seed);
+  for (int v = 0; v < noisy.rows; ++v)
+    source.add_to_row(frame, v, {noisy.ptr(v), noisy.elemSize() * static_cast<std::size_t>(noisy.cols)});
+  return noisy;
 }
 
 TEST(ImageNoise, IsRoundedGaussianNoise) {
@@ -195,6 +205,31 @@ TEST(DepthNoise, NothingStaysNothingAndNoneIsExact) {
   cv::Mat depth_m(40, 40, CV_32FC1, cv::Scalar(1.234f));
   depth_m.col(7) = 2.5;
   EXPECT_TRUE(same(add_depth_noise(depth_m, {}, noise, 1, 1), depth_m));
+}
+
+TEST(OutlineDistance, IsTheDistanceToTheNearestPixelOfTheOtherSide) {
+  // random blobs; OpenCV's exact transform as the second way, capped where ours stops
+  constexpr int kReach_px = 7;
+  constexpr double kTolerance_px = 1e-4;  // OpenCV's transform in single precision
+  cv::Mat noise(90, 130, CV_32FC1), ids, within, beyond;
+  cv::RNG(5).fill(noise, cv::RNG::NORMAL, 0, 1);
+  cv::GaussianBlur(noise, noise, {}, 4);
+  cv::Mat(noise > 0.02).convertTo(ids, CV_16U, 40000 / 255.0);
+  const cv::Mat inside = ids == 40000;
+  cv::distanceTransform(inside, within, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::distanceTransform(~inside, beyond, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  const cv::Mat distance = outline_distance(ids, 40000, kReach_px);
+  int near = 0, far = 0;
+  for (int v = 0; v < ids.rows; ++v)
+    for (int u = 0; u < ids.cols; ++u) {
+      const bool in = inside.at<std::uint8_t>(v, u);
+      const double exact = std::max(within.at<float>(v, u), beyond.at<float>(v, u)) - 0.5;
+      const double found = distance.at<float>(v, u) * (in ? 1 : -1);
+      EXPECT_NEAR(found, std::min(exact, kReach_px + 0.5), kTolerance_px) << u << ", " << v;
+      ++(exact < kReach_px ? near : far);
+    }
+  EXPECT_GT(near, 4000);
+  EXPECT_GT(far, 400);
 }
 
 SegmenterNoise outline_only(double sigma_px, double length_px) {

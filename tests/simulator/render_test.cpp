@@ -165,11 +165,11 @@ TEST(Renderer, ColorFollowsTheLightAndTheTexture) {
   const ScenePoses poses = {Pose(), {{Eigen::Quaterniond::Identity(), {0, 0, 1.2}}}};
   const auto center = [&](const Eigen::Vector3d& sun) {
     scene.sun_direction = sun;
-    return Renderer(scene).render(poses).rgb.at<cv::Vec3b>(40, 50);
+    return Renderer(scene).render(poses).rgba.at<cv::Vec4b>(40, 50);
   };
-  EXPECT_EQ(center({0, 0, 1}), cv::Vec3b(40, 40, 200));
-  EXPECT_EQ(center({0, 0, -1}), cv::Vec3b(10, 10, 50));
-  EXPECT_EQ(center({0, 1, 1})[2], std::lround(200 * (0.25 + 0.75 * std::sqrt(0.5))));
+  EXPECT_EQ(center({0, 0, 1}), cv::Vec4b(200, 40, 40, 255));
+  EXPECT_EQ(center({0, 0, -1}), cv::Vec4b(50, 10, 10, 255));
+  EXPECT_EQ(center({0, 1, 1})[0], std::lround(200 * (0.25 + 0.75 * std::sqrt(0.5))));
 }
 
 TEST(Renderer, TextureStandsUpright) {
@@ -186,11 +186,12 @@ TEST(Renderer, TextureStandsUpright) {
   for (std::size_t i = 0; i < mesh.uvs.size(); ++i)
     mesh.uvs[i] = mesh.positions[i].head<2>() / 0.4f + Eigen::Vector2f(0.5f, 0.5f);
   scene.objects = {make_body(1, mesh, axes, Motion())};
-  const auto rgb = Renderer(scene).render({Pose(), {{Eigen::Quaterniond::Identity(), {0, 0, 1.01}}}}).rgb;
-  EXPECT_EQ(rgb.at<cv::Vec3b>(35, 45), cv::Vec3b(255, 0, 0));
-  EXPECT_EQ(rgb.at<cv::Vec3b>(35, 54), cv::Vec3b(0, 255, 0));
-  EXPECT_EQ(rgb.at<cv::Vec3b>(44, 45), cv::Vec3b(0, 0, 255));
-  EXPECT_EQ(rgb.at<cv::Vec3b>(44, 54), cv::Vec3b(0, 0, 0));
+  const cv::Mat rgba =
+      Renderer(scene).render({Pose(), {{Eigen::Quaterniond::Identity(), {0, 0, 1.01}}}}).rgba;
+  EXPECT_EQ(rgba.at<cv::Vec4b>(35, 45), cv::Vec4b(0, 0, 255, 255));
+  EXPECT_EQ(rgba.at<cv::Vec4b>(35, 54), cv::Vec4b(0, 255, 0, 255));
+  EXPECT_EQ(rgba.at<cv::Vec4b>(44, 45), cv::Vec4b(255, 0, 0, 255));
+  EXPECT_EQ(rgba.at<cv::Vec4b>(44, 54), cv::Vec4b(0, 0, 0, 255));
 }
 
 TEST(Renderer, DrawsTheSameBytesInAnyThreadAndOrder) {
@@ -205,7 +206,7 @@ TEST(Renderer, DrawsTheSameBytesInAnyThreadAndOrder) {
   RenderedFrame other;
   std::jthread a([&] { draw({0.1, 0.2, 0.3}); }), b([&] { other = draw({0.0, 0.9, 0.7}); });
   a.join(), b.join();
-  EXPECT_TRUE(same(alone.rgb, other.rgb));
+  EXPECT_TRUE(same(alone.rgba, other.rgba));
   EXPECT_TRUE(same(alone.ids, other.ids));
   EXPECT_TRUE(same(alone.depth_m, other.depth_m));
 }

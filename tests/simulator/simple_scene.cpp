@@ -11,7 +11,7 @@ namespace {
 class FixedCurve : public Motion::Curve {
  public:
   explicit FixedCurve(const Pose& pose) : pose_(pose) {}
-  Pose at(double) const override { return pose_; }
+  Kinematics kinematics(double) const override { return at_rest(pose_); }
 
  private:
   Pose pose_;
@@ -19,8 +19,10 @@ class FixedCurve : public Motion::Curve {
 
 class AcrossCurve : public Motion::Curve {
  public:
-  Pose at(double time_s) const override {
-    return {exp_so3({0.3, 0.8 * time_s, 0.1}), {-0.6 + 1.2 * time_s, 0.05, 2.6}};
+  Kinematics kinematics(double time_s) const override {
+    const auto way = shifting({1.2, 0, 0}, {time_s, 1, 0});
+    return at_rest({exp_so3(Eigen::Vector3d::Zero()), {-0.6, 0.05, 2.6}}) * way *
+           at_rest({exp_so3({0.3, 0, 0.1}), Eigen::Vector3d::Zero()}) * turning({0, 0.8, 0}, {time_s, 1, 0});
   }
 };
 
