@@ -9,6 +9,8 @@
 #include "core/sequence/sequence.h"
 #include "core/sequence/trajectory.h"
 #include "simulator/frame_files.h"
+#include "simulator/lidar_files.h"
+#include "simulator/map/occupancy_map.h"
 #include "simulator/noise/segmenter.h"
 
 namespace uniquadric {
@@ -28,7 +30,7 @@ SequenceFrame list_frame(const Scene& scene, std::int64_t frame) {
   listed.frame = frame;
   listed.stamp_ns = scene.stamp_ns(frame);
   listed.rgb = fs::path("rgb") / file;
-  listed.depth = fs::path("depth") / file;
+  if (scene.depth) listed.depth = fs::path("depth") / file;
   if (is_segmented(scene.segmenter, frame)) {
     listed.masks = fs::path("masks") / file;
     listed.masks_arrival_ns = listed.stamp_ns + std::llround(scene.segmenter.latency_s * 1e9);
@@ -54,6 +56,10 @@ void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t f
   sequence.depth_units_per_m = depth_units_per_m(scene.depth_noise);
   for (std::int64_t frame = 0; frame < frames; ++frame) sequence.frames.push_back(list_frame(scene, frame));
   if (scene.imu) sequence.imu = scene.imu->calibration;
+  if (const auto rig = lidar_of(scene)) {
+    sequence.lidar = LidarCalibration{rig->pattern_name, rig->rate_hz, rig->camera_from_lidar};
+    sequence.scans = lidar_scans(scene, *rig, frames);
+  }
   if (scene.given_camera) sequence.given_camera = sample(scene, scene.camera_motion, frames);
   write_sequence_index(folder, sequence);
 }
@@ -68,6 +74,7 @@ void write_truth_files(const Scene& scene, std::int64_t frames, const fs::path& 
     descriptions.push_back({body.id, body.name, body.semi_axes_m, body.shape, body.mesh_file});
   }
   write_objects_yaml(folder / "objects.yaml", descriptions);
+  write_occupancy_map(folder / "map.bt", scene.world, scene.map_resolution_m);
 }
 
 }  // namespace uniquadric

@@ -14,6 +14,7 @@
 #include "simulator/frame_files.h"
 #include "simulator/frame_log.h"
 #include "simulator/imu/imu_files.h"
+#include "simulator/lidar_files.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene_files.h"
 #include "simulator/workers.h"
@@ -75,6 +76,7 @@ void write_frames(const Scene& scene, const SimulateOptions& options, std::int64
 
 void simulate(const Scene& scene, const SimulateOptions& options, const fs::path& out) {
   check_can_render(scene);
+  const std::optional<LidarRig> lidar = lidar_of(scene);
   const std::int64_t frames = options.frames.value_or(scene.frames);
   if (frames < 1)
     throw InputError(fmt::format("scene {}: {} frames asked for, expected at least 1", scene.name, frames));
@@ -86,6 +88,7 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
   write_visibility(folder, FrameLog(log_file).lines());
   write_sequence_files(scene, options.seed, frames, folder / "sequence");
   write_truth_files(scene, frames, folder / "truth");
+  if (lidar) write_lidar_files(scene, *lidar, options, frames, folder);
   write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
   fs::remove(log_file);
   fs::remove(folder / "key");

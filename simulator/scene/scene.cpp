@@ -89,6 +89,12 @@ Scene load_scene(const fs::path& path) {
   read_clock(root, scene);
   read_camera_section(root.at("camera"), scene);
   read_sensor_models(root, scene);
+  if (const auto map = root.find("map")) {
+    scene.map_resolution_m = map->positive("resolution_m", scene.map_resolution_m);
+    map->refuse_unknown_keys();
+  }
+  if (scene.lidar)
+    if (const auto csv = scene.lidar->find("csv")) files.push_back(resolve_path(*csv));
   if (const auto world = root.find("world"))
     for (const ConfigNode& item : world->items())
       scene.world.push_back(read_static_body(item, kWorldSeed + scene.world.size(), files));

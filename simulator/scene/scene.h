@@ -82,6 +82,7 @@ struct Scene {
   ImageNoise image_noise;
   SegmenterNoise segmenter;
   std::optional<ImuRig> imu;
+  double map_resolution_m = 0.1;  ///< cell edge of the static world's octree (truth/map.bt)
   std::optional<ConfigNode> lidar;  ///< the section as it stands, for its own reader
 
   std::int64_t stamp_ns(std::int64_t frame) const;  ///< of a frame, from 0 on, rounded to the nanosecond
