@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <opencv2/core.hpp>
+#include <set>
+
+#include "core/base/error.h"
+#include "core/sequence/pcd.h"
+#include "core/sequence/tracks.h"
+#include "harness/check.h"
+#include "harness/export/export_source.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using Problems = std::vector<std::string>;
+
+void add(Problems& problems, const fs::path& path, const std::string& what) {
+  problems.push_back(path.string() + ": " + what);
+}
+
+std::map<int, int> count_ids(const cv::Mat& ids) {
+  std::map<int, int> pixels;
+  for (int v = 0; v < ids.rows; ++v)
+    for (int u = 0; u < ids.cols; ++u) ++pixels[ids.at<std::uint16_t>(v, u)];
+  pixels.erase(0);
+  return pixels;
+}
+
+void check_stamps(const ExportSource& source, Problems& problems) {
+  const auto& frames = source.sequence.frames;
+  const auto differs = [&](std::size_t count, const auto& stamp_of) {
+    if (count != frames.size()) return true;
+    for (std::size_t i = 0; i < count; ++i)
+      if (stamp_of(i) != frames[i].stamp_ns) return true;
+    return false;
+  };
+  const ExportTruth& truth = *source.truth;
+  const Trajectory& camera = truth.tracks.camera;
+  if (differs(camera.size(), [&](std::size_t i) { return camera[i].stamp_ns; }))
+    add(problems, truth.folder / "camera.tum", "does not have the sequence's frames");
+  for (const ObjectTrack& track : truth.tracks.objects)
+    if (differs(track.states.size(), [&](std::size_t i) { return track.states[i].stamp_ns; }))
+      add(problems, truth.folder / fmt::format("objects/{}.tum", track.id),
+          "does not have the sequence's frames");
+}
+
+void check_calibration(const ExportSource& source, Problems& problems) {
+  const auto& calibration = source.truth->tracks.calibration;
+  const Camera& camera = source.sequence.camera;
+  if (calibration &&
+      (calibration->width != camera.width || calibration->height != camera.height ||
+       calibration->matrix() != camera.matrix() || calibration->distortion != camera.distortion))
+    add(problems, source.truth->folder / "camera.yaml", "is not the sequence's calibration");
+}
+
+void check_ids(const fs::path& path, const std::map<int, int>& pixels, const std::set<int>& known,
+               Problems& problems) {
+  for (const auto& [id, count] : pixels)
+    if (!known.contains(id))
+      add(problems, path, fmt::format("{} pixels are of object {}, which is unknown", count, id));
+}
+
+void check_instances(const ExportSource& source, const SequenceFrame& frame, const std::set<int>& known,
+                     Problems& problems) {
+  const fs::path folder = source.truth->folder / "instances";
+  const std::map<int, int> pixels = count_ids(read_instances(source, frame));
+  check_ids(folder / fmt::format("{:06}.png", frame.frame), pixels, known, problems);
+  for (const int id : known) {
+    const auto row = source.truth->visibility.find({frame.frame, id});
+    if (row == source.truth->visibility.end()) {
+      add(problems, folder / "visibility.csv",
+          fmt::format("has no row for frame {}, object {}", frame.frame, id));
+      continue;
+    }
+    const int visible = pixels.contains(id) ? pixels.at(id) : 0;
+    if (row->second.visible_px != visible || row->second.silhouette_px < visible)
+      add(problems, folder / "visibility.csv",
+          fmt::format("frame {}, object {}: {} of {} pixels, the mask has {}", frame.frame, id,
+                      row->second.visible_px, row->second.silhouette_px, visible));
+  }
+}
+
+void check_masks(const ExportSource& source, Problems& problems) {
+  std::set<int> known;
+  for (const ObjectDescription& object : source.truth->objects) known.insert(object.id);
+  for (const SequenceFrame& frame : source.sequence.frames) try {
+      check_instances(source, frame, known, problems);
+      if (!frame.masks.empty())
+        check_ids(source.sequence.folder / frame.masks, count_ids(read_masks(source.sequence, frame)), known,
+                  problems);
+    } catch (const InputError& e) {  // an image that cannot be read: the others still can
+      problems.push_back(e.what());
+    }
+}
+
+// Each scan's truth speaks of the same points.
+void check_scans(const ExportSource& source, Problems& problems) {
+  for (const SequenceScan& scan : source.sequence.scans) {
+    const fs::path path = source.truth->folder / "lidar" / scan.file.filename();
+    if (!fs::exists(path)) {
+      add(problems, path, "is missing");
+      continue;
+    }
+    const auto points = read_pcd(source.sequence.folder / scan.file).points, truth = read_pcd(path).points;
+    if (points != truth) add(problems, path, fmt::format("has {} points, the scan {}", truth, points));
+  }
+}
+
+}  // namespace
+
+void check_truth(const Sequence& sequence, const fs::path& folder, std::vector<std::string>& problems) {
+  const ExportSource source = open_export_source(sequence.folder, folder);
+  check_stamps(source, problems);
+  check_calibration(source, problems);
+  check_masks(source, problems);
+  if (fs::is_directory(folder / "lidar")) check_scans(source, problems);
+}
+
+}  // namespace uniquadric
