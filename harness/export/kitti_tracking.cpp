@@ -16,7 +16,8 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr double kFullIntensity = 255;  // of a point; KITTI's reflectance is from 0 to 1
+constexpr std::int64_t kScanSlackNs = 1000;  // ours: for stamps and periods that were rounded
+constexpr double kFullIntensity = 255;       // of a point; KITTI's reflectance is from 0 to 1
 
 std::string rows_of(const Pose& pose) {
   std::string text;
@@ -40,12 +41,12 @@ std::string calibration_text(const Sequence& sequence) {
   return text;
 }
 
-// The scan whose middle is nearest to a frame, at most a scan's length away; nothing when there is none.
+// The scan that was being taken at a time: its middle is nearest, half a scan away at most.
 const SequenceScan* scan_near(const Sequence& sequence, std::int64_t stamp_ns) {
   if (!sequence.lidar) return nullptr;
   const std::int64_t period_ns = std::llround(1e9 / sequence.lidar->rate_hz);
   const SequenceScan* nearest = nullptr;
-  std::int64_t least_ns = period_ns + 1;
+  std::int64_t least_ns = period_ns / 2 + kScanSlackNs;
   for (const SequenceScan& scan : sequence.scans) {
     const std::int64_t distance_ns = std::abs(scan.stamp_ns + period_ns / 2 - stamp_ns);
     if (distance_ns < least_ns) nearest = &scan, least_ns = distance_ns;

@@ -65,7 +65,7 @@ namespace message_traits {
 
 template <>
 struct MD5Sum<uniquadric::LivoxMessage> {
-  static const char* value() { return "e4d6829bdfe657cb6c21a746c86b21a6"; }  // by gencpp's rule; tested
+  static const char* value() { return "e4d6829bdfe657cb6c21a746c86b21a6"; }  // genmsg's rule
   static const char* value(const uniquadric::LivoxMessage&) { return value(); }
 };
 template <>
