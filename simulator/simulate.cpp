@@ -48,7 +48,9 @@ void write_frames_of(const Scene& scene, std::uint64_t seed, const fs::path& fol
   for (std::int64_t frame = frames.take(); frame < frames.limit(); frame = frames.take()) {
     if (!log.has(frame)) {
       if (!renderer) renderer = std::make_unique<Renderer>(scene);
-      const RenderedFrame& rendered = renderer->render(poses_at(scene, frame_time_s(scene, frame)));
+      const double time_s = frame_time_s(scene, frame);
+      const RenderedFrame& rendered =
+          renderer->render(poses_at(scene, time_s), exposure_poses(scene, time_s));
       writer.write(frame, rendered);
       log.add(frame, visibility_lines(scene, frame, rendered));
     }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "core/base/random.h"
 #include "simulator/noise/normals.h"
+#include "simulator/noise/stereo_depth.h"
 
 namespace uniquadric {
 namespace {
@@ -40,6 +42,16 @@ void add_noise(cv::Mat& depth_m, const Camera& camera, const DepthNoise& noise, 
         z_m[u] = stereo_z(z_m[u], normals[u], noise, camera.fx * noise.baseline_m);
     }
   }
+}
+
+// Errors of stereo that are no noise.
+void see_twice(cv::Mat& depth_m, const cv::Mat& edges, const Camera& camera, const DepthNoise& noise,
+               std::uint64_t seed, std::int64_t frame) {
+  cv::Mat lost = cv::Mat::zeros(depth_m.size(), CV_8UC1);
+  if (noise.shadow) lost |= stereo_shadow(depth_m, camera.fx * noise.baseline_m);
+  if (noise.max_incidence_deg < 90) lost |= flat_incidence(depth_m, camera, noise.max_incidence_deg);
+  scatter_edges(depth_m, edges, noise.flying_pixels, seed, frame);
+  depth_m.setTo(0, lost);
 }
 
 void drop_edges(cv::Mat& depth_m, const cv::Mat& edges, double probability, std::uint64_t seed,
@@ -92,8 +104,10 @@ cv::Mat add_depth_noise(const cv::Mat& depth_m, const Camera& camera, const Dept
                         std::uint64_t seed, std::int64_t frame) {
   cv::Mat noisy = depth_m.clone();
   if (noise.model != DepthNoise::Model::none) {
+    const cv::Mat edges = depth_edges(depth_m);
+    if (noise.model == DepthNoise::Model::stereo) see_twice(noisy, edges, camera, noise, seed, frame);
     add_noise(noisy, camera, noise, seed, frame);
-    if (noise.edge_dropout > 0) drop_edges(noisy, depth_edges(depth_m), noise.edge_dropout, seed, frame);
+    if (noise.edge_dropout > 0) drop_edges(noisy, edges, noise.edge_dropout, seed, frame);
   }
   drop_out_of_range(noisy, noise);
   return noisy;

@@ -11,9 +11,11 @@ namespace uniquadric {
 /// What a depth sensor makes of exact depth. Both images 32FC1: z along the optical axis [m], 0 = nothing.
 /// `proportional`: the point moves along its ray by N(0, k d), d its distance from the optical centre; as z
 /// is proportional to d along a ray, z is multiplied by 1 + N(0, k). `stereo`: the disparity f_x B / z gets
-/// N(0, s) and is rounded to its step; near sigma_z = s z^2 / (f_x B). Then pixels beside a depth edge are
-/// lost with probability edge_dropout, and those out of range always. With `none` the depth is exact: no edge
-/// is lost, the range holds.
+/// N(0, s) and is rounded to its step; near sigma_z = s z^2 / (f_x B). Before that, pixels beside a depth
+/// edge take a place between its two sides with probability flying_pixels; what the second imager cannot see
+/// (stereo_shadow) and what is seen too flatly (cos_incidence) is lost. Then, in both models, pixels beside a
+/// depth edge are lost with probability edge_dropout, and those out of range always. With `none` the depth is
+/// exact: no edge is lost, the range holds.
 cv::Mat add_depth_noise(const cv::Mat& depth_m, const Camera& camera, const DepthNoise& noise,
                         std::uint64_t seed, std::int64_t frame);
 

@@ -38,16 +38,27 @@ void add_clamped(std::span<const std::int16_t> noise, std::span<std::uint8_t> va
 
 ImageNoiseSource::ImageNoiseSource(const ImageNoise& noise, std::uint64_t seed) : seed_(seed) {
   constexpr double kMost = 6000;  // grey levels: any picture is gone long before, and 16 bits hold five sigma
-  if (noise.sigma > 0) levels_ = make_levels(std::min(noise.sigma, kMost));
+  const double sigma = std::min(noise.sigma, kMost);
+  if (noise.electrons_per_level > 0)
+    for (int value = 0; value < 256; ++value)
+      sigmas_.push_back(static_cast<float>(std::sqrt(sigma * sigma + value / noise.electrons_per_level)));
+  else if (sigma > 0)
+    levels_ = make_levels(sigma);
 }
 
 void ImageNoiseSource::add_to_row(std::int64_t frame, int row, std::span<std::uint8_t> values) {
-  if (levels_.empty()) return;
+  RandomStream stream(seed_, "image_noise", static_cast<std::uint64_t>(frame),
+                      static_cast<std::uint32_t>(row));
+  if (!sigmas_.empty())
+    add_by_value(stream, values);
+  else if (!levels_.empty())
+    add_by_level(stream, values);
+}
+
+void ImageNoiseSource::add_by_level(RandomStream& stream, std::span<std::uint8_t> values) {
   const std::size_t words = (values.size() + 1) / 2;  // 32 bits are two draws
   bits_.resize(words);
   row_.resize(2 * words);
-  RandomStream stream(seed_, "image_noise", static_cast<std::uint64_t>(frame),
-                      static_cast<std::uint32_t>(row));
   stream.fill(bits_);
   const std::int16_t* levels = levels_.data();
   for (std::size_t i = 0; i < words; ++i) {
@@ -55,6 +66,15 @@ void ImageNoiseSource::add_to_row(std::int64_t frame, int row, std::span<std::ui
     row_[2 * i + 1] = levels[bits_[i] >> 16];
   }
   add_clamped(row_, values);
+}
+
+void ImageNoiseSource::add_by_value(RandomStream& stream, std::span<std::uint8_t> values) {
+  normals_.resize(values.size());
+  fill_normals(stream, normals_);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const float noisy = static_cast<float>(values[i]) + sigmas_[values[i]] * normals_[i];
+    values[i] = static_cast<std::uint8_t>(std::clamp(noisy, 0.0f, 255.0f) + 0.5f);  // cut off is rounded
+  }
 }
 
 }  // namespace uniquadric

@@ -3,13 +3,16 @@
 #include <GL/glcorearb.h>
 #include <fmt/format.h>
 
+#include <array>
 #include <stdexcept>
 #include <string>
 
 namespace uniquadric {
 namespace {
 
-const char* const kVertexShader = R"(#version 450 core
+const char* const kVersion = "#version 450 core\n";
+
+const char* const kVertexShader = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 uv;
@@ -26,30 +29,39 @@ void main() {
 
 // 1 / gl_FragCoord.w is clip w interpolated over the triangle with the right perspective: z in the camera
 // frame.
-const char* const kFragmentShader = R"(#version 450 core
+const char* const kFragmentShader = R"(
 in vec3 normal_in_camera;
 in vec2 texture_uv;
 layout(location = 2) uniform uint instance_id;
 layout(location = 3) uniform vec3 color;
 layout(location = 4) uniform vec3 sun_direction;
 layout(location = 5) uniform float ambient;
+layout(location = 6) uniform float gain;
 layout(binding = 0) uniform sampler2D surface;
+#ifdef COLOR
 layout(location = 0) out vec4 out_color;
+#endif
+#ifdef GEOMETRY
 layout(location = 1) out uint out_id;
 layout(location = 2) out float out_depth_m;
+#endif
 void main() {
+#ifdef COLOR
   vec3 n = normalize(gl_FrontFacing ? normal_in_camera : -normal_in_camera);
   float light = ambient + (1 - ambient) * max(0, -dot(n, sun_direction));
-  vec3 rgb = texture(surface, texture_uv).rgb * color * light;
-  out_color = vec4(rgb, 1);
+  out_color = vec4(texture(surface, texture_uv).rgb * color * (gain * light), 1);
+#endif
+#ifdef GEOMETRY
   out_id = instance_id;
   out_depth_m = 1 / gl_FragCoord.w;
+#endif
 }
 )";
 
-unsigned compile(const GlFunctions& gl, unsigned kind, const char* source) {
+unsigned compile(const GlFunctions& gl, unsigned kind, const std::string& definitions, const char* source) {
   const unsigned shader = gl.CreateShader(kind);
-  gl.ShaderSource(shader, 1, &source, nullptr);
+  const std::array parts = {kVersion, definitions.c_str(), source};
+  gl.ShaderSource(shader, parts.size(), parts.data(), nullptr);
   gl.CompileShader(shader);
   int done = 0;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
@@ -61,10 +73,12 @@ unsigned compile(const GlFunctions& gl, unsigned kind, const char* source) {
 
 }  // namespace
 
-unsigned make_program(const GlFunctions& gl) {
+unsigned make_program(const GlFunctions& gl, ProgramOutput output) {
   const unsigned program = gl.CreateProgram();
-  gl.AttachShader(program, compile(gl, GL_VERTEX_SHADER, kVertexShader));
-  gl.AttachShader(program, compile(gl, GL_FRAGMENT_SHADER, kFragmentShader));
+  const std::string definitions = std::string(output != ProgramOutput::geometry ? "#define COLOR\n" : "") +
+                                  (output != ProgramOutput::color ? "#define GEOMETRY\n" : "");
+  gl.AttachShader(program, compile(gl, GL_VERTEX_SHADER, definitions, kVertexShader));
+  gl.AttachShader(program, compile(gl, GL_FRAGMENT_SHADER, definitions, kFragmentShader));
   gl.LinkProgram(program);
   int done = 0;
   gl.GetProgramiv(program, GL_LINK_STATUS, &done);

@@ -12,10 +12,13 @@ enum Uniform : int {
   uniform_color = 3,
   uniform_sun_direction = 4,  ///< in the camera frame
   uniform_ambient = 5,
+  uniform_gain = 6,
 };
 
-/// Compiles the one shader program: colour, instance id and metric depth to draw buffers 0, 1, 2. Throws
-/// std::runtime_error with the compiler's log.
-unsigned make_program(const GlFunctions& gl);
+/// What a program draws: colour to draw buffer 0, instance id and metric depth to 1 and 2.
+enum class ProgramOutput { all, color, geometry };
+
+/// Compiles a shader program; all have the same uniforms. Throws std::runtime_error with the compiler's log.
+unsigned make_program(const GlFunctions& gl, ProgramOutput output);
 
 }  // namespace uniquadric

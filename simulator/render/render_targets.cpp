@@ -9,12 +9,14 @@
 namespace uniquadric {
 namespace {
 
-void attach(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, unsigned place,
-            unsigned format) {
+// `samples` 0: a buffer without multisampling. The new buffer's name.
+unsigned attach(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, unsigned place,
+                unsigned format, int samples = 0) {
   unsigned buffer = 0;
   gl.CreateRenderbuffers(1, &buffer);
-  gl.NamedRenderbufferStorage(buffer, format, targets.width, targets.height);
+  gl.NamedRenderbufferStorageMultisample(buffer, samples, format, targets.width, targets.height);
   gl.NamedFramebufferRenderbuffer(framebuffer, place, GL_RENDERBUFFER, buffer);
+  return buffer;
 }
 
 void check_complete(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer) {
@@ -39,12 +41,12 @@ void read_image(const GlFunctions& gl, const RenderTargets& targets, unsigned dr
 
 }  // namespace
 
-RenderTargets make_render_targets(const GlFunctions& gl, int width, int height) {
+RenderTargets make_render_targets(const GlFunctions& gl, int width, int height, int samples) {
   RenderTargets targets{width, height};
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl.CreateFramebuffers(1, &targets.image);
-  attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT0, GL_RGBA8);
+  const unsigned color = attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT0, GL_RGBA8);
   attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT1, GL_R16UI);
   attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT2, GL_R32F);
   attach(gl, targets, targets.image, GL_DEPTH_STENCIL_ATTACHMENT, GL_DEPTH32F_STENCIL8);
@@ -53,9 +55,20 @@ RenderTargets make_render_targets(const GlFunctions& gl, int width, int height) 
   gl.NamedFramebufferDrawBuffers(targets.image, buffers.size(), buffers.data());
   gl.CreateFramebuffers(1, &targets.silhouettes);
   attach(gl, targets, targets.silhouettes, GL_STENCIL_ATTACHMENT, GL_STENCIL_INDEX8);
-  check_complete(gl, targets, targets.image);
-  check_complete(gl, targets, targets.silhouettes);
+  gl.CreateFramebuffers(1, &targets.samples);
+  attach(gl, targets, targets.samples, GL_COLOR_ATTACHMENT0, GL_RGBA8, samples);
+  attach(gl, targets, targets.samples, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, samples);
+  gl.CreateFramebuffers(1, &targets.color);
+  gl.NamedFramebufferRenderbuffer(targets.color, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
+  for (const unsigned framebuffer : {targets.image, targets.silhouettes, targets.samples, targets.color})
+    check_complete(gl, targets, framebuffer);
   return targets;
+}
+
+void resolve_samples(const GlFunctions& gl, const RenderTargets& targets) {
+  const int w = targets.width, h = targets.height;
+  gl.BlitNamedFramebuffer(targets.samples, targets.color, 0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT,
+                          GL_NEAREST);
 }
 
 void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rgba) {

@@ -13,10 +13,16 @@ struct RenderTargets {
   /// stencil.
   unsigned image = 0;
   unsigned silhouettes = 0;  ///< 8 bits of stencil alone
+  /// Draw buffer 0 colour, several samples a pixel, with reversed-Z depth.
+  unsigned samples = 0;
+  unsigned color = 0;  ///< the image's colour alone, which resolve_samples() writes
 };
 
 /// Throws std::runtime_error when the library refuses the size.
-RenderTargets make_render_targets(const GlFunctions& gl, int width, int height);
+RenderTargets make_render_targets(const GlFunctions& gl, int width, int height, int samples);
+
+/// The image's colour becomes the mean of each pixel's samples.
+void resolve_samples(const GlFunctions& gl, const RenderTargets& targets);
 
 /// Copies what was drawn; the images are kept when they have the right size and type already.
 void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rgba);     ///< 8UC4

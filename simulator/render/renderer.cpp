@@ -1,12 +1,9 @@
 #include "simulator/render/renderer.h"
 
 #include <GL/glcorearb.h>
-#include <fmt/format.h>
 
 #include <array>
-#include <set>
 
-#include "core/base/error.h"
 #include "simulator/render/gpu_mesh.h"
 #include "simulator/render/program.h"
 #include "simulator/render/render_targets.h"
@@ -44,54 +41,48 @@ Eigen::Matrix4f clip_from_camera(const Camera& camera) {
 
 }  // namespace
 
-void check_can_render(const Scene& scene) {
-  if (scene.camera.has_distortion())
-    throw InputError(fmt::format(
-        "scene {}: camera.distortion: lens distortion cannot be rendered, give a camera without it",
-        scene.name));
-  std::set<int> ids;
-  for (const Body& body : scene.objects)
-    if (body.id < 1 || body.id > 65535 || !ids.insert(body.id).second)
-      throw InputError(fmt::format("scene {}: object {}: id {} is taken or not in 1..65535", scene.name,
-                                   body.name, body.id));
-}
-
-ScenePoses poses_at(const Scene& scene, double time_s) {
-  ScenePoses poses{scene.camera_motion.at(time_s), {}};
-  for (const Body& body : scene.objects) poses.world_from_object.push_back(body.motion.at(time_s));
-  return poses;
-}
-
-double ObjectView::visible_fraction() const {
-  return silhouette_px > 0 ? static_cast<double>(visible_px) / static_cast<double>(silhouette_px) : 0;
-}
-
 struct Renderer::State {
   std::unique_ptr<GlContext> context;
   GlFunctions gl;
   RenderTargets targets;
+  unsigned all = 0, color = 0, geometry = 0;  // programs, as ProgramOutput has them
+  int samples = 1;
   std::vector<GpuBody> world, objects;
   std::vector<Pose> world_from_static;  // one a body of the world
   Eigen::Vector3d sun_direction;
   std::array<float, 4> sky{};
-  RenderedFrame frame;  // reused, as is
-  cv::Mat bits;
+  RenderedFrame frame;  // reused, as are these
+  cv::Mat bits, step;
+  std::vector<std::uint16_t> sums;
 
-  void use_program(const Scene& scene);
-  void draw(const ScenePoses& poses, bool silhouettes);
+  unsigned prepare_program(const Scene& scene, ProgramOutput output) const;
+  void upload(const Scene& scene);
+  void draw_image(const ScenePoses& poses, bool color, bool silhouettes);
+  void draw_color(const ScenePoses& poses);
+  void draw_bodies(const ScenePoses& poses, bool silhouettes) const;
   void draw_body(const GpuBody& body, const Pose& camera_from_object) const;
+  void expose(const std::vector<ScenePoses>& exposure);
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
 };
 
-void Renderer::State::use_program(const Scene& scene) {
-  gl.UseProgram(make_program(gl));
+unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput output) const {
+  const unsigned program = make_program(gl, output);
+  gl.UseProgram(program);
   const Eigen::Matrix4f clip = clip_from_camera(scene.camera);
   gl.UniformMatrix4fv(uniform_clip_from_camera, 1, GL_FALSE, clip.data());
   gl.Uniform1f(uniform_ambient, static_cast<float>(scene.ambient));
-  gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  gl.DepthFunc(GL_GREATER);
-  gl.FrontFace(GL_CW);  // rows run down here, up in OpenGL: what is counter-clockwise turns
-  gl.Viewport(0, 0, targets.width, targets.height);
+  gl.Uniform1f(uniform_gain, static_cast<float>(scene.imaging.gain));
+  return program;
+}
+
+void Renderer::State::upload(const Scene& scene) {
+  for (const Body& body : scene.world) {
+    world.push_back(upload_body(gl, body));
+    world_from_static.push_back(body.motion.at(0));
+  }
+  for (const Body& body : scene.objects) objects.push_back(upload_body(gl, body));
+  sun_direction = scene.sun_direction.normalized();
+  for (int k = 0; k < 3; ++k) sky[k] = static_cast<float>(scene.imaging.gain * scene.sky_color[k]);
 }
 
 void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_object) const {
@@ -104,6 +95,60 @@ void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_obj
     gl.BindVertexArray(mesh.vertex_array);
     gl.DrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
   }
+}
+
+void Renderer::State::draw_bodies(const ScenePoses& poses, bool silhouettes) const {
+  const Pose camera_from_world = poses.world_from_camera.inverse();
+  const Eigen::Vector3f sun = (camera_from_world.rotation * sun_direction).cast<float>();
+  gl.Uniform3fv(uniform_sun_direction, 1, sun.data());
+  gl.Enable(GL_DEPTH_TEST);
+  if (silhouettes) begin_silhouettes(gl);
+  for (std::size_t i = 0; i < objects.size(); ++i) {  // first, so that they hide some of the world's pixels
+    if (silhouettes) gl.StencilMask(silhouette_bit(i));
+    draw_body(objects[i], camera_from_world * poses.world_from_object.at(i));
+  }
+  gl.Disable(GL_STENCIL_TEST);
+  for (std::size_t i = 0; i < world.size(); ++i)
+    draw_body(world[i], camera_from_world * world_from_static[i]);
+}
+
+// Ids and depth, which belong to pixel centres, and colour looked up there too if so asked.
+void Renderer::State::draw_image(const ScenePoses& poses, bool with_color, bool silhouettes) {
+  constexpr float kNothing[4] = {0, 0, 0, 0};
+  constexpr unsigned kNoId[4] = {0, 0, 0, 0};
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.image);
+  if (with_color) gl.ClearBufferfv(GL_COLOR, 0, sky.data());
+  gl.ClearBufferuiv(GL_COLOR, 1, kNoId);
+  gl.ClearBufferfv(GL_COLOR, 2, kNothing);
+  gl.StencilMask(0xff);
+  gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, 0, 0);  // together they are cleared in one go
+  gl.UseProgram(with_color ? all : geometry);
+  draw_bodies(poses, silhouettes);
+}
+
+// Colour alone, each pixel the mean of its samples.
+void Renderer::State::draw_color(const ScenePoses& poses) {
+  constexpr float kFarthest = 0;
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.samples);
+  gl.ClearBufferfv(GL_COLOR, 0, sky.data());
+  gl.ClearBufferfv(GL_DEPTH, 0, &kFarthest);
+  gl.UseProgram(color);
+  draw_bodies(poses, false);
+  resolve_samples(gl, targets);
+}
+
+// The mean over the steps, rounded.
+void Renderer::State::expose(const std::vector<ScenePoses>& exposure) {
+  sums.assign(4 * static_cast<std::size_t>(targets.width) * static_cast<std::size_t>(targets.height), 0);
+  for (const ScenePoses& poses : exposure) {
+    draw_color(poses);
+    read_color(gl, targets, step);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      sums[i] = static_cast<std::uint16_t>(sums[i] + step.data[i]);
+  }
+  const auto count = static_cast<unsigned>(exposure.size());
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    frame.rgba.data[i] = static_cast<unsigned char>((sums[i] + count / 2) / count);
 }
 
 std::vector<ObjectView> Renderer::State::view_objects(const ScenePoses& poses, const cv::Mat& ids) {
@@ -124,46 +169,27 @@ Renderer::Renderer(const Scene& scene) : state_(std::make_unique<State>()) {
   s.context = make_osmesa_context();
   s.context->make_current();
   s.gl = load_gl_functions(*s.context);
-  s.targets = make_render_targets(s.gl, scene.camera.width, scene.camera.height);
-  s.use_program(scene);
-  for (const Body& body : scene.world) {
-    s.world.push_back(upload_body(s.gl, body));
-    s.world_from_static.push_back(body.motion.at(0));
-  }
-  for (const Body& body : scene.objects) s.objects.push_back(upload_body(s.gl, body));
-  s.sun_direction = scene.sun_direction.normalized();
-  for (int k = 0; k < 3; ++k) s.sky[k] = static_cast<float>(scene.sky_color[k]);
+  s.samples = scene.imaging.samples;
+  s.targets =
+      make_render_targets(s.gl, scene.camera.width, scene.camera.height, s.samples > 1 ? s.samples : 0);
+  s.all = s.prepare_program(scene, ProgramOutput::all);
+  s.color = s.prepare_program(scene, ProgramOutput::color);
+  s.geometry = s.prepare_program(scene, ProgramOutput::geometry);
+  s.gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  s.gl.DepthFunc(GL_GREATER);
+  s.gl.FrontFace(GL_CW);  // rows run down here, up in OpenGL: what is counter-clockwise turns
+  s.gl.Viewport(0, 0, s.targets.width, s.targets.height);
+  s.upload(scene);
   check_gl(s.gl, "preparing to draw");
 }
 
 Renderer::~Renderer() = default;
 
-void Renderer::State::draw(const ScenePoses& poses, bool silhouettes) {
-  context->make_current();
-  constexpr float kNothing[4] = {0, 0, 0, 0};
-  constexpr unsigned kNoId[4] = {0, 0, 0, 0};
-  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.image);
-  gl.ClearBufferfv(GL_COLOR, 0, sky.data());
-  gl.ClearBufferuiv(GL_COLOR, 1, kNoId);
-  gl.ClearBufferfv(GL_COLOR, 2, kNothing);
-  gl.StencilMask(0xff);
-  gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, 0, 0);  // together they are cleared in one go
-  gl.Enable(GL_DEPTH_TEST);
-  if (silhouettes) begin_silhouettes(gl);
-  const Pose camera_from_world = poses.world_from_camera.inverse();
-  const Eigen::Vector3f sun = (camera_from_world.rotation * sun_direction).cast<float>();
-  gl.Uniform3fv(uniform_sun_direction, 1, sun.data());
-  for (std::size_t i = 0; i < objects.size(); ++i) {  // first, so that they hide some of the world's pixels
-    if (silhouettes) gl.StencilMask(silhouette_bit(i));
-    draw_body(objects[i], camera_from_world * poses.world_from_object.at(i));
-  }
-  gl.Disable(GL_STENCIL_TEST);
-  for (std::size_t i = 0; i < world.size(); ++i)
-    draw_body(world[i], camera_from_world * world_from_static[i]);
-}
-
 void Renderer::draw(const ScenePoses& poses) {
-  state_->draw(poses, false);
+  State& s = *state_;
+  s.context->make_current();
+  s.draw_image(poses, s.samples == 1, false);
+  if (s.samples > 1) s.draw_color(poses);
 }
 
 void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
@@ -174,12 +200,16 @@ void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
   check_gl(s.gl, "drawing");
 }
 
-const RenderedFrame& Renderer::render(const ScenePoses& poses) {
-  RenderedFrame& frame = state_->frame;
-  state_->draw(poses, true);
-  read_back(frame.rgba, frame.ids, frame.depth_m);
-  frame.objects = state_->view_objects(poses, frame.ids);
-  return frame;
+const RenderedFrame& Renderer::render(const ScenePoses& poses, const std::vector<ScenePoses>& exposure) {
+  State& s = *state_;
+  s.context->make_current();
+  const bool one_pass = s.samples == 1 && exposure.empty();
+  s.draw_image(poses, one_pass, true);
+  if (!one_pass && exposure.empty()) s.draw_color(poses);
+  read_back(s.frame.rgba, s.frame.ids, s.frame.depth_m);
+  if (!exposure.empty()) s.expose(exposure);
+  s.frame.objects = s.view_objects(poses, s.frame.ids);
+  return s.frame;
 }
 
 }  // namespace uniquadric

@@ -30,11 +30,14 @@ struct ObjectView {
 };
 
 struct RenderedFrame {
-  cv::Mat rgba;                     ///< 8UC4, the fourth channel without meaning
+  cv::Mat rgba;                     ///< 8UC4, the fourth channel without meaning; made as scene.imaging says
   cv::Mat ids;                      ///< 16UC1: the object's id, 0 for the world and where nothing is
   cv::Mat depth_m;                  ///< 32FC1: z along the optical axis [m], 0 where nothing is
   std::vector<ObjectView> objects;  ///< in the scene's order
 };
+
+/// Where everything is in the middles of the exposure's steps; empty when exposure_s is 0.
+std::vector<ScenePoses> exposure_poses(const Scene& scene, double time_s);
 
 /// Throws InputError when the camera has lens distortion, which a linear projection cannot draw, or when an
 /// object's id is outside 1..65535 or stands twice.
@@ -50,8 +53,9 @@ class Renderer {
   explicit Renderer(const Scene& scene);
   ~Renderer();
 
-  /// The frame is the renderer's own, until the next call.
-  const RenderedFrame& render(const ScenePoses& poses);
+  /// The frame is the renderer's own, until the next call. Ids, depth and objects are those of `poses`, and
+  /// the colour too unless there is an `exposure`, whose mean it is then.
+  const RenderedFrame& render(const ScenePoses& poses, const std::vector<ScenePoses>& exposure = {});
 
   /// The steps of render(), apart, for measurements: draws colour, ids and depth;
   void draw(const ScenePoses& poses);

@@ -35,11 +35,24 @@ struct DepthNoise {
   double disparity_sigma_px = 0.08;            ///< stereo: s
   double disparity_step_px = 1.0 / 32;         ///< stereo: quantisation
   double edge_dropout = 0.3;                   ///< probability that a pixel beside a depth edge is lost
+  double flying_pixels = 0.3;      ///< stereo: probability that it lies between the edge's two sides instead
+  double max_incidence_deg = 80;   ///< stereo: surfaces seen at a flatter angle are lost; 90 keeps all
+  bool shadow = true;              ///< stereo: what the second imager, baseline_m to the right, cannot see is lost
   double min_range_m = 0.1, max_range_m = 20;  ///< outside: no depth
+};
+
+/// How the camera makes its colour image. Ids, depth and true masks belong to pixel centres and the stamp alone.
+struct Imaging {
+  int samples = 4;        ///< places in a pixel that surfaces are looked up at, 1 or 4 (anti-aliased edges)
+  double gain = 1;        ///< exposure: grey levels are multiplied by it and saturate at 255
+  double exposure_s = 0;  ///< time the shutter is open, its middle at the stamp: 0 is no motion blur
+  int exposure_steps = 8;  ///< images whose mean is the blurred one
 };
 
 struct ImageNoise {
   double sigma = 2;  ///< grey levels, white Gaussian
+  /// Shot noise: the variance of a value has value / electrons_per_level besides; 0 is none.
+  double electrons_per_level = 0;
 };
 
 /// Errors of the simulated segmenter, whose masks come from the true ones.
@@ -79,6 +92,7 @@ struct Scene {
   Eigen::Vector3d sky_color = Eigen::Vector3d::Zero();  ///< (red, green, blue) where no surface is
   bool depth = true;                                    ///< whether the camera measures depth
   DepthNoise depth_noise;
+  Imaging imaging;
   ImageNoise image_noise;
   SegmenterNoise segmenter;
   std::optional<ImuRig> imu;

@@ -39,11 +39,28 @@ void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
   noise.disparity_sigma_px = at_least_0(node, "disparity_sigma_px", noise.disparity_sigma_px);
   noise.disparity_step_px = at_least_0(node, "disparity_step_px", noise.disparity_step_px);
   noise.edge_dropout = probability(node, "edge_dropout", noise.edge_dropout);
+  noise.flying_pixels = probability(node, "flying_pixels", noise.flying_pixels);
+  noise.max_incidence_deg = node.positive("max_incidence_deg", noise.max_incidence_deg);
+  if (noise.max_incidence_deg > 90) node.at("max_incidence_deg").fail("expected at most 90");
+  noise.shadow = node.get<bool>("shadow", noise.shadow);
   noise.min_range_m = node.positive("min_range_m", noise.min_range_m);
   noise.max_range_m = node.positive("max_range_m", noise.max_range_m);
   if (noise.max_range_m <= noise.min_range_m)
     node.fail(
         fmt::format("max_range_m {} is not above min_range_m {}", noise.max_range_m, noise.min_range_m));
+}
+
+void read_imaging(const ConfigNode& node, double rate_hz, Imaging& imaging) {
+  constexpr int kMostSteps = 256;  // of 255 grey levels each, in 16 bits
+  imaging.samples = node.get<int>("samples", imaging.samples);
+  if (imaging.samples != 1 && imaging.samples != 4) node.at("samples").fail("expected 1 or 4");
+  imaging.gain = node.positive("gain", imaging.gain);
+  imaging.exposure_s = at_least_0(node, "exposure_s", imaging.exposure_s);
+  if (imaging.exposure_s * rate_hz > 1)
+    node.at("exposure_s").fail(fmt::format("is longer than a frame, {} s", 1 / rate_hz));
+  imaging.exposure_steps = node.get<int>("exposure_steps", imaging.exposure_steps);
+  if (imaging.exposure_steps < 1 || imaging.exposure_steps > kMostSteps)
+    node.at("exposure_steps").fail(fmt::format("expected 1 to {}", kMostSteps));
 }
 
 void read_segmenter(const ConfigNode& node, SegmenterNoise& noise) {
@@ -82,8 +99,11 @@ void read_sensor_models(const ConfigNode& root, Scene& scene) {
   };
   section("light", [&](const ConfigNode& node) { read_light(node, scene); });
   section("depth_noise", [&](const ConfigNode& node) { read_depth_noise(node, scene.depth_noise); });
+  section("image", [&](const ConfigNode& node) { read_imaging(node, scene.rate_hz, scene.imaging); });
   section("image_noise", [&](const ConfigNode& node) {
     scene.image_noise.sigma = at_least_0(node, "sigma", scene.image_noise.sigma);
+    scene.image_noise.electrons_per_level =
+        at_least_0(node, "electrons_per_level", scene.image_noise.electrons_per_level);
   });
   section("imu", [&](const ConfigNode& node) { read_imu(node, scene.imu.emplace()); });
   scene.lidar = root.find("lidar");

@@ -12,6 +12,7 @@
 #include "simulator/noise/normals.h"
 #include "simulator/noise/outline_distance.h"
 #include "simulator/noise/segmenter.h"
+#include "simulator/noise/stereo_depth.h"
 
 namespace uniquadric {
 namespace {
@@ -111,6 +112,26 @@ TEST(ImageNoise, StopsAtBlackAndWhiteAndDependsOnSeedAndFrame) {
   EXPECT_TRUE(same(image, add_image_noise(image, {0}, 1, 5)));
 }
 
+TEST(ImageNoise, ShotNoiseAddsAVarianceInProportionToTheSignal) {
+  const ImageNoise noise{1.5, 8};
+  int cases = 0;
+  for (const int value : {0, 40, 120, 200}) {
+    const cv::Mat grey(480, 640, CV_8UC3, cv::Scalar::all(value));
+    const cv::Mat noisy = add_image_noise(grey, noise, 1, 5);
+    const std::vector<double> x(noisy.datastart, noisy.dataend);
+    const double variance = 1.5 * 1.5 + value / 8.0 + 1 / 12.0;  // Sheppard: rounding adds 1/12
+    if (value == 0) {                                            // the half below black is cut off
+      EXPECT_NEAR(mean(x), 1.5 / std::sqrt(2 * std::numbers::pi), 0.02);
+    } else {
+      EXPECT_NEAR(mean(x), value, kSigmas * std::sqrt(variance / count_of(x)));
+      EXPECT_NEAR(deviation(x) / std::sqrt(variance), 1, 2e-4 + kSigmas / std::sqrt(2 * count_of(x)))
+          << value;
+    }
+    ++cases;
+  }
+  EXPECT_EQ(cases, 4);
+}
+
 TEST(ImageNoise, IsWhite) {
   const cv::Mat grey(256, 256, CV_8UC3, cv::Scalar::all(128));
   const cv::Mat noisy = add_image_noise(grey, {3}, 1, 5).reshape(1);
@@ -205,6 +226,84 @@ TEST(DepthNoise, NothingStaysNothingAndNoneIsExact) {
   cv::Mat depth_m(40, 40, CV_32FC1, cv::Scalar(1.234f));
   depth_m.col(7) = 2.5;
   EXPECT_TRUE(same(add_depth_noise(depth_m, {}, noise, 1, 1), depth_m));
+}
+
+TEST(StereoDepth, ANearEdgeThrowsAShadowOfTheStepInDisparityToItsLeft) {
+  constexpr double kFocalBaseline = 50;  // px m
+  cv::Mat depth_m(8, 300, CV_32FC1, cv::Scalar(4));
+  depth_m.colRange(100, 140) = 1;
+  depth_m.colRange(200, 210) = 0;  // nothing casts no shadow
+  depth_m.colRange(250, 300) = 6;  // nor does what is farther
+  const cv::Mat shadow = stereo_shadow(depth_m, kFocalBaseline);
+  const int width_px = static_cast<int>(std::floor(kFocalBaseline * (1 / 1.0 - 1 / 4.0)));
+  for (int u = 0; u < depth_m.cols; ++u)
+    EXPECT_EQ(cv::countNonZero(shadow.col(u)), u >= 100 - width_px && u < 100 ? depth_m.rows : 0) << u;
+}
+
+TEST(StereoDepth, LosesPlanesByTheAngleBetweenRayAndNormal) {
+  const Camera camera = {160, 120, 140, 150, 78.3, 60.9, {}};
+  const double limit = std::cos(80 * std::numbers::pi / 180);
+  constexpr double kUndecided = 2e-3;  // cosine: differences of inverse depth in single precision
+  int lost = 0, kept = 0;
+  for (const double tilt_deg : {0.0, 60.0, 79.0, 81.0, 86.0})
+    for (const double azimuth_deg : {0.0, 50.0, 90.0, 200.0}) {
+      const double tilt = tilt_deg * std::numbers::pi / 180, azimuth = azimuth_deg * std::numbers::pi / 180;
+      const Eigen::Vector3d normal(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth),
+                                   std::cos(tilt));
+      cv::Mat depth_m = cv::Mat::zeros(camera.height, camera.width, CV_32FC1), cosine = depth_m.clone();
+      for (int v = 0; v < camera.height; ++v)
+        for (int u = 0; u < camera.width; ++u) {
+          const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
+          const double z_m = 2 * normal.z() / normal.dot(ray);  // the plane through (0, 0, 2)
+          if (z_m > 0) depth_m.at<float>(v, u) = static_cast<float>(z_m);
+          cosine.at<float>(v, u) = static_cast<float>(normal.dot(ray) / ray.norm());
+        }
+      const cv::Mat flat = flat_incidence(depth_m, camera, 80);
+      for (int v = 1; v + 1 < camera.height; ++v)
+        for (int u = 1; u + 1 < camera.width; ++u) {
+          const double c = cosine.at<float>(v, u);
+          if (depth_m.at<float>(v, u) <= 0 || std::abs(c - limit) < kUndecided) continue;
+          ASSERT_EQ(flat.at<std::uint8_t>(v, u) != 0, c < limit)
+              << tilt_deg << " " << azimuth_deg << " " << c;
+          ++(c < limit ? lost : kept);
+        }
+    }
+  EXPECT_GT(lost, 20000);
+  EXPECT_GT(kept, 150000);
+}
+
+TEST(StereoDepth, FlyingPixelsLieEvenlyBetweenTheSidesOfTheEdge) {
+  cv::Mat depth_m(2000, 40, CV_32FC1, cv::Scalar(1));
+  depth_m.colRange(20, 40) = 3;
+  const cv::Mat edges = depth_edges(depth_m);
+  cv::Mat flying_m = depth_m.clone();
+  scatter_edges(flying_m, edges, 0.3, 9, 4);
+  std::vector<double> moved;
+  for (int v = 0; v < depth_m.rows; ++v)
+    for (int u = 0; u < depth_m.cols; ++u)
+      if (flying_m.at<float>(v, u) != depth_m.at<float>(v, u)) {
+        ASSERT_TRUE(u == 19 || u == 20) << u;
+        moved.push_back(flying_m.at<float>(v, u));
+      }
+  EXPECT_NEAR(count_of(moved), 1200, kSigmas * std::sqrt(4000 * 0.3 * 0.7));
+  EXPECT_NEAR(mean(moved), 2, kSigmas * 2 / std::sqrt(12 * count_of(moved)));  // even in [1, 3]
+  EXPECT_NEAR(deviation(moved), 2 / std::sqrt(12.0), kSigmas * 0.5 / std::sqrt(count_of(moved)));
+  EXPECT_GT(*std::min_element(moved.begin(), moved.end()), 1);
+  EXPECT_LT(*std::max_element(moved.begin(), moved.end()), 3);
+}
+
+TEST(DepthNoise, StereoSeesTwiceAndProportionalOnce) {
+  DepthNoise noise;
+  noise.k = 0, noise.disparity_sigma_px = 0, noise.disparity_step_px = 0, noise.edge_dropout = 0;
+  noise.flying_pixels = 0;
+  cv::Mat depth_m(4, 300, CV_32FC1, cv::Scalar(4));
+  depth_m.colRange(100, 140) = 1;
+  EXPECT_EQ(cv::countNonZero(add_depth_noise(depth_m, {}, noise, 1, 1) == 0), 0);
+  noise.model = DepthNoise::Model::stereo;
+  const int width_px = static_cast<int>(Camera().fx * noise.baseline_m * 0.75);
+  EXPECT_EQ(cv::countNonZero(add_depth_noise(depth_m, {}, noise, 1, 1) == 0), 4 * width_px);
+  noise.shadow = false;
+  EXPECT_EQ(cv::countNonZero(add_depth_noise(depth_m, {}, noise, 1, 1) == 0), 0);
 }
 
 TEST(OutlineDistance, IsTheDistanceToTheNearestPixelOfTheOtherSide) {

@@ -194,6 +194,99 @@ TEST(Renderer, TextureStandsUpright) {
   EXPECT_EQ(rgba.at<cv::Vec4b>(44, 54), cv::Vec4b(0, 0, 0, 255));
 }
 
+// A white square of 40 px before black; unshifted, its edges run between pixels.
+Scene white_square() {
+  const Eigen::Vector3d axes(0.2, 0.2, 0.01);
+  Scene scene;
+  scene.camera = {100, 80, 100, 100, 49.5, 39.5, {}};
+  scene.ambient = 1;
+  Mesh mesh = box_mesh(axes);
+  mesh.texture = cv::Mat();
+  scene.objects = {make_body(1, mesh, axes, Motion())};
+  return scene;
+}
+
+ScenePoses shifted(double x_px, double y_px) {
+  return {Pose(), {{Eigen::Quaterniond::Identity(), {x_px / 100, y_px / 100, 1.01}}}};
+}
+
+TEST(Renderer, EdgesShowTheShareOfThePixelThatTheyCover) {
+  Renderer renderer(white_square());
+  constexpr int kRounding = 1;  // grey level
+  int cases = 0;
+  for (const double shift_px : {0.25, 0.5, 0.75}) {  // four samples stand in four columns and four rows
+    const cv::Mat along = renderer.render(shifted(shift_px, 0)).rgba.clone();
+    EXPECT_NEAR(along.at<cv::Vec4b>(40, 30)[0], 255 * (1 - shift_px), kRounding);
+    EXPECT_NEAR(along.at<cv::Vec4b>(40, 70)[1], 255 * shift_px, kRounding);
+    const cv::Mat across = renderer.render(shifted(0, shift_px)).rgba;
+    EXPECT_NEAR(across.at<cv::Vec4b>(20, 50)[2], 255 * (1 - shift_px), kRounding);
+    EXPECT_NEAR(across.at<cv::Vec4b>(60, 50)[0], 255 * shift_px, kRounding);
+    EXPECT_EQ(across.at<cv::Vec4b>(40, 50)[0], 255);
+    ++cases;
+  }
+  EXPECT_EQ(cases, 3);
+}
+
+TEST(Renderer, SamplesChangeColorAtEdgesAlone) {
+  Scene scene = two_boxes();
+  scene.imaging.samples = 1;
+  const RenderedFrame one = Renderer(scene).render(poses_at(scene, 0.4));
+  scene.imaging.samples = 4;
+  const RenderedFrame four = Renderer(scene).render(poses_at(scene, 0.4));
+  EXPECT_TRUE(same(one.ids, four.ids));
+  EXPECT_TRUE(same(one.depth_m, four.depth_m));
+  int edge_pixels = 0;
+  for (int v = 1; v + 1 < one.ids.rows; ++v)
+    for (int u = 1; u + 1 < one.ids.cols; ++u) {
+      const bool differs = one.rgba.at<cv::Vec4b>(v, u) != four.rgba.at<cv::Vec4b>(v, u);
+      if (differs) ++edge_pixels;
+    }
+  EXPECT_GT(edge_pixels, 100);
+  EXPECT_LT(edge_pixels, 1000);  // of 160 x 120: outlines, and edges between faces
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(one.objects[i].silhouette_px, four.objects[i].silhouette_px);
+}
+
+TEST(Renderer, ExposureIsTheMeanOverTheTimeTheShutterIsOpen) {
+  // An edge that sweeps w pixels leaves a ramp w pixels wide; ids are those of its middle.
+  Scene scene = white_square();
+  scene.imaging.samples = 1;
+  Renderer renderer(scene);
+  constexpr int kSteps = 40, kWidth_px = 10;
+  std::vector<ScenePoses> exposure;
+  for (int i = 0; i < kSteps; ++i) exposure.push_back(shifted(kWidth_px * ((i + 0.5) / kSteps - 0.5), 0));
+  const RenderedFrame& frame = renderer.render(shifted(0, 0), exposure);
+  int ramp = 0;
+  for (int u = 20; u < 45; ++u) {  // the edge's middle stands between columns 29 and 30
+    const double share = std::clamp((u + 0.5 - (30 - kWidth_px / 2)) / kWidth_px, 0.0, 1.0);
+    EXPECT_NEAR(frame.rgba.at<cv::Vec4b>(40, u)[0], 255 * share, 255.0 / kSteps) << u;
+    ramp += share > 0 && share < 1;
+    EXPECT_EQ(frame.ids.at<std::uint16_t>(40, u), u >= 30 ? 1 : 0);
+  }
+  EXPECT_EQ(ramp, kWidth_px);
+}
+
+TEST(ExposurePoses, AreTheMiddlesOfItsStepsAboutTheStamp) {
+  Scene scene = two_boxes();
+  EXPECT_TRUE(exposure_poses(scene, 0.5).empty());
+  scene.imaging.exposure_s = 0.03;
+  scene.imaging.exposure_steps = 3;
+  const auto steps = exposure_poses(scene, 0.5);
+  ASSERT_EQ(steps.size(), 3u);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(steps[i].world_from_object[1].translation.x(), -0.6 + 1.2 * (0.49 + 0.01 * i), 1e-12);
+}
+
+TEST(Renderer, GainBrightensUpToWhite) {
+  Scene scene = white_square();
+  scene.objects[0].meshes[0].color = {0.2f, 0.4f, 0.8f};
+  scene.sky_color = {0.1, 0.6, 0};
+  scene.imaging.gain = 2;
+  const cv::Mat rgba = Renderer(scene).render(shifted(0, 0)).rgba;
+  EXPECT_EQ(rgba.at<cv::Vec4b>(40, 50), cv::Vec4b(102, 204, 255, 255));
+  EXPECT_EQ(rgba.at<cv::Vec4b>(5, 5)[0], 51);
+  EXPECT_EQ(rgba.at<cv::Vec4b>(5, 5)[1], 255);
+}
+
 TEST(Renderer, DrawsTheSameBytesInAnyThreadAndOrder) {
   const Scene scene = two_boxes();
   const auto draw = [&](std::initializer_list<double> times_s) {

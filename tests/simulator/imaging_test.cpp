@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/base/files.h"
+#include "simulator/scene/scene.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+
+Scene read_with(const std::string& sections) {
+  const TempFolder temp;
+  write_text(temp.path() / "scene.yaml",
+             "rate_hz: 20\ncamera: {motion: {kind: static}}\n"
+             "world:\n  - {name: floor, primitive: plane, size_m: [1, 1]}\n" +
+                 sections);
+  return load_scene(temp.path() / "scene.yaml");
+}
+
+TEST(ReadImaging, TakesEveryKey) {
+  const Scene scene = read_with(
+      "image: {samples: 1, gain: 1.5, exposure_s: 0.02, exposure_steps: 12}\n"
+      "image_noise: {sigma: 1, electrons_per_level: 40}\n"
+      "depth_noise: {model: stereo, shadow: false, max_incidence_deg: 75, flying_pixels: 0.1}\n");
+  EXPECT_EQ(scene.imaging.samples, 1);
+  EXPECT_EQ(scene.imaging.gain, 1.5);
+  EXPECT_EQ(scene.imaging.exposure_s, 0.02);
+  EXPECT_EQ(scene.imaging.exposure_steps, 12);
+  EXPECT_EQ(scene.image_noise.electrons_per_level, 40);
+  EXPECT_FALSE(scene.depth_noise.shadow);
+  EXPECT_EQ(scene.depth_noise.max_incidence_deg, 75);
+  EXPECT_EQ(scene.depth_noise.flying_pixels, 0.1);
+}
+
+TEST(ReadImaging, RefusesWhatNoCameraDoes) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"image: {samples: 2}", "expected 1 or 4"},
+      {"image: {gain: 0}", "gain"},
+      {"image: {exposure_s: -0.1}", "cannot be negative"},
+      {"image: {exposure_s: 0.06}", "longer than a frame, 0.05 s"},
+      {"image: {exposure_steps: 0}", "expected 1 to 256"},
+      {"image: {exposure_steps: 257}", "expected 1 to 256"},
+      {"image: {iso: 100}", "iso"},
+      {"image_noise: {electrons_per_level: -1}", "cannot be negative"},
+      {"depth_noise: {max_incidence_deg: 91}", "at most 90"},
+      {"depth_noise: {flying_pixels: 1.5}", "expected 0 to 1"}};
+  for (const auto& [section, said] : cases) {
+    const std::string message = input_error([&] { read_with(section + "\n"); });
+    EXPECT_NE(message.find(said), std::string::npos) << section << ": " << message;
+    EXPECT_NE(message.find("scene.yaml:5"), std::string::npos) << message;
+  }
+  EXPECT_EQ(cases.size(), 10u);
+}
+
+}  // namespace
+}  // namespace uniquadric
