@@ -10,7 +10,7 @@ namespace uniquadric {
 ImageOverlap overlap_in_image(const Camera& camera, const ObservedEllipsoid& truth,
                               const ObservedEllipsoid& estimate) {
   const auto outline = [&](const ObservedEllipsoid& seen) {
-    return project(camera, seen.world_from_camera.inverse() * seen.ellipsoid.world_from_object,
+    return project(camera, relative_pose(seen.world_from_camera, seen.ellipsoid.world_from_object),
                    seen.ellipsoid.semi_axes_m);
   };
   const EllipseProjection a = outline(truth), b = outline(estimate);

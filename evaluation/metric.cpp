@@ -48,7 +48,7 @@ json answer_project(const MetricLine& line) {
   const auto [camera, world_from_camera] = line.camera();
   const Ellipsoid body = line.ellipsoid("gt");
   const EllipseProjection outline =
-      project(camera, world_from_camera.inverse() * body.world_from_object, body.semi_axes_m);
+      project(camera, relative_pose(world_from_camera, body.world_from_object), body.semi_axes_m);
   if (outline.status != ProjectionStatus::ok) return {{"status", to_string(outline.status)}};
   const Ellipse& e = outline.ellipse;
   return {{"status", "ok"},

@@ -1,6 +1,7 @@
 #include "core/geometry/ellipsoid.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -8,21 +9,40 @@
 namespace uniquadric {
 namespace {
 
-// Semi-axes and angle of the ellipse with centre mu and shape Sigma.
-Ellipse ellipse_from_moments(const Eigen::Vector2d& mu, const Eigen::Matrix2d& sigma) {
+// Semi-axes and angle of the ellipse with centre mu, shape Sigma and det Sigma.
+Ellipse ellipse_from_moments(const Eigen::Vector2d& mu, const Eigen::Matrix2d& sigma, double determinant) {
   // Closed form of the 2x2 symmetric eigenproblem; hypot keeps near-circles exact.
   const double mean = (sigma(0, 0) + sigma(1, 1)) / 2;
   const double half_difference = (sigma(0, 0) - sigma(1, 1)) / 2;
   const double off = sigma(0, 1);
   const double radius = std::hypot(half_difference, off);
   const double major = mean + radius;
-  // The smaller eigenvalue as determinant / larger: no cancellation for thin ellipses.
-  const double minor = (sigma(0, 0) * sigma(1, 1) - off * off) / major;
+  // The smaller eigenvalue as determinant / larger: as good as the determinant, where mean - radius would
+  // cancel once more. Of equal ones rounding may not make the smaller the larger.
+  const double minor = std::min(determinant / major, major);
   assert(major > 0 && minor > 0);
   double angle = radius > 0 ? 0.5 * std::atan2(off, half_difference) : 0;
   if (angle < 0) angle += std::numbers::pi;
   if (angle >= std::numbers::pi) angle = 0;
   return {mu, std::sqrt(major), std::sqrt(minor), angle};
+}
+
+using Matrix23d = Eigen::Matrix<double, 2, 3>;
+
+// G of Sigma = G G^T in the normalised image plane. C* = L L^T - t t^T stays the same when L = R diag(a) is
+// turned from the right until its last row is (0, 0, h). With its upper rows [A b] then
+//   Sigma = C*_{1:2,1:2} / s + mu mu^T = (A A^T + (b t_z - t h)(b t_z - t h)^T / s) / s,  s = t_z^2 - h^2,
+// a sum of squares, where the difference of the two terms loses half the digits of small, distant or thin
+// bodies.
+Matrix23d outline_factor(const Eigen::Matrix3d& L, const Eigen::Vector3d& t, double s) {
+  // Householder: the reflection along v carries the last row to (0, 0, h); its sign avoids cancellation.
+  Eigen::Vector3d v = L.row(2);
+  const double h = std::copysign(v.norm(), -v.z());
+  v.z() -= h;
+  Matrix23d G = L.topRows<2>();
+  G -= (G * v) * (2 / v.squaredNorm()) * v.transpose();
+  G.col(2) = (G.col(2) * t.z() - t.head<2>() * h) / std::sqrt(s);
+  return G / std::sqrt(s);
 }
 
 }  // namespace
@@ -62,22 +82,16 @@ EllipseProjection project(const Camera& camera, const Pose& camera_from_object,
   if (t.z() <= -half_depth) return {ProjectionStatus::behind, {}};
   if (t.z() <= half_depth) return {ProjectionStatus::not_an_ellipse, {}};
 
-  // C* = M - t t^T in the normalised image plane, M = R diag(a^2) R^T. Its Sigma = C*_{1:2,1:2}/-C*_33 + mu
-  // mu^T is written as a sum of squares, since the direct difference loses half the digits for small or
-  // distant objects.
   const Eigen::Matrix3d L = R * semi_axes_m.asDiagonal();
   const double scale = (t.z() - half_depth) * (t.z() + half_depth);  // -C*_33 > 0
-  const Eigen::Matrix3d M = L * L.transpose();
-  const Eigen::Vector2d mu = (t.head<2>() * t.z() - M.topRightCorner<2, 1>()) / scale;
-  // With s = t_z^2 - M_33 and m = M_{1:2,3}: s Sigma = M_12 - t t^T + s mu mu^T = rows rows^T - d d^T, where
-  // d is what perspective shifts the outline's centre off the projected centre.
-  const Eigen::Matrix<double, 2, 3> rows = L.topRows<2>() - mu * L.row(2);
-  const Eigen::Vector2d d = t.head<2>() - mu * t.z();
-  const Eigen::Matrix2d sigma = (rows * rows.transpose() - d * d.transpose()) / scale;
-
+  const Eigen::Vector2d mu = (t.head<2>() * t.z() - L.topRows<2>() * L.row(2).transpose()) / scale;
   const Eigen::DiagonalMatrix<double, 2> F(camera.fx, camera.fy);
   const Eigen::Vector2d center(camera.fx * mu.x() + camera.cx, camera.fy * mu.y() + camera.cy);
-  return {ProjectionStatus::ok, ellipse_from_moments(center, F * sigma * F)};
+  const Matrix23d G = F * outline_factor(L, t, scale);
+  // det G G^T (Cauchy-Binet), which keeps twice the digits that the determinant of the product does.
+  const double determinant = Eigen::Vector3d(G.row(0)).cross(Eigen::Vector3d(G.row(1))).squaredNorm();
+  if (!(determinant > 0)) return {ProjectionStatus::not_an_ellipse, {}};
+  return {ProjectionStatus::ok, ellipse_from_moments(center, G * G.transpose(), determinant)};
 }
 
 Eigen::Matrix2d ellipse_covariance(const Ellipse& ellipse) {
@@ -99,7 +113,8 @@ Eigen::Matrix3d dual_conic(const Ellipse& ellipse) {
 Ellipse ellipse_from_dual_conic(const Eigen::Matrix3d& dual_conic) {
   const Eigen::Matrix3d C = dual_conic / -dual_conic(2, 2);
   const Eigen::Vector2d mu = -C.topRightCorner<2, 1>();
-  return ellipse_from_moments(mu, C.topLeftCorner<2, 2>() + mu * mu.transpose());
+  const Eigen::Matrix2d sigma = C.topLeftCorner<2, 2>() + mu * mu.transpose();
+  return ellipse_from_moments(mu, sigma, sigma(0, 0) * sigma(1, 1) - sigma(0, 1) * sigma(1, 0));
 }
 
 }  // namespace uniquadric

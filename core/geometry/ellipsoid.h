@@ -24,7 +24,8 @@ struct Ellipse {
 enum class ProjectionStatus {
   ok,
   behind,          ///< wholly behind the camera's principal plane
-  not_an_ellipse,  ///< crosses the principal plane: the image is a parabola or a hyperbola
+  not_an_ellipse,  ///< crosses the principal plane: the image is a parabola or a hyperbola; or it is so
+                   ///< thin (1:1e-15) that it cannot be told from a line
   inside,          ///< the camera centre lies inside the ellipsoid (or on it): there is no outline
 };
 const char* to_string(ProjectionStatus status);

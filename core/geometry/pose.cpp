@@ -24,6 +24,12 @@ Pose Pose::operator*(const Pose& b) const {
   return {rotation * b.rotation, *this * b.translation};
 }
 
+Pose relative_pose(const Pose& world_from_a, const Pose& world_from_b) {
+  const Eigen::Quaterniond a_from_world = world_from_a.rotation.conjugate();
+  return {a_from_world * world_from_b.rotation,
+          a_from_world * (world_from_b.translation - world_from_a.translation)};
+}
+
 Eigen::Matrix4d Pose::matrix() const {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
   m.topLeftCorner<3, 3>() = rotation.toRotationMatrix();

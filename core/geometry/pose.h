@@ -19,6 +19,10 @@ struct Pose {
   Eigen::Matrix4d matrix() const;
 };
 
+/// a_from_b of two poses in one world. The positions are subtracted before they are turned, so that far from
+/// the world's origin no digits are lost, as they are in `world_from_a.inverse() * world_from_b`.
+Pose relative_pose(const Pose& world_from_a, const Pose& world_from_b);
+
 /// Rotation vector [rad] of R; the angle is in [0, pi].
 Eigen::Vector3d log_so3(const Eigen::Quaterniond& q);
 Eigen::Quaterniond exp_so3(const Eigen::Vector3d& rotation_vector);

@@ -10,12 +10,12 @@ PoseError size_of(const Pose& error) {
 // a^-1 b, exactly the identity for the same numbers: a perfect estimate has no error at all.
 Pose difference(const Pose& a, const Pose& b) {
   if (a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs()) return {};
-  return a.inverse() * b;
+  return relative_pose(a, b);
 }
 
 Pose relative_difference(const Pose& reference_i, const Pose& reference_j, const Pose& estimate_i,
                          const Pose& estimate_j) {
-  return difference(reference_i.inverse() * reference_j, estimate_i.inverse() * estimate_j);
+  return difference(relative_pose(reference_i, reference_j), relative_pose(estimate_i, estimate_j));
 }
 
 double distance_from_identity(const Pose& pose) {
