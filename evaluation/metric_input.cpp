@@ -12,6 +12,10 @@ namespace uniquadric {
 namespace {
 using nlohmann::json;
 
+constexpr int kMaxDepth = 8;  // ours: a line nests 3 deep; no stack is at risk up to here
+// ours: ratios of squares of these stay far within a double, and no scene comes near them.
+constexpr double kMinSemiAxis_m = 1e-9, kMaxSemiAxis_m = 1e12, kMaxPosition_m = 1e12;
+constexpr double kMinFocal_px = 1e-6, kMaxFocal_px = 1e9, kMaxPrincipalPoint_px = 1e9;
 constexpr double kQuaternionTolerance = 1e-3;       // SPEC 6: further off is an error
 constexpr double kQuaternionKeepTolerance = 1e-12;  // rounding of a unit quaternion's own digits
 
@@ -31,6 +35,14 @@ std::string without_non_finite(const std::string& line) {
     if (!replaced) result += line[i];
   }
   return result;
+}
+
+json parse(const std::string& text) {
+  const auto shallow = [](int depth, json::parse_event_t, json&) {
+    if (depth > kMaxDepth) throw InputError(fmt::format("is nested more than {} levels deep", kMaxDepth));
+    return true;
+  };
+  return json::parse(text, shallow, false);
 }
 
 const json& member(const json& object, const std::string& path, const char* key) {
@@ -54,9 +66,20 @@ std::array<double, N> numbers(const json& object, const std::string& path, const
   return values;
 }
 
-Eigen::Vector3d vector3(const json& object, const std::string& path, const char* key) {
+void expect_within(double value, double low, double high, const std::string& name) {
+  if (!(value >= low && value <= high))
+    throw InputError(fmt::format("{}: expected a number from {} to {}, found {}", name, low, high, value));
+}
+
+Eigen::Vector3d vector3(const json& object, const std::string& path, const char* key, double low,
+                        double high) {
   const auto v = numbers<3>(object, path, key);
+  for (std::size_t i = 0; i < 3; ++i) expect_within(v[i], low, high, fmt::format("{}.{}[{}]", path, key, i));
   return {v[0], v[1], v[2]};
+}
+
+Eigen::Vector3d position_m(const json& object, const std::string& path, const char* key) {
+  return vector3(object, path, key, -kMaxPosition_m, kMaxPosition_m);
 }
 
 Eigen::Quaterniond unit_quaternion(const json& object, const std::string& path, const char* key) {
@@ -85,8 +108,8 @@ struct MetricLine::Json {
 };
 
 MetricLine::MetricLine(const std::string& text) {
-  json parsed = json::parse(text, nullptr, false);
-  if (parsed.is_discarded()) parsed = json::parse(without_non_finite(text), nullptr, false);
+  json parsed = parse(text);
+  if (parsed.is_discarded()) parsed = parse(without_non_finite(text));
   if (parsed.is_discarded()) throw InputError("is not valid JSON");
   if (!parsed.is_object()) throw InputError("expected a JSON object");
   json_ = std::make_shared<const Json>(Json{std::move(parsed)});
@@ -94,7 +117,10 @@ MetricLine::MetricLine(const std::string& text) {
 
 std::string MetricLine::id_json() const {
   const auto id = json_->value.find("id");
-  return id == json_->value.end() ? "null" : id->dump();
+  if (id == json_->value.end()) return "null";
+  if (!id->is_string() && !id->is_number() && !id->is_null())
+    throw InputError("id: expected a string, a number or null");
+  return id->dump();
 }
 
 Ellipsoid MetricLine::ellipsoid(const char* key) const {
@@ -102,12 +128,8 @@ Ellipsoid MetricLine::ellipsoid(const char* key) const {
   const auto found = line.find(key);
   if (found == line.end()) throw InputError(fmt::format("{} is missing", key));
   Ellipsoid result;
-  result.world_from_object = {unit_quaternion(*found, key, "q"), vector3(*found, key, "c")};
-  result.semi_axes_m = vector3(*found, key, "a");
-  for (int i = 0; i < 3; ++i)
-    if (!(result.semi_axes_m[i] > 0))
-      throw InputError(
-          fmt::format("{}.a[{}]: expected a number greater than 0, found {}", key, i, result.semi_axes_m[i]));
+  result.world_from_object = {unit_quaternion(*found, key, "q"), position_m(*found, key, "c")};
+  result.semi_axes_m = vector3(*found, key, "a", kMinSemiAxis_m, kMaxSemiAxis_m);
   return result;
 }
 
@@ -116,7 +138,10 @@ PosedCamera MetricLine::camera() const {
   const auto found = line.find("camera");
   if (found == line.end()) throw InputError("camera is missing");
   const auto K = numbers<9>(*found, "camera", "K");
-  if (!(K[0] > 0 && K[4] > 0)) throw InputError("camera.K: expected focal lengths greater than 0");
+  for (const std::size_t i : {0, 4})
+    expect_within(K[i], kMinFocal_px, kMaxFocal_px, fmt::format("camera.K[{}]", i));
+  for (const std::size_t i : {2, 5})
+    expect_within(K[i], -kMaxPrincipalPoint_px, kMaxPrincipalPoint_px, fmt::format("camera.K[{}]", i));
   if (K[1] != 0 || K[3] != 0 || K[6] != 0 || K[7] != 0 || K[8] != 1)
     throw InputError("camera.K: expected fx 0 cx 0 fy cy 0 0 1");
   PosedCamera result;
@@ -126,7 +151,8 @@ PosedCamera MetricLine::camera() const {
   result.camera.cy = K[5];
   result.camera.width = image_side(*found, "width");
   result.camera.height = image_side(*found, "height");
-  result.world_from_camera = {unit_quaternion(*found, "camera", "q_wc"), vector3(*found, "camera", "t_wc")};
+  result.world_from_camera = {unit_quaternion(*found, "camera", "q_wc"),
+                              position_m(*found, "camera", "t_wc")};
   return result;
 }
 

@@ -17,17 +17,20 @@ struct PosedCamera {
 /// as null, so that the field that holds them can be named.
 class MetricLine {
  public:
-  /// Throws InputError when `text` is no JSON object.
+  /// Throws InputError when `text` is no JSON object, or one nested more deeply than any line here is.
   explicit MetricLine(const std::string& text);
 
-  /// The value of "id" as JSON text, "null" without one.
+  /// The value of "id" as JSON text, "null" without one. Throws InputError unless it is a string, a number or
+  /// null.
   std::string id_json() const;
   /// {"c": [x,y,z], "q": [x,y,z,w], "a": [a,b,c]} at `key`. Throws InputError for a missing field, a number
-  /// that is not finite, an axis <= 0 or a quaternion whose norm is off 1 by more than 1e-3 (closer ones are
-  /// normalised).
+  /// that is not finite, a semi-axis outside [1e-9, 1e12] m, a centre beyond 1e12 m from the origin along an
+  /// axis (what the arithmetic carries) or a quaternion whose norm is off 1 by more than 1e-3 (closer ones
+  /// are normalised).
   Ellipsoid ellipsoid(const char* key) const;
   /// {"K": 9 numbers row by row, "width", "height", "t_wc": [x,y,z], "q_wc": [x,y,z,w]} at "camera". Throws
-  /// InputError for what is missing or no pinhole matrix without skew.
+  /// InputError for what is missing, no pinhole matrix without skew, or outside what the arithmetic carries:
+  /// focal lengths in [1e-6, 1e9] px, principal point within 1e9 px, position as an ellipsoid's centre.
   PosedCamera camera() const;
 
  private:

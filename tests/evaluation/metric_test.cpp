@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
@@ -131,6 +132,86 @@ TEST(Metric, PoseUndoesRenamedAxes) {
   for (const json& error : answer["axis_errors_m"]) EXPECT_EQ(error, 0);
   const std::string ball = ellipsoid("[0,0,0]", "[1,1,1]");
   EXPECT_TRUE(ask("pose", pair(ball, ball)).lines.at(0)["rotation_error_symmetric_rad"].is_null());
+}
+
+TEST(Metric, IdsAreTextNumbersOrNullAndNestingEnds) {
+  const std::string good = ellipsoid("[0,0,0]", "[1,1,1]");
+  const auto deep = [](int depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+  const std::string rest = R"(,"gt":)" + good + R"(,"est":)" + good + "}\n";
+  int cases = 0;
+  for (const std::string& id : {deep(120'000), deep(1), std::string("{}"), std::string("true")}) {
+    const Answers answers = ask("iou3d", R"({"id":)" + id + rest + pair(good, good));
+    EXPECT_EQ(answers.exit_code, 2);
+    ASSERT_EQ(answers.lines.size(), 2u);
+    EXPECT_TRUE(answers.lines[0].contains("error") && answers.lines[0]["id"].is_null());
+    EXPECT_EQ(answers.lines[1]["iou"], 1);
+    ++cases;
+  }
+  EXPECT_EQ(cases, 4);
+  const Answers elsewhere = ask("iou3d", R"({"id":1,"note":)" + deep(120'000) + rest + pair(good, good));
+  ASSERT_EQ(elsewhere.lines.size(), 2u);
+  EXPECT_TRUE(elsewhere.lines[0].contains("error"));
+  for (const char* id : {"\"x\"", "-3", "2.5", "null"})
+    EXPECT_EQ(ask("iou3d", R"({"id":)" + std::string(id) + rest).lines.at(0)["id"].dump(), id);
+}
+
+TEST(Metric, MagnitudesBeyondTheArithmeticAreNamed) {
+  const std::string good = ellipsoid("[0,0,5]", "[1,1,1]");
+  const std::vector<std::array<std::string, 3>> bodies = {{"[0,0,3e160]", "[1e150,1,1]", "gt.c[2]"},
+                                                          {"[0,0,5]", "[1,1e200,1]", "gt.a[1]"},
+                                                          {"[0,0,5]", "[1,1,1e-200]", "gt.a[2]"},
+                                                          {"[-1e308,0,5]", "[1,1,1]", "gt.c[0]"}};
+  int cases = 0;
+  for (const char* kind : {"iou3d", "pose", "project", "iou2d"})
+    for (const auto& [c, a, field] : bodies) {
+      const std::string line =
+          R"({"id":1,)" + kCamera + R"(,"gt":)" + ellipsoid(c, a) + R"(,"est":)" + good + "}";
+      const Answers answers = ask(kind, line);
+      EXPECT_EQ(answers.exit_code, 2);
+      EXPECT_EQ(answers.lines.at(0).value("error", "").find(field), 0u) << answers.lines.at(0);
+      ++cases;
+    }
+  EXPECT_EQ(cases, 16);
+}
+
+TEST(Metric, TheCornersOfTheAllowedRangeHaveNumbers) {
+  int cases = 0, outlines = 0;
+  for (const double size : {1e-9, 1.0, 1e12})
+    for (const double ratio : {1.0, 1e-3, 1e-6})
+      for (const double z : {1e-9, 10.0, 1e12}) {
+        const double other = std::max(size * ratio, 1e-9);
+        json line = json::parse("{" + kCamera + "}");
+        line["gt"] = {{"c", {0.3, -0.2, z}}, {"q", {0.1, 0.7, -0.1, 0.7}}, {"a", {size, other, other}}};
+        line["est"] = {{"c", {0.3, -0.2, z}}, {"q", {0.1, 0.7, -0.1, 0.7}}, {"a", {other, size, other}}};
+        const json outline = ask("project", line.dump()).lines.at(0);
+        if (outline["status"] == "ok") {
+          EXPECT_GT(outline["semi_minor"], 0) << line;
+          EXPECT_GE(outline["semi_major"], outline["semi_minor"]) << line;
+          ++outlines;
+        }
+        EXPECT_TRUE(ask("pose", line.dump()).lines.at(0)["d_shape_m"].is_number()) << line;
+        const json overlap = ask("iou2d", line.dump()).lines.at(0);
+        EXPECT_EQ(overlap["ellipse_iou"].is_number(), overlap["status"] == "ok") << overlap << line;
+        ++cases;
+      }
+  EXPECT_EQ(cases, 27);
+  EXPECT_GT(outlines, 5);
+}
+
+TEST(Metric, FarFromTheOriginIsAsGoodAsNearIt) {
+  // the same view from the origin and 1e7 m off, with a turned camera: positions are exact in both
+  const auto view = [](double x, const char* kind) {
+    const json q = {0.36, 0.48, 0.0, 0.8};
+    json line = json::parse("{" + kCamera + "}");
+    line["camera"]["q_wc"] = q;
+    line["camera"]["t_wc"] = {x, -x, x};
+    line["gt"] = {{"c", {x + 3.5, -x - 2.25, x + 2.5}}, {"q", {0, 0, 0, 1}}, {"a", {0.25, 0.5, 0.125}}};
+    line["est"] = {{"c", {x + 3.5, -x - 2.25, x + 2.625}}, {"q", {0, 0, 0, 1}}, {"a", {0.25, 0.5, 0.125}}};
+    return ask(kind, line.dump()).lines.at(0);
+  };
+  EXPECT_EQ(view(0, "project")["status"], "ok");
+  EXPECT_EQ(view(1e7, "project"), view(0, "project"));
+  EXPECT_EQ(view(1e7, "iou2d"), view(0, "iou2d"));
 }
 
 TEST(Metric, RefusesUnknownKinds) {
