@@ -14,8 +14,13 @@ CameraEvaluation evaluate_camera(const Trajectory& truth, const Trajectory& esti
                                  std::int64_t max_difference_ns) {
   PosePairs poses;
   std::set<std::size_t> covered;
+  std::vector<IndexStep> steps;  // a hole is none: both ends are next to each other in the truth
+  std::size_t last = 0;
   for (const IndexPair& pair :
        associate(stamps_of(truth), stamps_of(estimate), {StampRule::nearest, max_difference_ns})) {
+    const std::size_t k = poses.size();
+    if (k > 0 && pair.reference == last + 1) steps.push_back({k - 1, k});
+    last = pair.reference;
     poses.stamps_ns.push_back(truth[pair.reference].stamp_ns);
     poses.reference.push_back(truth[pair.reference].pose);
     poses.estimate.push_back(estimate[pair.estimate].pose);
@@ -26,9 +31,9 @@ CameraEvaluation evaluate_camera(const Trajectory& truth, const Trajectory& esti
   result.pairs = poses.size();
   if (!truth.empty())
     result.coverage = static_cast<double>(covered.size()) / static_cast<double>(truth.size());
-  if (result.pairs < 3) return result;
+  if (result.pairs < kMinPairs) return result;
   result.ape = pose_statistics(absolute_errors(poses));
-  result.rpe = pose_statistics(relative_errors(poses, delta_steps(poses.reference, poses.stamps_ns, {})));
+  result.rpe = pose_statistics(relative_errors(poses, steps));
   result.drift = maximum_drift(poses);
   return result;
 }

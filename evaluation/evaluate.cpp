@@ -14,7 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxDifferenceNs = 10'000'000;  // SPEC 6: |dt| <= 0.01 s, evo's default
-constexpr std::size_t kMinPairs = 3;                   // SPEC 6: fewer are an error
 constexpr double kAnyOverlap = 0;  // an id counts as switched however little the tracks overlap
 
 // Kinds of mesh by object id; empty where the folder does not say (an estimate taken as truth).

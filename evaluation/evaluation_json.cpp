@@ -45,6 +45,7 @@ json over_frames(const ObjectEvaluation& object, const Figure& figure) {
 }
 
 json pose_errors(const ObjectEvaluation& object, std::optional<PoseError> ObjectFrame::*errors) {
+  if (object.matched_frames < kMinPairs) return to_json(PoseStatistics{});
   std::vector<PoseError> values;
   for (const ObjectFrame& frame : object.frames)
     if (frame.*errors) values.push_back(*(frame.*errors));
@@ -112,6 +113,10 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"iou2d_ellipse", figure(&ObjectFrame::iou2d_ellipse)},
                  {"d_shape_m", figure(&ObjectFrame::d_shape_m)},
                  {"semi_axes_error_m", semi_axes_errors(object)}};
+  if (object.matched_frames < kMinPairs) {
+    result["drift"] = result["ape"]["rotation_naive_rad"] = result["ape"]["rotation_symmetric_rad"] = nullptr;
+    return result;
+  }
   result["ape"]["rotation_naive_rad"] = figure(&ObjectFrame::ape_rotation_naive_rad);
   result["ape"]["rotation_symmetric_rad"] = figure(&ObjectFrame::rotation_symmetric_rad);
   return result;

@@ -56,7 +56,7 @@ Alignment umeyama(const Moments& m, bool with_scale) {
 Alignment yaw_and_position(const Moments& m) {
   const double sine = m.covariance(1, 0) - m.covariance(0, 1);
   const double cosine = m.covariance(0, 0) + m.covariance(1, 1);
-  if (!(std::hypot(sine, cosine) > 0))
+  if (!(std::hypot(sine, cosine) > kRankTolerance * m.covariance.norm()))
     throw InputError("alignment: the positions lie on a vertical line, which leaves the yaw open");
   Alignment result;
   auto& pose = result.reference_from_estimate;

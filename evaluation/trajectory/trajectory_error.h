@@ -18,6 +18,9 @@ struct PosePairs {
   std::size_t size() const { return reference.size(); }
 };
 
+/// SPEC 6: with fewer pairs there are no error figures.
+inline constexpr std::size_t kMinPairs = 3;
+
 /// Absolute pose errors, one a pair.
 std::vector<PoseError> absolute_errors(const PosePairs& poses);
 

@@ -202,6 +202,30 @@ TEST_F(Evaluate, LostObjectsAndMissingFramesAreCounted) {
   EXPECT_NEAR(result["tracking"]["idf1"], 2 * 53.0 / (90 + 53), 1e-12);
 }
 
+TEST_F(Evaluate, CameraStepsDoNotBridgeAHole) {
+  write_changed([](Tracks& tracks) {
+    for (std::size_t i = 15; i < kFrames; ++i)
+      tracks.camera[i].pose.translation.x() += 1;  // a jump in the hole
+    tracks.camera.erase(tracks.camera.begin() + 10, tracks.camera.begin() + 15);
+  });
+  const json camera = run()["camera"];
+  EXPECT_EQ(camera["pairs"], kFrames - 5);
+  EXPECT_EQ(camera["rpe"]["translation_m"]["n"], kFrames - 5 - 2);  // two runs
+  EXPECT_NEAR(camera["rpe"]["translation_m"]["max"], 0, kRounding);
+  EXPECT_NEAR(camera["ape"]["translation_m"]["max"], 1, kRounding);
+}
+
+TEST_F(Evaluate, TwoMatchedFramesGiveNoErrorFigures) {
+  write_changed([](Tracks& tracks) { tracks.objects[0].states.resize(2); });
+  const json object = run()["objects"][0];
+  EXPECT_EQ(object["matched_frames"], 2);
+  EXPECT_NEAR(object["coverage"], 2.0 / kFrames, 1e-15);
+  for (const char* kind : {"ape", "rpe", "motion_error"})
+    for (const auto& [part, value] : object[kind].items()) EXPECT_TRUE(value.is_null()) << kind << part;
+  EXPECT_TRUE(object["drift"].is_null());
+  EXPECT_EQ(object["iou3d"]["n"], 2);
+}
+
 TEST_F(Evaluate, IdSwitchesAreCounted) {
   write_changed([](Tracks& tracks) {
     ObjectTrack second = tracks.objects[0];  // the cuboid's track breaks in two

@@ -197,6 +197,10 @@ TEST(Alignment, RefusesWhatLeavesItOpen) {
   for (const auto kind :
        {AlignmentKind::se3, AlignmentKind::sim3, AlignmentKind::scale, AlignmentKind::posyaw})
     EXPECT_THROW(align(kind, line, line), InputError);
+  for (Pose& pose : line)
+    pose.translation.head<2>() = Eigen::Vector2d(0.1, 0.7);  // whose mean is off by rounding
+  line.resize(7, line.back());
+  EXPECT_THROW(align(AlignmentKind::posyaw, line, line), InputError);
   EXPECT_THROW(align(AlignmentKind::se3, {line[0], line[1]}, {line[0], line[1]}), InputError);
 }
 
