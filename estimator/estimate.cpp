@@ -11,8 +11,10 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/progress.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
+#include "estimator/check_sequence.h"
 #include "estimator/single_frame.h"
 
 namespace uniquadric {
@@ -32,6 +34,7 @@ std::vector<FrameEstimate> estimate_frames(const Sequence& sequence,
                                            const std::map<std::int64_t, Pose>& poses, const Variant& variant,
                                            const EstimateOptions& options, const fs::path& out) {
   const Segmenter segmenter = make_segmenter(sequence, variant.segmentation, options.prompts);
+  check_sequence(sequence, segmenter, poses);
   const bool keeps_masks = segmenter.source != MaskSource::sequence;
   if (keeps_masks) fs::create_directories(out / "masks");
   Progress progress("estimate", std::ssize(sequence.frames), options.quiet);
@@ -94,10 +97,10 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   const auto count = [&](auto is_counted) { return std::count_if(frames.begin(), frames.end(), is_counted); };
   int without_points = 0;
   for (const auto& frame : frames) without_points += frame.objects_without_state;
-  std::string text = fmt::format("schema: 1\nprogram: \"{}\"\nsequence: \"{}\"\n", kProgram, sequence.name);
+  std::string text = fmt::format("schema: 1\nprogram: {}\nsequence: {}\n", yaml_quoted(kProgram), yaml_quoted(sequence.name));
   if (!sequence.scene_hash.empty()) text += fmt::format("scene_hash: \"{}\"\n", sequence.scene_hash);
   const std::string prompts = options.prompts.empty() ? "everything" : options.prompts.filename().string();
-  text += fmt::format("seed: {}\nprompts: \"{}\"\n", options.seed, prompts);
+  text += fmt::format("seed: {}\nprompts: {}\n", options.seed, yaml_quoted(prompts));
   text += fmt::format("frames: {}\n", frames.size());
   text += fmt::format("frames_with_states: {}\n", count([](const auto& f) { return !f.states.empty(); }));
   text += fmt::format("frames_without_pose: {}\n", count([](const auto& f) { return !f.has_pose; }));

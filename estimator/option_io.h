@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/config.h"
+#include "core/base/text.h"
 
 namespace uniquadric {
 
@@ -61,7 +62,7 @@ class OptionReader {
 /// Writes option structs as a YAML map.
 class OptionWriter {
  public:
-  void text(const char* key, const std::string& value) { line(key, fmt::format("\"{}\"", value)); }
+  void text(const char* key, const std::string& value) { line(key, yaml_quoted(value)); }
   void flag(const char* key, bool value) { line(key, value ? "true" : "false"); }
   template <typename T>
   void number(const char* key, T value, T /*low*/, T /*high*/ = T{}) {

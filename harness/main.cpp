@@ -1,10 +1,12 @@
 // The program: each subcommand parses its options and calls one function.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdlib>
+#include <charconv>
 #include <fstream>
 #include <iostream>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/base/version.h"
@@ -15,6 +17,9 @@
 #include "evaluation/report/overlay.h"
 #include "evaluation/report/report.h"
 #include "harness/bench/bench.h"
+#include "harness/bench/process.h"
+#include "harness/check.h"
+#include "harness/export/export.h"
 #include "harness/info.h"
 #include "simulator/scene/scene.h"
 #include "simulator/simulate.h"
@@ -30,12 +35,26 @@ struct Common {
   int threads = 0;
 };
 
+// A whole number of at least `least` and at most `most`, digits only: CLI11 itself lets -5 wrap around.
+CLI::Validator whole_number(std::uint64_t least = 0,
+                            std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) {
+  return {[least, most](const std::string& text) {
+            std::uint64_t value = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+            if (error == std::errc{} && end == text.data() + text.size() && value >= least && value <= most)
+              return std::string();
+            return fmt::format("'{}' is no whole number from {} to {}", text, least, most);
+          },
+          ""};
+}
+constexpr std::uint64_t kMaxCount = 10'000'000;
+
 // The options that every subcommand has.
 CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& what, Common& common) {
   CLI::App* sub = app.add_subcommand(name, what);
   sub->add_flag("-q,--quiet", common.quiet, "no progress on stderr");
   sub->add_option("--threads", common.threads, "threads to use; 0: as many as there are cores")
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number(0, kMaxCount));
   return sub;
 }
 
@@ -50,9 +69,9 @@ void add_simulate(CLI::App& app, Common& common) {
   static std::int64_t frames = 0;
   sub->add_option("SCENE", scene, "scene file (YAML)")->required();
   sub->add_option("OUT", out, "folder for sequence/ and truth/")->required();
-  sub->add_option("--seed", options.seed, "of all noise");
+  sub->add_option("--seed", options.seed, "of all noise")->check(whole_number());
   auto* count =
-      sub->add_option("--frames", frames, "instead of the scene's number")->check(CLI::PositiveNumber);
+      sub->add_option("--frames", frames, "instead of the scene's number")->check(whole_number(1, kMaxCount));
   add_force(sub, common);
   sub->callback([&common, count] {
     options.threads = common.threads;
@@ -70,8 +89,8 @@ void add_estimate(CLI::App& app, Common& common) {
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
   sub->add_option("OUT", out, "folder for the estimate")->required();
   sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
-  sub->add_option("--seed", options.seed, "of the estimator's own sampling");
-  sub->add_option("--prompt", prompt, "everything, or a file or folder of box or point prompts");
+  sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
+  sub->add_option("--prompt", prompt, "everything, or a file or folder of box prompts");
   add_force(sub, common);
   sub->callback([&common] {
     options.threads = common.threads;
@@ -89,8 +108,9 @@ void add_evaluate(CLI::App& app, Common& common) {
   sub->add_option("TRUTH", truth, "truth folder")->required();
   sub->add_option("ESTIMATE", estimate_folder, "estimate folder")->required();
   sub->add_option("OUT", out, "folder for the evaluation")->required();
-  sub->add_option("--samples", options.iou_samples, "of the Monte Carlo 3D IoU")->check(CLI::PositiveNumber);
-  sub->add_option("--seed", options.seed, "of those samples");
+  sub->add_option("--samples", options.iou_samples, "of the Monte Carlo 3D IoU")
+      ->check(whole_number(1, kMaxCount));
+  sub->add_option("--seed", options.seed, "of those samples")->check(whole_number());
   add_force(sub, common);
   sub->callback([&common] {
     options.quiet = common.quiet;
@@ -112,7 +132,7 @@ void add_bench(CLI::App& app, Common& common, int& exit_code, const std::string&
   sub->add_option("BENCH", config, "bench file (YAML)")->required();
   sub->add_option("OUT", out, "results folder")->required();
   sub->add_option("--jobs", options.jobs, "stages at once; default: as many as there are cores")
-      ->check(CLI::PositiveNumber);
+      ->check(whole_number(1, kMaxCount));
   sub->add_flag("--keep", options.keep_sequences, "keep the sequences");
   sub->callback([&common, &exit_code, &command] {
     options.quiet = common.quiet;
@@ -135,8 +155,10 @@ void add_report(CLI::App& app, Common& common) {
   sub->callback([] {
     write_report(results);
     std::cout << results << "/report.html\n";
-    if (open && std::system(fmt::format("xdg-open '{}/report.html'", results).c_str()) != 0)
-      throw std::runtime_error("xdg-open could not show the report");
+    if (!open) return;
+    const ProcessResult shown =
+        run_process({"/usr/bin/env", "xdg-open", results + "/report.html"}, "/dev/null", 60);
+    if (!shown.ok) throw std::runtime_error("the report cannot be shown: " + shown.message);
   });
 }
 
@@ -148,16 +170,25 @@ void add_overlay(CLI::App& app, Common& common) {
   sub->add_option("ESTIMATE", estimate_folder, "estimate folder")->required();
   sub->add_option("OUT", out, "folder for the pictures and sheet.jpg")->required();
   sub->add_option("--truth", truth, "truth folder, to draw true outlines too");
-  sub->add_option("--count", count, "frames, evenly spaced")->check(CLI::NonNegativeNumber);
+  sub->add_option("--count", count, "frames, evenly spaced")->check(whole_number(0, kMaxCount));
   add_force(sub, common);
   sub->callback([&common] { write_overlays(sequence, truth, estimate_folder, out, count, common.force); });
 }
 
-void add_info(CLI::App& app, Common& common) {
+void add_info(CLI::App& app, Common& common, int& exit_code) {
   auto* sub = subcommand(app, "info", "what a folder or file is", common);
   static std::string path;
+  static bool check = false;
   sub->add_option("PATH", path, "anything this program reads or writes")->required();
-  sub->callback([] { std::cout << describe(path); });
+  sub->add_flag("--check", check, "verify a sequence: counts, stamps, images, calibration, hashes");
+  sub->callback([&exit_code] {
+    std::cout << describe(path);
+    if (!check) return;
+    const std::vector<std::string> problems = check_sequence(path);
+    for (const std::string& problem : problems) std::cout << "problem: " << problem << '\n';
+    std::cout << fmt::format("{} problems\n", problems.size());
+    if (!problems.empty()) exit_code = kBadInput;
+  });
 }
 
 void add_metric(CLI::App& app, Common& common, int& exit_code) {
@@ -168,8 +199,8 @@ void add_metric(CLI::App& app, Common& common, int& exit_code) {
       ->required()
       ->check(CLI::IsMember({"iou3d", "iou2d", "project", "pose"}));
   sub->add_option("--method", options.method, "of iou3d")->check(CLI::IsMember({"exact", "monte-carlo"}));
-  sub->add_option("--samples", options.samples, "of monte-carlo")->check(CLI::PositiveNumber);
-  sub->add_option("--seed", options.seed, "of monte-carlo");
+  sub->add_option("--samples", options.samples, "of monte-carlo")->check(whole_number(1, kMaxCount));
+  sub->add_option("--seed", options.seed, "of monte-carlo")->check(whole_number());
   sub->callback([&exit_code] { exit_code = run_metric(kind, options, std::cin, std::cout); });
 }
 
@@ -191,6 +222,29 @@ void add_import(CLI::App& app, Common& common) {
   });
 }
 
+void add_export(CLI::App& app, Common& common) {
+  auto* sub = subcommand(app, "export", "a sequence -> another tool's format", common);
+  static std::string format, sequence, out, truth;
+  static ExportOptions options;
+  sub->add_option("FORMAT", format, fmt::format("{}", fmt::join(export_formats(), ", ")))
+      ->required()
+      ->check(CLI::IsMember(export_formats()));
+  sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
+  sub->add_option("OUT", out, "folder for the export")->required();
+  sub->add_option("--truth", truth, "truth folder; default: the one beside the sequence");
+  sub->add_option("--frame-stride", options.frame_stride, "ply: every which frame")
+      ->check(whole_number(1, kMaxCount));
+  sub->add_option("--pixel-stride", options.pixel_stride, "ply: every which pixel")
+      ->check(whole_number(1, kMaxCount));
+  add_force(sub, common);
+  sub->callback([&common] {
+    options.truth = truth;
+    options.quiet = common.quiet;
+    options.force = common.force;
+    export_sequence(format, sequence, out, options);
+  });
+}
+
 int run(int argc, char** argv) {
   CLI::App app("uniquadric: simulate, estimate and evaluate object-level SLAM with moving objects");
   app.set_version_flag("--version", kProgram);
@@ -204,9 +258,15 @@ int run(int argc, char** argv) {
   add_bench(app, common, exit_code, command);
   add_report(app, common);
   add_overlay(app, common);
-  add_info(app, common);
+  add_info(app, common, exit_code);
   add_metric(app, common, exit_code);
   add_import(app, common);
+  add_export(app, common);
+  if (argc > 1 && argv[1][0] != '-' &&
+      app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == argv[1]; }).empty()) {
+    std::cerr << fmt::format("uniquadric: there is no subcommand '{}'; see uniquadric --help\n", argv[1]);
+    return kBadInput;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -8,9 +8,10 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/folder_hashes.h"
 #include "core/base/hash.h"
 #include "core/base/progress.h"
-#include "core/base/version.h"
+#include "core/base/source_hashes.h"
 #include "simulator/frame_files.h"
 #include "simulator/frame_log.h"
 #include "simulator/imu/imu_files.h"
@@ -24,8 +25,15 @@ namespace {
 namespace fs = std::filesystem;
 
 // What a partial folder must have been made of to be gone on with.
-std::string resume_key(const Scene& scene, std::uint64_t seed, std::int64_t frames) {
-  return Hash().add(scene.hash).add(seed).add(static_cast<std::uint64_t>(frames)).add(kProgram).hex();
+std::string resume_key(const Scene& scene, const SimulateOptions& options, std::int64_t frames) {
+  return Hash()
+      .add(scene.hash)
+      .add(options.seed)
+      .add(static_cast<std::uint64_t>(options.gl))
+      .add(static_cast<std::uint64_t>(frames))
+      .add(kcore_sources)
+      .add(ksimulator_sources)
+      .hex();
 }
 
 // Empties a partial folder of another scene, seed, length or program; a scene without a hash cannot be told
@@ -41,13 +49,13 @@ void discard_other_work(const Scene& scene, const std::string& key, const fs::pa
 // What one worker does: takes frames until none is left. It renders and encodes its own frames with a
 // renderer of its own: that keeps every core busy whichever of the two is slower, and holds one frame a
 // worker in memory.
-void write_frames_of(const Scene& scene, std::uint64_t seed, const fs::path& folder, SharedCounter& frames,
-                     FrameLog& log) {
+void write_frames_of(const Scene& scene, const SimulateOptions& options, const fs::path& folder,
+                     SharedCounter& frames, FrameLog& log) {
   std::unique_ptr<Renderer> renderer;
-  FrameWriter writer(scene, seed, folder);
+  FrameWriter writer(scene, options.seed, folder);
   for (std::int64_t frame = frames.take(); frame < frames.limit(); frame = frames.take()) {
     if (!log.has(frame)) {
-      if (!renderer) renderer = std::make_unique<Renderer>(scene);
+      if (!renderer) renderer = std::make_unique<Renderer>(scene, options.gl);
       const double time_s = frame_time_s(scene, frame);
       const RenderedFrame& rendered =
           renderer->render(poses_at(scene, time_s), exposure_poses(scene, time_s));
@@ -67,7 +75,7 @@ void write_frames(const Scene& scene, const SimulateOptions& options, std::int64
   Progress progress(fmt::format("simulate {}", scene.name), count, options.quiet);
   std::int64_t shown = 0;
   run_workers(
-      static_cast<int>(workers), [&](int) { write_frames_of(scene, options.seed, folder, frames, log); },
+      static_cast<int>(workers), [&](int) { write_frames_of(scene, options, folder, frames, log); },
       [&] {
         if (const std::int64_t steps = frames.finished() - shown; steps > 0)
           progress.advance(steps), shown += steps;
@@ -84,7 +92,7 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
     throw InputError(fmt::format("scene {}: {} frames asked for, expected at least 1", scene.name, frames));
   PendingFolder pending(out, options.force, true);
   const fs::path& folder = pending.path();
-  discard_other_work(scene, resume_key(scene, options.seed, frames), folder);
+  discard_other_work(scene, resume_key(scene, options, frames), folder);
   const fs::path log_file = folder / "frames.log";
   write_frames(scene, options, frames, folder, log_file);
   write_visibility(folder, FrameLog(log_file).lines());
@@ -92,6 +100,7 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
   write_truth_files(scene, frames, folder / "truth");
   if (lidar) write_lidar_files(scene, *lidar, options, frames, folder);
   write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
+  for (const char* part : {"sequence", "truth"}) write_hashes(folder / part);
   fs::remove(log_file);
   fs::remove(folder / "key");
   pending.commit();

@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/text.h"
 
 namespace uniquadric {
 
@@ -24,7 +25,10 @@ ConfigNode ConfigNode::load(const std::filesystem::path& path) {
 
 ConfigNode ConfigNode::parse(const std::string& text, const std::filesystem::path& name) {
   try {
-    return {YAML::Load(text), name, ""};
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1)
+      throw InputError(name, documents[1].Mark().line + 1, "a second YAML document; expected one");
+    return {documents.empty() ? YAML::Node() : documents[0], name, ""};
   } catch (const YAML::ParserException& e) {
     throw InputError(name, e.mark.line + 1, "malformed YAML: " + e.msg);
   } catch (const YAML::Exception& e) {
@@ -153,6 +157,18 @@ std::string ConfigNode::choice(const std::string& key, const std::vector<std::st
   if (std::find(choices.begin(), choices.end(), value) == choices.end())
     node->fail(fmt::format("'{}' is none of: {}", value, fmt::join(choices, ", ")));
   return value;
+}
+
+std::string ConfigNode::name(const std::string& key) const {
+  const ConfigNode node = at(key);
+  const auto text = node.as<std::string>();
+  if (!is_plain_name(text))
+    node.fail("expected a name: not empty, no comma, quote, slash or control character");
+  return text;
+}
+
+std::string ConfigNode::name(const std::string& key, const std::string& fallback) const {
+  return has(key) ? name(key) : fallback;
 }
 
 void ConfigNode::refuse_unknown_keys() const {

@@ -55,6 +55,10 @@ class ConfigNode {
   std::string choice(const std::string& key, const std::vector<std::string>& choices,
                      const std::string& fallback) const;
 
+  /// A text that can be a name in CSV files and folders (is_plain_name).
+  std::string name(const std::string& key) const;
+  std::string name(const std::string& key, const std::string& fallback) const;
+
   /// Throws for keys that were never asked for, and for keys that stand twice.
   void refuse_unknown_keys() const;
   /// Throws InputError with this node's file and line.

@@ -1,6 +1,9 @@
 #include "core/base/files.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -38,6 +41,16 @@ void write_text(const fs::path& path, std::string_view text) {
 }
 
 namespace {
+// The folder opened and locked until closed; -1 when there is no such folder.
+int lock_folder(const fs::path& folder, const fs::path& shown) {
+  const int lock = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) != 0) {
+    close(lock);
+    throw InputError(shown, "is being written by another process");
+  }
+  return lock;
+}
+
 fs::path without_trailing_slash(fs::path path) {
   return path.has_filename() ? path : path.parent_path();
 }
@@ -48,15 +61,22 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
       partial_(final_.string() + ".partial"),
       keep_partial_(keep_partial) {
   std::error_code error;
+  if (final_.empty()) throw InputError("the output folder has no name");
   if (fs::exists(final_) && !fs::is_directory(final_)) throw InputError(final_, "exists and is not a folder");
   if (!replace && fs::exists(final_) && !fs::is_empty(final_))
     throw InputError(final_, "exists and is not empty; give another folder or --force");
-  if (!keep_partial_) fs::remove_all(partial_, error);
+  if (!keep_partial_) {
+    const int others = lock_folder(partial_, final_);
+    fs::remove_all(partial_, error);
+    if (others >= 0) close(others);
+  }
   fs::create_directories(partial_, error);
   if (error) throw InputError(final_, fmt::format("cannot be created: {}", error.message()));
+  lock_ = lock_folder(partial_, final_);
 }
 
 PendingFolder::~PendingFolder() {
+  if (lock_ >= 0) close(lock_);
   if (committed_ || keep_partial_) return;
   std::error_code ignored;
   fs::remove_all(partial_, ignored);

@@ -29,6 +29,7 @@ class PendingFolder {
 
  private:
   std::filesystem::path final_, partial_;
+  int lock_ = -1;  // of the partial folder: one process at a time writes it
   bool keep_partial_, committed_ = false;
 };
 

@@ -1,5 +1,8 @@
 #include "core/base/text.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -36,6 +39,25 @@ std::optional<double> parse_double(std::string_view text) {
 
 std::optional<long long> parse_integer(std::string_view text) {
   return parse_whole<long long>(text);
+}
+
+std::string yaml_quoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      quoted += {'\\', c};
+    else if (static_cast<unsigned char>(c) < 0x20)
+      quoted += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    else
+      quoted += c;
+  }
+  return quoted + '"';
+}
+
+bool is_plain_name(std::string_view text) {
+  return !text.empty() && std::none_of(text.begin(), text.end(), [](unsigned char c) {
+    return c < 0x20 || std::string_view(",\"/\\").find(static_cast<char>(c)) != std::string_view::npos;
+  });
 }
 
 std::vector<std::string_view> split(std::string_view line, char separator) {

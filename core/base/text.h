@@ -13,6 +13,13 @@ namespace uniquadric {
 std::optional<double> parse_double(std::string_view text);
 std::optional<long long> parse_integer(std::string_view text);
 
+/// A YAML scalar that reads back as this text, whatever is in it: in double quotes.
+std::string yaml_quoted(std::string_view text);
+
+/// Whether a text can be a name in CSV files and folders: not empty, no comma, quote, slash, backslash or
+/// control character.
+bool is_plain_name(std::string_view text);
+
 /// Fields of `line` between separators; with ' ' runs of blanks and tabs count as one.
 std::vector<std::string_view> split(std::string_view line, char separator = ' ');
 

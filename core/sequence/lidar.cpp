@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/base/config.h"
+#include "core/base/text.h"
 #include "core/sequence/calibration.h"
 #include "core/sequence/pcd.h"
 
@@ -18,7 +19,7 @@ LidarCalibration read_lidar_calibration(const ConfigNode& node) {
 }
 
 std::string lidar_yaml(const LidarCalibration& calibration) {
-  return fmt::format("pattern: \"{}\", rate_hz: {}, camera_from_lidar: {}", calibration.pattern,
+  return fmt::format("pattern: {}, rate_hz: {}, camera_from_lidar: {}", yaml_quoted(calibration.pattern),
                      calibration.rate_hz, extrinsics_yaml(calibration.camera_from_lidar));
 }
 

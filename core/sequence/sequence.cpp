@@ -8,6 +8,7 @@
 #include "core/base/config.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/text.h"
 #include "core/sequence/calibration.h"
 #include "core/sequence/file_list.h"
 
@@ -91,8 +92,8 @@ Sequence open_sequence(const fs::path& given_folder) {
 }
 
 void write_sequence_index(const fs::path& folder, const Sequence& sequence) {
-  std::string yaml = fmt::format("schema: {}\nprogram: \"{}\"\nname: {}\n", kSequenceSchema, sequence.program,
-                                 sequence.name);
+  std::string yaml = fmt::format("schema: {}\nprogram: {}\nname: {}\n", kSequenceSchema,
+                                 yaml_quoted(sequence.program), yaml_quoted(sequence.name));
   if (!sequence.scene_hash.empty())
     yaml += fmt::format("scene_hash: \"{}\"\nseed: {}\n", sequence.scene_hash, sequence.seed);
   yaml += fmt::format("camera: {{{}, rate_hz: {}}}\n", camera_yaml(sequence.camera), sequence.rate_hz);

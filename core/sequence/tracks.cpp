@@ -165,7 +165,7 @@ std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
   for (const ConfigNode& node : root.at("objects").items()) {
     ObjectDescription object;
     object.id = node.get<int>("id");
-    object.name = node.get<std::string>("name");
+    object.name = node.name("name");
     object.semi_axes_m = node.get<Eigen::Vector3d>("semi_axes_m");
     object.shape = node.get<std::string>("shape", "");
     object.mesh = node.get<std::string>("mesh", "");
@@ -184,8 +184,9 @@ void write_objects_yaml(const fs::path& path, const std::vector<ObjectDescriptio
   std::string text = fmt::format("schema: {}\nobjects:{}\n", kTracksSchema, objects.empty() ? " []" : "");
   for (const auto& object : objects) {
     const auto& a = object.semi_axes_m;
-    text += fmt::format("  - {{id: {}, name: {}, semi_axes_m: [{}, {}, {}], shape: {}, mesh: \"{}\"}}\n",
-                        object.id, object.name, a.x(), a.y(), a.z(), object.shape, object.mesh);
+    text += fmt::format("  - {{id: {}, name: {}, semi_axes_m: [{}, {}, {}], shape: {}, mesh: {}}}\n",
+                        object.id, yaml_quoted(object.name), a.x(), a.y(), a.z(), yaml_quoted(object.shape),
+                        yaml_quoted(object.mesh));
   }
   write_text(path, text);
 }

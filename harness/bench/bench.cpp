@@ -6,6 +6,7 @@
 #include <atomic>
 #include <thread>
 
+#include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/progress.h"
 #include "core/base/text.h"
@@ -192,6 +193,7 @@ std::string hardware() {
 
 int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& options) {
   const BenchConfig config = load_bench_config(config_file);
+  if (fs::exists(out) && !fs::is_directory(out)) throw InputError(out, "exists and is not a folder");
   const auto simulations = plan(config);
   fs::create_directories(out);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/config.h"
+#include "core/base/text.h"
 
 namespace uniquadric {
 namespace {
@@ -18,6 +19,8 @@ std::vector<BenchItem> read_items(const ConfigNode& root, const std::string& key
     if (!std::filesystem::is_regular_file(path))
       node.fail(fmt::format("file {} does not exist", path.string()));
     const std::string name = path.stem().string();
+    if (!is_plain_name(name))
+      node.fail("a comma, quote or backslash in a file's name cannot stand in the results");
     if (!names.insert(name).second) node.fail(fmt::format("the name '{}' stands twice", name));
     items.push_back({name, path.lexically_normal()});
   }
@@ -36,9 +39,9 @@ std::vector<std::uint64_t> read_seeds(const ConfigNode& root) {
   return seeds;
 }
 
-std::vector<std::string> names(const std::vector<BenchItem>& items) {
+std::vector<std::string> quoted_names(const std::vector<BenchItem>& items) {
   std::vector<std::string> result;
-  for (const auto& item : items) result.push_back(item.name);
+  for (const auto& item : items) result.push_back(yaml_quoted(item.name));
   return result;
 }
 
@@ -47,7 +50,7 @@ std::vector<std::string> names(const std::vector<BenchItem>& items) {
 BenchConfig load_bench_config(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::load(path);
   BenchConfig config;
-  config.name = root.get<std::string>("name", path.stem().string());
+  config.name = root.name("name", path.stem().string());
   config.scenes = read_items(root, "scenes");
   config.variants = read_items(root, "variants");
   config.seeds = read_seeds(root);
@@ -64,9 +67,10 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
 }
 
 std::string bench_yaml(const BenchConfig& config) {
-  std::string text = fmt::format("name: {}\nscenes: [{}]\nvariants: [{}]\nseeds: [{}]\n", config.name,
-                                 fmt::join(names(config.scenes), ", "),
-                                 fmt::join(names(config.variants), ", "), fmt::join(config.seeds, ", "));
+  std::string text =
+      fmt::format("name: {}\nscenes: [{}]\nvariants: [{}]\nseeds: [{}]\n", yaml_quoted(config.name),
+                  fmt::join(quoted_names(config.scenes), ", "),
+                  fmt::join(quoted_names(config.variants), ", "), fmt::join(config.seeds, ", "));
   if (config.frames) text += fmt::format("frames: {}\n", *config.frames);
   return text;
 }

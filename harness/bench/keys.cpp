@@ -2,8 +2,8 @@
 
 #include "core/base/files.h"
 #include "core/base/hash.h"
+#include "core/base/source_hashes.h"
 #include "core/base/version.h"
-#include "harness/source_hashes.h"
 
 namespace uniquadric {
 namespace {

@@ -55,8 +55,7 @@ void read_mesh_file(const ConfigNode& node, const ConfigNode& mesh, Body& body,
 
 Body read_body(const ConfigNode& node, std::uint64_t default_seed, std::vector<fs::path>& files) {
   Body body;
-  body.name = node.get<std::string>("name");
-  if (body.name.empty()) node.at("name").fail("cannot be empty");
+  body.name = node.name("name");
   if (const auto mesh = node.find("mesh")) {
     read_mesh_file(node, *mesh, body, files);
   } else {

@@ -15,6 +15,7 @@
 #include "core/base/files.h"
 #include "core/sequence/sequence.h"
 #include "simulator/scene/image_header.h"
+#include "simulator/scene/ply_header.h"
 
 namespace uniquadric {
 namespace {
@@ -114,6 +115,7 @@ Mesh convert(const aiMesh& source, const fs::path& path) {
 
 ImportedMesh import_mesh(const fs::path& path) {
   if (!fs::is_regular_file(path)) throw InputError(path, "no such mesh file");
+  check_ply_header(read_text(path), path);
   ImportedMesh result;
   Assimp::Importer importer;
   importer.SetIOHandler(new RecordingFiles(result.files));  // the importer owns it

@@ -20,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxFrames = 10'000'000;
-constexpr double kMaxRate_hz = 10'000;
+constexpr double kMinRate_hz = 1e-3, kMaxRate_hz = 10'000;
+constexpr double kMaxDuration_s = 1e9;  // stamps are nanoseconds in 64 bits: nine times this
 constexpr std::uint64_t kWorldSeed = 100'000;  // material seeds of the world, clear of the objects' ids
 
 void read_clock(const ConfigNode& root, Scene& scene) {
@@ -30,14 +31,26 @@ void read_clock(const ConfigNode& root, Scene& scene) {
   scene.rate_hz = root.positive("rate_hz", scene.rate_hz);
   if (scene.rate_hz > kMaxRate_hz)
     root.at("rate_hz").fail(fmt::format("expected at most {} Hz", kMaxRate_hz));
+  if (scene.rate_hz < kMinRate_hz)
+    root.at("rate_hz").fail(fmt::format("expected at least {} Hz", kMinRate_hz));
+  const double duration_s = static_cast<double>(scene.frames - 1) / scene.rate_hz;
+  if (duration_s > kMaxDuration_s)
+    root.at("rate_hz").fail(fmt::format("{} frames last {} s, expected at most {} s", scene.frames,
+                                        duration_s, kMaxDuration_s));
 }
 
-// A camera cannot look at a point that its path leads straight over: better said now than amid the frames.
-void check_camera_motion(const ConfigNode& motion, const Scene& scene) {
+void check_pose(const Pose& pose) {
+  if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite())
+    throw InputError("pose is not finite");
+}
+
+// A camera cannot look at a point that its path leads straight over, and numbers may overflow on the way:
+// better said now than amid the frames.
+void check_motion(const ConfigNode& node, const Motion& motion, const Scene& scene) {
   for (std::int64_t frame = 0; frame < scene.frames; ++frame) try {
-      scene.camera_motion.at(static_cast<double>(scene.stamp_ns(frame)) * 1e-9);
+      check_pose(motion.at(static_cast<double>(scene.stamp_ns(frame)) * 1e-9));
     } catch (const InputError& error) {
-      motion.fail(fmt::format("frame {}: {}", frame, error.what()));
+      node.fail(fmt::format("frame {}: {}", frame, error.what()));
     }
 }
 
@@ -49,8 +62,19 @@ void read_camera_section(const ConfigNode& node, Scene& scene) {
   scene.given_camera = node.get<bool>("given", scene.given_camera);
   scene.depth = node.get<bool>("depth", scene.depth);
   scene.camera_motion = read_motion(node.at("motion"), Mover::camera);
-  check_camera_motion(node.at("motion"), scene);
+  check_motion(node.at("motion"), scene.camera_motion, scene);
   node.refuse_unknown_keys();
+}
+
+void read_world(const ConfigNode& list, Scene& scene, std::vector<fs::path>& files) {
+  for (const ConfigNode& item : list.items()) {
+    scene.world.push_back(read_static_body(item, kWorldSeed + scene.world.size(), files));
+    try {
+      check_pose(scene.world.back().motion.at(0));
+    } catch (const InputError& error) {
+      item.fail(error.what());
+    }
+  }
 }
 
 void read_objects(const ConfigNode& list, Scene& scene, std::vector<fs::path>& files) {
@@ -63,6 +87,7 @@ void read_objects(const ConfigNode& list, Scene& scene, std::vector<fs::path>& f
       item.at("id").fail(fmt::format("{} is the id of another object", body.id));
     if (!names.insert(body.name).second)
       item.at("name").fail(fmt::format("'{}' is the name of another object", body.name));
+    check_motion(item.at("motion"), body.motion, scene);
   }
 }
 
@@ -85,7 +110,7 @@ Scene load_scene(const fs::path& path) {
   const ConfigNode root = ConfigNode::parse(text, path);
   Scene scene;
   std::vector<fs::path> files;
-  scene.name = root.get<std::string>("name", path.stem().string());
+  scene.name = root.name("name", path.stem().string());
   read_clock(root, scene);
   read_camera_section(root.at("camera"), scene);
   read_sensor_models(root, scene);
@@ -95,9 +120,7 @@ Scene load_scene(const fs::path& path) {
   }
   if (scene.lidar)
     if (const auto csv = scene.lidar->find("csv")) files.push_back(resolve_path(*csv));
-  if (const auto world = root.find("world"))
-    for (const ConfigNode& item : world->items())
-      scene.world.push_back(read_static_body(item, kWorldSeed + scene.world.size(), files));
+  if (const auto world = root.find("world")) read_world(*world, scene, files);
   if (const auto objects = root.find("objects")) read_objects(*objects, scene, files);
   if (scene.world.empty() && scene.objects.empty())
     root.fail("has neither world nor objects: nothing to see");

@@ -49,6 +49,11 @@ TEST(Config, EveryRefusalNamesFileLineAndKey) {
   EXPECT_EQ(checked, 11);
 }
 
+TEST(Config, ASecondDocumentIsRefused) {
+  EXPECT_EQ(input_error([] { parse("a: 1\n---\nframes: 9\n"); }),
+            "file.yaml:3: a second YAML document; expected one");
+}
+
 TEST(Config, ReadsEachType) {
   const auto node = parse(
       "b: true\ni: -3\nu: 18446744073709551615\nd: 1e-3\ns: text\nv: [1, 2, 3]\nl:\n  - {x: 1}\n  - {x: "

@@ -43,6 +43,19 @@ TEST(PendingFolder, ReplacesOnlyWhenAsked) {
   EXPECT_TRUE(fs::exists(out / "new.txt"));
 }
 
+TEST(PendingFolder, TakesOneWriterAtATime) {
+  const TempFolder temp;
+  for (const bool keep_partial : {false, true}) {
+    PendingFolder first(temp.path() / "out", false, keep_partial);
+    write_text(first.path() / "a.txt", "a");
+    EXPECT_NE(
+        input_error([&] { PendingFolder(temp.path() / "out", false, keep_partial); }).find("another process"),
+        std::string::npos);
+    EXPECT_EQ(read_text(first.path() / "a.txt"), "a");
+  }
+  EXPECT_NE(input_error([] { PendingFolder("", false); }).find("no name"), std::string::npos);
+}
+
 TEST(PendingFolder, RefusesToReplaceAFile) {
   const TempFolder temp;
   write_text(temp.path() / "out", "precious");

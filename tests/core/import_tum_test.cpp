@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/sequence/sequence.h"
+#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
@@ -24,9 +25,8 @@ void append(const fs::path& path, const std::string& text) {
 
 // Four frames 0.1 s apart; the camera moves at 1 m/s along x, with poses from 1.05 s to 1.25 s and again
 // at 1.5 s.
-fs::path write_recording(const std::string& name) {
-  const fs::path folder = fs::path(testing::TempDir()) / name;
-  fs::remove_all(folder);
+fs::path write_recording(const TempFolder& temp) {
+  const fs::path folder = temp.path() / "recording";
   fs::create_directories(folder / "rgb");
   fs::create_directories(folder / "depth");
   write_text(folder / "camera.yaml", kCamera);
@@ -51,10 +51,11 @@ ImportTumOptions quiet() {
 }
 
 TEST(ImportTum, ReadsBackWhatTheRecordingHolds) {
-  const fs::path recording = write_recording("import_tum"), out = recording.string() + "_out";
+  const TempFolder temp;
+  const fs::path recording = write_recording(temp), out = temp.path() / "out";
   import_tum(recording, quiet(), out);
   const Sequence sequence = open_sequence(out);
-  EXPECT_EQ(sequence.name, "import_tum");
+  EXPECT_EQ(sequence.name, "recording");
   EXPECT_EQ(sequence.camera.fy, 11);
   EXPECT_EQ(sequence.depth_units_per_m, 1000);
   EXPECT_NEAR(sequence.rate_hz, 10, kRounding);
@@ -69,7 +70,8 @@ TEST(ImportTum, ReadsBackWhatTheRecordingHolds) {
 }
 
 TEST(ImportTum, PosesAreInterpolatedInsideTheirSpanAlone) {
-  const fs::path recording = write_recording("import_tum_poses"), out = recording.string() + "_out";
+  const TempFolder temp;
+  const fs::path recording = write_recording(temp), out = temp.path() / "out";
   import_tum(recording, quiet(), out);
   const auto poses = open_sequence(out).given_camera;
   ASSERT_TRUE(poses.has_value());
@@ -101,7 +103,7 @@ TEST(ImportTum, BadRecordingsAreRefusedAndLeaveNothing) {
       {"rgb.txt:5: file rgb/no.png is missing",
        [](const auto& r) { append(r / "rgb.txt", "2 rgb/no.png\n"); }},
       {"leads out of the recording",
-       [](const auto& r) { append(r / "rgb.txt", "2 ../import_tum_bad/rgb/1.200000.png\n"); }},
+       [](const auto& r) { append(r / "rgb.txt", "2 ../recording/rgb/1.200000.png\n"); }},
       {"groundtruth.txt:7: 'nan' is not a finite number",
        [](const auto& r) { append(r / "groundtruth.txt", "2 nan 0 0 0 0 0 1\n"); }},
       {"1.200000.png: is a truncated image",
@@ -121,8 +123,8 @@ TEST(ImportTum, BadRecordingsAreRefusedAndLeaveNothing) {
   };
   int refused = 0;
   for (const auto& [what, damage] : cases) {
-    const fs::path recording = write_recording("import_tum_bad"), out = recording.string() + "_out";
-    fs::remove_all(out);
+    const TempFolder temp;
+    const fs::path recording = write_recording(temp), out = temp.path() / "out";
     damage(recording);
     try {
       import_tum(recording, quiet(), out);

@@ -11,12 +11,14 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
+const std::string kName = "small: \"x\" # [1, \\ \t";  // must survive YAML
+
 class SequenceFolder : public testing::Test {
  protected:
   void SetUp() override {
     for (const char* sub : {"rgb", "depth", "masks"}) fs::create_directory(folder() / sub);
     Sequence sequence;
-    sequence.name = "small";
+    sequence.name = kName;
     sequence.program = "uniquadric test";
     sequence.camera = {8, 6, 10, 10, 3.5, 2.5, {}};
     sequence.rate_hz = 30;
@@ -60,7 +62,7 @@ class SequenceFolder : public testing::Test {
 
 TEST_F(SequenceFolder, ReadsBackAsItWasWritten) {
   const Sequence sequence = open_sequence(folder());
-  EXPECT_EQ(sequence.name, "small");
+  EXPECT_EQ(sequence.name, kName);
   EXPECT_EQ(sequence.camera.cx, 3.5);
   ASSERT_EQ(sequence.frames.size(), 3u);
   EXPECT_EQ(sequence.frames[2].masks_arrival_ns, 66'666'766);
@@ -83,6 +85,10 @@ TEST_F(SequenceFolder, RefusesImagesThatAreNotWhatTheySay) {
   const std::string whole = read_text(folder() / "rgb/1.png");
   write_text(folder() / "rgb/1.png", whole.substr(0, whole.size() / 2));
   expect_error("rgb/1.png", ": is a truncated image");
+  std::string damaged = whole;
+  damaged[damaged.size() - 20] ^= 1;
+  write_text(folder() / "rgb/1.png", damaged);
+  expect_error("rgb/1.png", ": is a damaged image");
   write_text(folder() / "rgb/1.png", "");
   expect_error("rgb/1.png", ": is empty");
   write_text(folder() / "rgb/1.png", "not an image at all");
@@ -110,7 +116,7 @@ TEST_F(SequenceFolder, RefusesBadIndexes) {
   replace("sequence.yaml", "schema: 1", "schema: 9");
   expect_error("sequence.yaml", ":1: schema: version 9 is not supported");
   SetUp();
-  replace("sequence.yaml", "name: small", "nmae: small");
+  replace("sequence.yaml", "\nname:", "\nnmae:");
   expect_error("sequence.yaml", ":1: missing key 'name'");
 }
 

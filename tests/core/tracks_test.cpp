@@ -108,6 +108,8 @@ TEST(Tracks, DescriptionsWithBadAxesOrIdsAreRefused) {
     return input_error([&] { read_objects_yaml(path); }).substr(path.string().size());
   };
   EXPECT_EQ(message("{id: 1, name: b, semi_axes_m: [1, 1, 1]}"), ":4: objects[1].id: 1 stands twice");
+  EXPECT_EQ(message("{id: 2, name: \"a,b\", semi_axes_m: [1, 1, 1]}"),
+            ":4: objects[1].name: expected a name: not empty, no comma, quote, slash or control character");
   EXPECT_EQ(message("{id: 2, name: b, semi_axes_m: [1, 0, 1]}"),
             ":4: objects[1].semi_axes_m: expected numbers greater than 0");
   EXPECT_EQ(message("{id: 2, name: b, semi_axes_m: [1, .nan, 1]}"),

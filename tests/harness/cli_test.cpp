@@ -59,10 +59,12 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
 }
 
 TEST_F(Cli, RefusesWhatItDoesNotKnow) {
-  expect_refusal({"simulat"}, "subcommand");
+  expect_refusal({"simulat"}, "there is no subcommand 'simulat'");
   expect_refusal({}, "subcommand");
   expect_refusal({"simulate", "a.yaml", out(), "--sed", "1"}, "--sed");
   expect_refusal({"simulate", "a.yaml", out(), "--frames", "0"}, "--frames");
+  expect_refusal({"simulate", "a.yaml", out(), "--seed", "-5"}, "'-5' is no whole number");
+  expect_refusal({"simulate", "a.yaml", out(), "--seed", "99999999999999999999"}, "is no whole number");
   expect_refusal({"simulate", folder() / "none.yaml", out()}, "none.yaml: cannot be read");
   expect_refusal({"metric", "iou4d"}, "iou4d");
 }

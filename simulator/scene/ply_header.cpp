@@ -1,0 +1,70 @@
+#include "simulator/scene/ply_header.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/text.h"
+
+namespace uniquadric {
+namespace {
+
+struct Element {
+  int line = 0;
+  std::string_view name;
+  long long count = 0;
+};
+
+struct Header {
+  bool ascii = false;
+  std::vector<Element> elements;
+  std::size_t end = 0;  ///< bytes up to the body
+};
+
+bool is_ply(std::string_view bytes) {
+  return bytes.size() >= 3 && (bytes[0] == 'p' || bytes[0] == 'P') && (bytes[1] == 'l' || bytes[1] == 'L') &&
+         (bytes[2] == 'y' || bytes[2] == 'Y');
+}
+
+Element read_element(const std::vector<std::string_view>& fields, const std::filesystem::path& path,
+                     int line) {
+  const auto count = fields.size() == 3 ? parse_integer(fields[2]) : std::nullopt;
+  if (!count || *count < 0) throw InputError(path, line, "expected: element NAME COUNT");
+  return {line, fields[1], *count};
+}
+
+Header read_header(std::string_view bytes, const std::filesystem::path& path) {
+  Header header;
+  for (int line = 1; header.end < bytes.size(); ++line) {
+    const std::size_t stop = bytes.find_first_of("\r\n", header.end);
+    const auto fields = split(bytes.substr(header.end, stop - header.end));
+    if (stop == bytes.npos) break;
+    header.end = stop + (bytes.substr(stop, 2) == "\r\n" ? 2 : 1);
+    if (fields.empty()) continue;
+    if (fields[0] == "end_header") return header;
+    if (fields[0] == "element") header.elements.push_back(read_element(fields, path, line));
+    if (fields[0] == "format") header.ascii = fields.size() > 1 && fields[1] == "ascii";
+  }
+  throw InputError(path, "the header has no end_header");
+}
+
+}  // namespace
+
+void check_ply_header(std::string_view bytes, const std::filesystem::path& path) {
+  if (!is_ply(bytes)) return;
+  const Header header = read_header(bytes, path);
+  // The last line of a text need not end.
+  auto left = static_cast<long long>(bytes.size() - header.end) + (header.ascii ? 1 : 0);
+  const int least_bytes = header.ascii ? 2 : 1;
+  for (const Element& element : header.elements) {
+    if (element.count > left / least_bytes)
+      throw InputError(
+          path, element.line,
+          fmt::format("announces {} {}, for which the file is too short", element.count, element.name));
+    left -= element.count * least_bytes;
+  }
+}
+
+}  // namespace uniquadric
