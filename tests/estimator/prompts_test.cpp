@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
@@ -20,16 +21,15 @@ Sequence three_frames() {
   return sequence;
 }
 
-fs::path prompt_file(const std::string& text) {
-  const fs::path file = fs::path(testing::TempDir()) / "prompts.txt";
-  write_text(file, text);
-  return file;
+std::vector<std::vector<BoxPrompt>> read_text_as_prompts(const std::string& text) {
+  const TempFolder temp;
+  write_text(temp.path() / "prompts.txt", text);
+  return read_box_prompts(temp.path() / "prompts.txt", three_frames());
 }
 
 TEST(Prompts, AFolderNamesFramesByItsFilesAndObjectsByOverlap) {
-  const fs::path folder = fs::path(testing::TempDir()) / "prompt_boxes";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
+  const TempFolder temp;
+  const fs::path& folder = temp.path();
   write_text(folder / "10.000.txt", "100\t50\t80\t60\t0.9\n300 50 80 60 0.5\n");
   write_text(folder / "10.104.txt", "310 55 80 60\n\n110 50 80 60\n");  // 4 ms off its frame, the other order
   write_text(folder / "10.200.txt", "\n");
@@ -45,10 +45,10 @@ TEST(Prompts, AFolderNamesFramesByItsFilesAndObjectsByOverlap) {
 }
 
 TEST(Prompts, AFileGivesIdsOrHasThemFound) {
-  auto frames = read_box_prompts(prompt_file("10.0 1 2 30 40 7\n10.1 1 2 30 40 9\n"), three_frames());
+  auto frames = read_text_as_prompts("10.0 1 2 30 40 7\n10.1 1 2 30 40 9\n");
   EXPECT_EQ(frames[0].at(0).id, 7);
   EXPECT_EQ(frames[1].at(0).id, 9);
-  frames = read_box_prompts(prompt_file("# stamp x y w h\n10.0 1 2 30 40\n10.1 1 2 30 40\n"), three_frames());
+  frames = read_text_as_prompts("# stamp x y w h\n10.0 1 2 30 40\n10.1 1 2 30 40\n");
   EXPECT_EQ(frames[1].at(0).id, 1);
 }
 
@@ -81,7 +81,7 @@ TEST(Prompts, BadFilesAreRefusedByLine) {
   int refused = 0;
   for (const auto& [text, what] : cases) {
     try {
-      read_box_prompts(prompt_file(text), three_frames());
+      read_text_as_prompts(text);
       ADD_FAILURE() << "accepted: " << text;
     } catch (const InputError& e) {
       EXPECT_NE(std::string(e.what()).find("prompts.txt" + what), std::string::npos) << e.what();

@@ -4,15 +4,16 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-fs::path variant_file(const std::string& text) {
-  const fs::path file = fs::path(testing::TempDir()) / "variant.yaml";
-  write_text(file, text);
-  return file;
+Variant load_text(const std::string& text) {
+  const TempFolder temp;
+  write_text(temp.path() / "variant.yaml", text);
+  return load_variant(temp.path() / "variant.yaml");
 }
 
 TEST(VariantFile, EveryOptionReadsBack) {
@@ -24,7 +25,7 @@ TEST(VariantFile, EveryOptionReadsBack) {
   variant.axis_naming = AxisNaming::world;
   const std::string yaml = variant_yaml(variant);
   EXPECT_NE(yaml, variant_yaml(Variant{}));
-  const Variant back = load_variant(variant_file(yaml));
+  const Variant back = load_text(yaml);
   EXPECT_EQ(variant_yaml(back), yaml);
   EXPECT_EQ(back.obb.fit, BoxFit::pca);
   EXPECT_EQ(back.points.max_points, 500);
@@ -46,7 +47,7 @@ TEST(VariantFile, EveryOptionReadsBack) {
 TEST(VariantFile, WhatIsLeftOutHasTheDefaultAndTheNameOfTheFile) {
   Variant expected;
   expected.name = "variant";
-  EXPECT_EQ(variant_yaml(load_variant(variant_file("schema: 1\n"))), variant_yaml(expected));
+  EXPECT_EQ(variant_yaml(load_text("schema: 1\n")), variant_yaml(expected));
 }
 
 TEST(VariantFile, BadFilesAreRefusedByLine) {
@@ -71,7 +72,7 @@ TEST(VariantFile, BadFilesAreRefusedByLine) {
   int refused = 0;
   for (const auto& [text, what] : cases) {
     try {
-      load_variant(variant_file(text));
+      load_text(text);
       ADD_FAILURE() << "accepted: " << text;
     } catch (const InputError& e) {
       EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
