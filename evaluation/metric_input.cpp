@@ -16,7 +16,8 @@ constexpr int kMaxDepth = 8;  // ours: a line nests 3 deep; no stack is at risk 
 // ours: ratios of squares of these stay far within a double, and no scene comes near them.
 constexpr double kMinSemiAxis_m = 1e-9, kMaxSemiAxis_m = 1e12, kMaxPosition_m = 1e12;
 constexpr double kMinFocal_px = 1e-6, kMaxFocal_px = 1e9, kMaxPrincipalPoint_px = 1e9;
-constexpr double kQuaternionTolerance = 1e-3;       // SPEC 6: further off is an error
+constexpr double kMaxAxisRatio = 1e6;          // ours: a pair's whitened axes stay 1e12 apart, above rounding
+constexpr double kQuaternionTolerance = 1e-3;  // SPEC 6: further off is an error
 constexpr double kQuaternionKeepTolerance = 1e-12;  // rounding of a unit quaternion's own digits
 
 // Replaces NaN, Infinity and -Infinity outside of strings.
@@ -130,6 +131,8 @@ Ellipsoid MetricLine::ellipsoid(const char* key) const {
   Ellipsoid result;
   result.world_from_object = {unit_quaternion(*found, key, "q"), position_m(*found, key, "c")};
   result.semi_axes_m = vector3(*found, key, "a", kMinSemiAxis_m, kMaxSemiAxis_m);
+  if (result.semi_axes_m.maxCoeff() > kMaxAxisRatio * result.semi_axes_m.minCoeff())
+    throw InputError(fmt::format("{}.a: the semi-axes are more than {} times apart", key, kMaxAxisRatio));
   return result;
 }
 

@@ -24,9 +24,9 @@ class MetricLine {
   /// null.
   std::string id_json() const;
   /// {"c": [x,y,z], "q": [x,y,z,w], "a": [a,b,c]} at `key`. Throws InputError for a missing field, a number
-  /// that is not finite, a semi-axis outside [1e-9, 1e12] m, a centre beyond 1e12 m from the origin along an
-  /// axis (what the arithmetic carries) or a quaternion whose norm is off 1 by more than 1e-3 (closer ones
-  /// are normalised).
+  /// that is not finite, a semi-axis outside [1e-9, 1e12] m or 1e6 times another, a centre beyond 1e12 m from
+  /// the origin along an axis (what the arithmetic carries) or a quaternion whose norm is off 1 by more than
+  /// 1e-3 (closer ones are normalised).
   Ellipsoid ellipsoid(const char* key) const;
   /// {"K": 9 numbers row by row, "width", "height", "t_wc": [x,y,z], "q_wc": [x,y,z,w]} at "camera". Throws
   /// InputError for what is missing, no pinhole matrix without skew, or outside what the arithmetic carries:

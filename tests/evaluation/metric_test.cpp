@@ -160,7 +160,8 @@ TEST(Metric, MagnitudesBeyondTheArithmeticAreNamed) {
   const std::vector<std::array<std::string, 3>> bodies = {{"[0,0,3e160]", "[1e150,1,1]", "gt.c[2]"},
                                                           {"[0,0,5]", "[1,1e200,1]", "gt.a[1]"},
                                                           {"[0,0,5]", "[1,1,1e-200]", "gt.a[2]"},
-                                                          {"[-1e308,0,5]", "[1,1,1]", "gt.c[0]"}};
+                                                          {"[-1e308,0,5]", "[1,1,1]", "gt.c[0]"},
+                                                          {"[0,0,5]", "[1e12,1e-9,1e-9]", "gt.a: "}};
   int cases = 0;
   for (const char* kind : {"iou3d", "pose", "project", "iou2d"})
     for (const auto& [c, a, field] : bodies) {
@@ -171,13 +172,13 @@ TEST(Metric, MagnitudesBeyondTheArithmeticAreNamed) {
       EXPECT_EQ(answers.lines.at(0).value("error", "").find(field), 0u) << answers.lines.at(0);
       ++cases;
     }
-  EXPECT_EQ(cases, 16);
+  EXPECT_EQ(cases, 20);
 }
 
 TEST(Metric, TheCornersOfTheAllowedRangeHaveNumbers) {
   int cases = 0, outlines = 0;
   for (const double size : {1e-9, 1.0, 1e12})
-    for (const double ratio : {1.0, 1e-3, 1e-6})
+    for (const double ratio : {1.0, 1e-3, 1.01e-6})
       for (const double z : {1e-9, 10.0, 1e12}) {
         const double other = std::max(size * ratio, 1e-9);
         json line = json::parse("{" + kCamera + "}");
@@ -190,12 +191,24 @@ TEST(Metric, TheCornersOfTheAllowedRangeHaveNumbers) {
           ++outlines;
         }
         EXPECT_TRUE(ask("pose", line.dump()).lines.at(0)["d_shape_m"].is_number()) << line;
+        const json iou = ask("iou3d", line.dump()).lines.at(0)["iou"];
+        EXPECT_TRUE(iou.is_number() && iou >= 0 && iou <= 1) << iou << line;
         const json overlap = ask("iou2d", line.dump()).lines.at(0);
         EXPECT_EQ(overlap["ellipse_iou"].is_number(), overlap["status"] == "ok") << overlap << line;
         ++cases;
       }
   EXPECT_EQ(cases, 27);
   EXPECT_GT(outlines, 5);
+}
+
+TEST(Metric, ThinOutlinesKeepTheirMinorAxis) {
+  constexpr double kRelative = 1e-8;  // rounding over the ratio 1e-6; over its square it would be 1e-4
+  // a blade whose third axis lies along the view: both half axes are f a / sqrt(z^2 - c^2)
+  const std::string blade = ellipsoid("[0,0,5]", "[1,1e-6,1e-3]", "[0,0,0.28,0.96]");
+  const json answer = ask("project", R"({"id":1,)" + kCamera + R"(,"gt":)" + blade + "}").lines.at(0);
+  const double per_m = 500 / std::sqrt(25 - 1e-6);
+  EXPECT_NEAR(answer["semi_major"].get<double>() / per_m, 1, kRelative);
+  EXPECT_NEAR(answer["semi_minor"].get<double>() / (1e-6 * per_m), 1, kRelative);
 }
 
 TEST(Metric, FarFromTheOriginIsAsGoodAsNearIt) {
