@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "simulator/render/gl_context.h"
 #include "simulator/scene/scene.h"
 
 namespace uniquadric {
@@ -12,6 +13,7 @@ struct SimulateOptions {
   std::uint64_t seed = 0;
   std::optional<std::int64_t> frames;  ///< instead of the scene's own number
   int threads = 0;                     ///< 0: as many as the machine has
+  GlLibrary gl = GlLibrary::osmesa;
   bool quiet = false;
   bool force = false;  ///< replace an existing output folder
 };

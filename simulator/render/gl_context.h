@@ -4,9 +4,12 @@
 
 namespace uniquadric {
 
-/// An OpenGL 4.5 core context without a window. Everything that draws sees this interface alone, so that
-/// another off-screen library can stand beside OSMesa. A context belongs to the thread that makes it current;
-/// contexts of several threads draw at the same time.
+/// Where OpenGL comes from: Mesa's off-screen library, or EGL without a screen, which takes a graphics card
+/// where there is one and llvmpipe otherwise. On llvmpipe both draw the same bytes.
+enum class GlLibrary { osmesa, egl };
+
+/// An OpenGL 4.5 core context without a window. Everything that draws sees this interface alone. A context
+/// belongs to the thread that makes it current; contexts of several threads draw at the same time.
 class GlContext {
  public:
   GlContext() = default;
@@ -21,11 +24,11 @@ class GlContext {
   virtual Function function(const char* name) const = 0;
 };
 
-/// A new context of Mesa's off-screen library (llvmpipe), not yet current. Throws std::runtime_error when the
-/// library cannot make one. Unless they are set, it sets LP_NATIVE_VECTOR_WIDTH=256 (512 crashes, and images
-/// shall not depend on the machine more than needed) and LP_NUM_THREADS=0 (a context rasterises in the thread
-/// that owns it: whoever wants two threads draws with two contexts) in the environment; Mesa reads both once,
-/// when the first context of the process is made.
-std::unique_ptr<GlContext> make_osmesa_context();
+/// A new context, not yet current. Throws std::runtime_error when the library cannot make one. Unless they
+/// are set, it sets LP_NATIVE_VECTOR_WIDTH=256 (512 crashes, and images shall not depend on the machine more
+/// than needed) and LP_NUM_THREADS=0 (a context rasterises in the thread that owns it: whoever wants two
+/// cores draws with two contexts, in two processes) in the environment; llvmpipe reads both once, when the
+/// first context of the process is made.
+std::unique_ptr<GlContext> make_gl_context(GlLibrary library);
 
 }  // namespace uniquadric

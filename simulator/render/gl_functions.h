@@ -38,6 +38,7 @@ namespace uniquadric {
   X(GetError, unsigned)                                                                               \
   X(GetProgramInfoLog, void, unsigned, int, int*, char*)                                              \
   X(GetProgramiv, void, unsigned, unsigned, int*)                                                     \
+  X(GetString, const unsigned char*, unsigned)                                                        \
   X(GetShaderInfoLog, void, unsigned, int, int*, char*)                                               \
   X(GetShaderiv, void, unsigned, unsigned, int*)                                                      \
   X(LinkProgram, void, unsigned)                                                                      \

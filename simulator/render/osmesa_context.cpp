@@ -4,8 +4,6 @@
 // clang-format on
 
 #include <array>
-#include <cstdlib>
-#include <mutex>
 #include <stdexcept>
 
 #include "simulator/render/gl_context.h"
@@ -13,18 +11,9 @@
 namespace uniquadric {
 namespace {
 
-void set_defaults_of_llvmpipe() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    setenv("LP_NATIVE_VECTOR_WIDTH", "256", 0);
-    setenv("LP_NUM_THREADS", "0", 0);
-  });
-}
-
 class OsmesaContext : public GlContext {
  public:
   OsmesaContext() {
-    set_defaults_of_llvmpipe();
     constexpr std::array attributes = {OSMESA_FORMAT,
                                        OSMESA_RGBA,
                                        OSMESA_DEPTH_BITS,

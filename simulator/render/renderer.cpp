@@ -163,10 +163,10 @@ std::vector<ObjectView> Renderer::State::view_objects(const ScenePoses& poses, c
   return views;
 }
 
-Renderer::Renderer(const Scene& scene) : state_(std::make_unique<State>()) {
+Renderer::Renderer(const Scene& scene, GlLibrary library) : state_(std::make_unique<State>()) {
   check_can_render(scene);
   State& s = *state_;
-  s.context = make_osmesa_context();
+  s.context = make_gl_context(library);
   s.context->make_current();
   s.gl = load_gl_functions(*s.context);
   s.samples = scene.imaging.samples;
@@ -192,8 +192,14 @@ void Renderer::draw(const ScenePoses& poses) {
   if (s.samples > 1) s.draw_color(poses);
 }
 
+std::string Renderer::device() const {
+  state_->context->make_current();
+  return reinterpret_cast<const char*>(state_->gl.GetString(GL_RENDERER));
+}
+
 void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
   State& s = *state_;
+  s.context->make_current();
   read_color(s.gl, s.targets, rgba);
   read_ids(s.gl, s.targets, ids);
   read_depth(s.gl, s.targets, depth_m);

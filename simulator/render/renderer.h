@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <string>
 #include <vector>
 
 #include "core/geometry/pose.h"
+#include "simulator/render/gl_context.h"
 #include "simulator/scene/scene.h"
 
 namespace uniquadric {
@@ -50,12 +52,15 @@ void check_can_render(const Scene& scene);
 class Renderer {
  public:
   /// Copies the scene's meshes; checks the scene first (check_can_render).
-  explicit Renderer(const Scene& scene);
+  explicit Renderer(const Scene& scene, GlLibrary library = GlLibrary::osmesa);
   ~Renderer();
 
   /// The frame is the renderer's own, until the next call. Ids, depth and objects are those of `poses`, and
   /// the colour too unless there is an `exposure`, whose mean it is then.
   const RenderedFrame& render(const ScenePoses& poses, const std::vector<ScenePoses>& exposure = {});
+
+  /// What draws, in the words of OpenGL: "llvmpipe (LLVM ...)" or a graphics card.
+  std::string device() const;
 
   /// The steps of render(), apart, for measurements: draws colour, ids and depth;
   void draw(const ScenePoses& poses);
