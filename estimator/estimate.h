@@ -21,8 +21,8 @@ struct EstimateOptions {
 /// the masks it found (masks/FRAME.png, 16-bit ids). Frames without depth, masks or a camera pose, and
 /// objects with too few points, have no state and are counted in run.yaml. The same sequence, variant and
 /// seed give the same bytes (timing.csv excepted) for any number of threads. Throws InputError for bad
-/// sequences and prompts, and when the camera's poses are to be given and are not; then nothing is left at
-/// `out`.
+/// sequences and prompts, when the camera's poses are to be given and are not, and when no frame has depth,
+/// masks and a camera pose; then nothing is left at `out`.
 void estimate(const std::filesystem::path& sequence, const Variant& variant, const EstimateOptions& options,
               const std::filesystem::path& out);
 

@@ -14,16 +14,22 @@ namespace {
 constexpr int kMaxPlanes = 3;              // a floor and two walls
 constexpr std::size_t kRingPoints = 2000;  // enough to find a plane of a seventh of them
 
-cv::Rect pixel_rect(double x, double y, double width, double height, const cv::Mat& image) {
-  const cv::Point low(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
-  const cv::Point high(static_cast<int>(std::ceil(x + width)), static_cast<int>(std::ceil(y + height)));
-  return cv::Rect(low, high) & cv::Rect(0, 0, image.cols, image.rows);
+// The pixels from a corner to the opposite one, of those in the image: a box may reach beyond what an int
+// holds.
+cv::Rect pixel_rect(double left, double top, double right, double bottom, const cv::Mat& image) {
+  left = std::max(std::floor(left), 0.0);
+  top = std::max(std::floor(top), 0.0);
+  right = std::min(std::ceil(right), static_cast<double>(image.cols));
+  bottom = std::min(std::ceil(bottom), static_cast<double>(image.rows));
+  if (!(left < right && top < bottom)) return {};
+  return {cv::Point(static_cast<int>(left), static_cast<int>(top)),
+          cv::Point(static_cast<int>(right), static_cast<int>(bottom))};
 }
 
 // Median of the depth in the middle half of the box, where the object is most likely.
 std::optional<double> median_depth(const cv::Mat& depth, const BoxPrompt& box) {
-  const cv::Rect middle =
-      pixel_rect(box.x + box.width / 4, box.y + box.height / 4, box.width / 2, box.height / 2, depth);
+  const cv::Rect middle = pixel_rect(box.x + box.width / 4, box.y + box.height / 4, box.x + 0.75 * box.width,
+                                     box.y + 0.75 * box.height, depth);
   std::vector<float> values;
   for (int v = middle.y; v < middle.br().y; ++v)
     for (int u = middle.x; u < middle.br().x; ++u)
@@ -154,9 +160,10 @@ cv::Mat grabcut_depth(const cv::Mat& rgb, const cv::Mat& depth, const Camera& ca
                       const GrabcutOptions& options, RandomStream& random) {
   const auto median_m = median_depth(depth, box);
   if (!median_m) return cv::Mat::zeros(rgb.size(), CV_8UC1);
-  const cv::Rect inner = pixel_rect(box.x, box.y, box.width, box.height, rgb);
+  const cv::Rect inner = pixel_rect(box.x, box.y, box.x + box.width, box.y + box.height, rgb);
   const double dx = options.context * box.width, dy = options.context * box.height;
-  const cv::Rect outer = pixel_rect(box.x - dx, box.y - dy, box.width + 2 * dx, box.height + 2 * dy, rgb);
+  const cv::Rect outer =
+      pixel_rect(box.x - dx, box.y - dy, box.x + box.width + dx, box.y + box.height + dy, rgb);
   const double size_m = *median_m * std::max(box.width / camera.fx, box.height / camera.fy);
   const auto planes = planes_of_ring(depth, camera, outer, inner, options, random);
   const cv::Mat excluded =

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -13,6 +14,7 @@
 #include "core/geometry/box_symmetry.h"
 #include "core/sequence/import_tum.h"
 #include "core/sequence/tracks.h"
+#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
@@ -31,10 +33,6 @@ std::map<std::string, std::string> files_of(const fs::path& folder) {
     if (entry.is_regular_file() && entry.path().filename() != "timing.csv")
       files[fs::relative(entry.path(), folder).string()] = read_text(entry.path());
   return files;
-}
-
-fs::path temporary(const std::string& name) {
-  return fs::path(testing::TempDir()) / name;
 }
 
 // Upright boxes around the true masks, one file for all frames.
@@ -57,7 +55,8 @@ fs::path write_prompts(const Sequence& sequence) {
 }
 
 TEST(Estimate, FollowsAMovingBoxFromItsMasks) {
-  const fs::path folder = temporary("estimate_box"), out = temporary("estimate_box_out");
+  const TempFolder temp;
+  const fs::path folder = temp.path() / "sequence", out = temp.path() / "out";
   write_box_sequence(folder, 6, false);
   estimate(folder, Variant{}, quiet(), out);
   const Tracks tracks = read_tracks(out);
@@ -85,7 +84,8 @@ TEST(Estimate, FollowsAMovingBoxFromItsMasks) {
 }
 
 TEST(Estimate, FramesWithoutDepthMasksOrPoseHaveNoStateAndAreCounted) {
-  const fs::path folder = temporary("estimate_gaps"), out = temporary("estimate_gaps_out");
+  const TempFolder temp;
+  const fs::path folder = temp.path() / "sequence", out = temp.path() / "out";
   Sequence sequence = write_box_sequence(folder, 6, true);
   sequence.given_camera->erase(sequence.given_camera->begin() + 4);
   write_sequence_index(folder, sequence);
@@ -103,7 +103,8 @@ TEST(Estimate, FramesWithoutDepthMasksOrPoseHaveNoStateAndAreCounted) {
 }
 
 TEST(Estimate, TheSameBytesForAnyNumberOfThreads) {
-  const fs::path folder = temporary("estimate_threads"), out = temporary("estimate_threads_out");
+  const TempFolder temp;
+  const fs::path folder = temp.path() / "sequence", out = temp.path() / "out";
   Sequence sequence = write_box_sequence(folder, 6, false);
   EstimateOptions prompted = quiet();
   prompted.prompts = write_prompts(sequence);
@@ -126,14 +127,15 @@ TEST(Estimate, TheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(compared, 6);
   EstimateOptions other = quiet();
   other.seed = 1;
-  const fs::path out_other = temporary("estimate_seed_out");
+  const fs::path out_other = temp.path() / "out_other";
   estimate(folder, Variant{}, quiet(), out);
   estimate(folder, Variant{}, other, out_other);
   EXPECT_NE(read_text(out / "objects.csv"), read_text(out_other / "objects.csv"));
 }
 
 TEST(Estimate, TheTruthBesideTheSequenceIsNeverRead) {
-  const fs::path folder = temporary("estimate_truth"), out = temporary("estimate_truth_out");
+  const TempFolder temp;
+  const fs::path folder = temp.path() / "sequence", out = temp.path() / "out";
   write_box_sequence(folder / "sequence", 2, false);
   fs::create_directories(folder / "truth");
   write_text(folder / "truth/objects.yaml", "not: [yaml");
@@ -147,7 +149,8 @@ TEST(Estimate, TheTruthBesideTheSequenceIsNeverRead) {
 
 TEST(Estimate, NamesThatFollowTheBodyAndNamesOfTheWorld) {
   // A box that turns from 35 to 55 degrees: the world's names change hands at 45, those that follow do not.
-  const fs::path folder = temporary("estimate_turn"), out = temporary("estimate_turn_out");
+  const TempFolder temp;
+  const fs::path folder = temp.path() / "sequence", out = temp.path() / "out";
   Sequence sequence = write_box_sequence(folder, 3, false);
   for (int i = 0; i < 3; ++i) {
     OrientedBox box = scene_box(0);
@@ -175,8 +178,8 @@ TEST(Estimate, NamesThatFollowTheBodyAndNamesOfTheWorld) {
 }
 
 TEST(Estimate, BadInputsAreRefusedAndLeaveNothing) {
-  const fs::path folder = temporary("estimate_bad"), out = temporary("estimate_bad_out");
-  fs::remove_all(out);
+  const TempFolder temp;
+  const fs::path folder = temp.path() / "sequence", out = temp.path() / "out";
   Sequence sequence = write_box_sequence(folder, 2, false);
   const auto refuses = [&](const std::string& what) {
     try {
@@ -196,28 +199,74 @@ TEST(Estimate, BadInputsAreRefusedAndLeaveNothing) {
   refuses("is not a folder");
 }
 
+// Nothing at all in common with what the variant needs is a mistake of the caller, not a bad result.
+TEST(Estimate, ASequenceWithoutAnythingToEstimateIsRefused) {
+  struct Case {
+    std::string what;
+    std::function<void(Sequence&)> damage;
+    Variant variant = {};
+    bool prompted = false;
+  };
+  Variant grabcut;
+  grabcut.segmentation.source = MaskSource::grabcut_depth;
+  const auto shift_poses = [](Sequence& s) {
+    for (auto& pose : *s.given_camera) pose.stamp_ns += 500'000'000'000;
+  };
+  const std::vector<Case> cases = {
+      {"sequence: no frame has depth", [](Sequence& s) { fs::remove(s.folder / "depth.txt"); }},
+      {"sequence: no frame has depth",
+       [](Sequence& s) { write_text(s.folder / "depth.txt", "900.0 depth/000000.png\n"); }},
+      {"no frame has a camera pose: camera_given.tum spans 501.000000000..501.066666666 s, the frames "
+       "1.000000000..1.066666666 s",
+       [&](Sequence& s) { shift_poses(s), write_sequence_index(s.folder, s); }},
+      {"no frame has masks: the prompts hold no box", [](Sequence&) {}, grabcut, true},
+      {"no frame has depth, masks and a camera pose at once",
+       [](Sequence& s) {
+         for (int i = 0; i < 3; ++i) (i == 0 ? s.frames[i].masks : s.frames[i].depth).clear();
+         write_sequence_index(s.folder, s);
+       }},
+  };
+  int refused = 0;
+  for (const auto& [what, damage, variant, prompted] : cases) {
+    const TempFolder temp;
+    const fs::path out = temp.path() / "out";
+    Sequence sequence = write_box_sequence(temp.path() / "sequence", 3, false);
+    damage(sequence);
+    EstimateOptions options = quiet();
+    if (prompted) {
+      options.prompts = temp.path() / "boxes";
+      fs::create_directories(options.prompts);
+      write_text(options.prompts / (format_stamp(sequence.frames[0].stamp_ns) + ".txt"), "\n");
+    }
+    const std::string message = input_error([&] { estimate(sequence.folder, variant, options, out); });
+    EXPECT_NE(message.find(what), std::string::npos) << message;
+    EXPECT_FALSE(fs::exists(out));
+    ++refused;
+  }
+  EXPECT_EQ(refused, 5);
+}
+
 // The detections of every third frame in a folder of their own: a third of the time.
-fs::path every_third_box(const fs::path& boxes) {
-  const fs::path folder = temporary("estimate_cabinet_boxes");
-  fs::remove_all(folder);
+void copy_every_third_box(const fs::path& boxes, const fs::path& folder) {
   fs::create_directories(folder);
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(boxes)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   for (std::size_t i = 0; i < files.size(); i += 3) fs::copy_file(files[i], folder / files[i].filename());
-  return folder;
 }
 
 // The real cabinet: per-frame boxes from box prompts agree with each other.
 TEST(Estimate, ARealCabinetHasStableAxes) {
   const fs::path recording = fs::path(UNIQUADRIC_SOURCE_DIR) / "../shared/data/tum_fr3_cabinet";
   if (!fs::exists(recording)) GTEST_SKIP() << "no recording at ../shared/data/tum_fr3_cabinet";
-  const fs::path folder = temporary("estimate_cabinet"), out = temporary("estimate_cabinet_out");
+  const TempFolder temp;
+  const fs::path folder = temp.path() / "sequence", out = temp.path() / "out";
   ImportTumOptions import;
   import.quiet = import.force = true;
   import_tum(recording, import, folder);
   EstimateOptions options = quiet();
-  options.prompts = every_third_box(recording / "boxes");
+  options.prompts = temp.path() / "boxes";
+  copy_every_third_box(recording / "boxes", options.prompts);
   estimate(folder, Variant{}, options, out);
   const Tracks tracks = read_tracks(out);
   ASSERT_EQ(tracks.objects.size(), 1u);

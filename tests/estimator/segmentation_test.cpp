@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "estimator/perception/support_planes.h"
+#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
@@ -64,6 +65,26 @@ TEST(GrabcutDepth, ABoxWithoutDepthHasNoMask) {
   EXPECT_EQ(cv::countNonZero(grabcut_depth(rgb, depth, kCamera, {1, 50, 50, 60, 60}, {}, random)), 0);
 }
 
+// Numbers that no int holds mean the same as a box that merely covers the whole image.
+TEST(GrabcutDepth, ABoxBeyondAllNumbersIsTheWholeImage) {
+  RandomStream random(5, "image");
+  const BoxImage image = render_box(kCamera, scene_camera(0), scene_box(0), random);
+  cv::Mat depth;
+  image.depth.convertTo(depth, CV_32F, 1 / 5000.0);
+  const auto mask_of = [&](const BoxPrompt& box) {
+    RandomStream own(6, "grabcut");
+    return grabcut_depth(image.rgb, depth, kCamera, box, {}, own);
+  };
+  const cv::Mat whole = mask_of({1, -1e6, -1e6, 2e6, 2e6});
+  EXPECT_GT(cv::countNonZero(whole), kCamera.width * kCamera.height / 2);
+  int boxes = 0;
+  for (const auto& [low, size] : {std::pair(-1e300, 2e300), std::pair(-8e307, 1.6e308)}) {
+    EXPECT_EQ(cv::countNonZero(mask_of({1, low, low, size, size}) != whole), 0) << low;
+    ++boxes;
+  }
+  EXPECT_EQ(boxes, 2);
+}
+
 TEST(SupportPlanes, AreFoundLargestFirst) {
   RandomStream random(4, "planes");
   std::vector<Eigen::Vector3d> points;
@@ -81,7 +102,8 @@ TEST(SupportPlanes, AreFoundLargestFirst) {
 }
 
 TEST(Segmentation, PromptsSelectAmongTheSequencesMasks) {
-  const fs::path folder = fs::path(testing::TempDir()) / "segmentation_select";
+  const TempFolder temp;
+  const fs::path& folder = temp.path();
   Sequence sequence = write_box_sequence(folder, 1, false);
   cv::Mat masks = read_masks(sequence, sequence.frames[0]).clone();
   masks(cv::Rect(5, 5, 30, 20)).setTo(4);
@@ -99,7 +121,8 @@ TEST(Segmentation, PromptsSelectAmongTheSequencesMasks) {
 }
 
 TEST(Segmentation, SourcesThatAreNotThereAreRefused) {
-  const fs::path folder = fs::path(testing::TempDir()) / "segmentation_sources";
+  const TempFolder temp;
+  const fs::path& folder = temp.path();
   Sequence sequence = write_box_sequence(folder, 1, false);
   EXPECT_THROW(make_segmenter(sequence, {MaskSource::grabcut_depth, {}}, {}), InputError);  // no prompts
   EXPECT_EQ(make_segmenter(sequence, {}, {}).source, MaskSource::sequence);
