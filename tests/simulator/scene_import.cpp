@@ -72,6 +72,39 @@ TEST(MeshImport, ReadsPly) {
   EXPECT_EQ(imported.meshes[0].normals[0], Eigen::Vector3f(0, 0, 1));
 }
 
+// What a header announces is not there: 4e9 vertices or faces in a file of a few hundred bytes.
+TEST(MeshImport, RefusesPlyFilesThatAnnounceMoreThanTheyHold) {
+  const ScratchFolder folder("import_ply_claims");
+  const auto ply = [](const std::string& format, const std::string& vertices, const std::string& faces,
+                      const std::string& body) {
+    return "ply\nformat " + format + " 1.0\ncomment made up\nelement vertex " + vertices +
+           "\nproperty float x\nproperty float y\nproperty float z\nelement face " + faces +
+           "\nproperty list uchar int vertex_indices\nend_header\n" + body;
+  };
+  const std::string body = "0 0 0\n2 0 0\n2 1 0\n0 1 0\n4 0 1 2 3";
+  const std::string big = "4000000000", larger = "99999999999999999999";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {ply("ascii", big, "1", ""), ":4: announces 4000000000 vertex, for which the file is too short"},
+      {ply("ascii", "4", big, body), ":8: announces 4000000000 face, for which the file is too short"},
+      {ply("ascii", "16", "5", body), ":8: announces 5 face"},  // 21 lines of 2 bytes in 34 and a line end
+      {ply("binary_little_endian", big, "0", std::string(48, '\0')), ":4: announces 4000000000 vertex"},
+      {ply("binary_big_endian", "4", "45", std::string(48, '\0')), ":8: announces 45 face"},
+      {ply("ascii", larger, "1", body), ":4: expected: element NAME COUNT"},
+      {ply("ascii", "-4", "1", body), ":4: expected: element NAME COUNT"},
+      {"ply\rformat ascii 1.0\relement vertex 4000000000\rend_header\r", ":3: announces 4000000000 vertex"},
+      {"ply\nformat ascii 1.0\nelement vertex 4000000000\n", ": the header has no end_header"},
+  };
+  int refused = 0;
+  for (const auto& [text, what] : cases)
+    for (const std::string name : {"sheet.ply", "sheet.mesh"}) {  // told by its content, whatever the name
+      const std::string message = refusal(folder.write(name, text));
+      EXPECT_NE(message.find(name + what), message.npos) << what << ": " << message;
+      ++refused;
+    }
+  EXPECT_EQ(refused, 18);
+  EXPECT_EQ(import_mesh(folder.write("sheet.ply", ply("ascii", "4", "1", body))).meshes.size(), 1u);
+}
+
 void append_word(std::string& bytes, std::uint32_t word) {
   char raw[4];
   std::memcpy(raw, &word, 4);  // little endian, as the format and every machine this builds on

@@ -91,7 +91,18 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
       {"rate_hz: 25", "rate_hz: 0", ":2: rate_hz: expected a number greater than 0"},
       {"rate_hz: 25", "rate_hz: -25", ":2: rate_hz: expected a number greater than 0"},
       {"rate_hz: 25", "rate_hz: 1e9", ":2: rate_hz: expected at most"},
+      {"rate_hz: 25", "rate_hz: 1e-300", ":2: rate_hz: expected at least 0.001 Hz"},
+      {"frames: 20\nrate_hz: 25", "frames: 2000000\nrate_hz: 0.001",
+       ":2: rate_hz: 2000000 frames last 1999999000 s, expected at most 1000000000 s"},
       {"rate_hz: 25", "rate_hz: [25", "malformed YAML"},
+      {"kind: spline\n    look_at_m: [0, 0, 1]\n    waypoints:\n      - {time_s: 0, position_m: [-2, -2, "
+       "1]}\n      - {time_s: 1, position_m: [2, -2, 1]}",
+       "{kind: static, rpy_deg: [1e308, 0, 0]}", ":6: camera.motion: frame 0: pose is not finite"},
+      {"rpy_deg: [0, 0, 90]", "rpy_deg: [1e308, 0, 0]",
+       ":22: objects[0].motion: frame 0: pose is not finite"},
+      {"velocity_mps: [0.1, 0, 0]", "velocity_mps: [1.7e308, 1.7e308, 0]",
+       ":29: objects[1].motion: frame 0: pose is not finite"},
+      {"furniture: 0,", "furniture: 0, pose: {rpy_deg: [1e308, 0, 0]},", ":15: world[0]: pose is not finite"},
       {"width: 64", "width: 1000000", ":4: camera.calibration.width: expected 1 to 16384 px"},
       {"position_m: [-2, -2, 1]", "position_m: [-2, .nan, 1]", ":9: "},
       {"position_m: [-2, -2, 1]", "position_m: [0, 0, 2]",
@@ -144,7 +155,7 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
     EXPECT_EQ(message.find('\n'), message.npos) << message;
     refused += message != "accepted";
   }
-  EXPECT_EQ(refused, 34);
+  EXPECT_EQ(refused, 40);
   EXPECT_NE(refusal(folder.path() / "absent.yaml").find("cannot be read"), std::string::npos);
 }
 
