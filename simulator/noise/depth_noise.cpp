@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -59,8 +60,14 @@ void drop_edges(cv::Mat& depth_m, const cv::Mat& edges, double probability, std:
   for (int v = 0; v < depth_m.rows; ++v) {
     RandomStream stream = row_stream(seed, "depth_edge", frame, v);
     const auto* edge = edges.ptr<std::uint8_t>(v);
-    for (int u = 0; u < depth_m.cols; ++u)
-      if (edge[u] && stream.uniform() < probability) depth_m.at<float>(v, u) = 0;
+    for (int u = 0; u < depth_m.cols; ++u) {
+      std::uint64_t eight = 1;
+      if (u + 8 <= depth_m.cols) std::memcpy(&eight, edge + u, 8);
+      if (eight == 0)
+        u += 7;  // most are no edge: quicker past them
+      else if (edge[u] && stream.uniform() < probability)
+        depth_m.at<float>(v, u) = 0;
+    }
   }
 }
 

@@ -46,7 +46,7 @@ struct Renderer::State {
   GlFunctions gl;
   RenderTargets targets;
   unsigned all = 0, color = 0, geometry = 0;  // programs, as ProgramOutput has them
-  int samples = 1;
+  bool one_pass = true;  // colour, ids and depth at once, else ids and depth, then colour
   std::vector<GpuBody> world, objects;
   std::vector<Pose> world_from_static;  // one a body of the world
   Eigen::Vector3d sun_direction;
@@ -57,7 +57,7 @@ struct Renderer::State {
 
   unsigned prepare_program(const Scene& scene, ProgramOutput output) const;
   void upload(const Scene& scene);
-  void draw_image(const ScenePoses& poses, bool color, bool silhouettes);
+  void draw_image(const ScenePoses& poses, bool silhouettes);
   void draw_color(const ScenePoses& poses);
   void draw_bodies(const ScenePoses& poses, bool silhouettes) const;
   void draw_body(const GpuBody& body, const Pose& camera_from_object) const;
@@ -112,17 +112,17 @@ void Renderer::State::draw_bodies(const ScenePoses& poses, bool silhouettes) con
     draw_body(world[i], camera_from_world * world_from_static[i]);
 }
 
-// Ids and depth, which belong to pixel centres, and colour looked up there too if so asked.
-void Renderer::State::draw_image(const ScenePoses& poses, bool with_color, bool silhouettes) {
+// Ids and depth, which belong to pixel centres; in one pass colour looked up there too.
+void Renderer::State::draw_image(const ScenePoses& poses, bool silhouettes) {
   constexpr float kNothing[4] = {0, 0, 0, 0};
   constexpr unsigned kNoId[4] = {0, 0, 0, 0};
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.image);
-  if (with_color) gl.ClearBufferfv(GL_COLOR, 0, sky.data());
+  if (one_pass) gl.ClearBufferfv(GL_COLOR, 0, sky.data());
   gl.ClearBufferuiv(GL_COLOR, 1, kNoId);
   gl.ClearBufferfv(GL_COLOR, 2, kNothing);
   gl.StencilMask(0xff);
   gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, 0, 0);  // together they are cleared in one go
-  gl.UseProgram(with_color ? all : geometry);
+  gl.UseProgram(one_pass ? all : geometry);
   draw_bodies(poses, silhouettes);
 }
 
@@ -169,12 +169,12 @@ Renderer::Renderer(const Scene& scene, GlLibrary library) : state_(std::make_uni
   s.context = make_gl_context(library);
   s.context->make_current();
   s.gl = load_gl_functions(*s.context);
-  s.samples = scene.imaging.samples;
-  s.targets =
-      make_render_targets(s.gl, scene.camera.width, scene.camera.height, s.samples > 1 ? s.samples : 0);
-  s.all = s.prepare_program(scene, ProgramOutput::all);
-  s.color = s.prepare_program(scene, ProgramOutput::color);
-  s.geometry = s.prepare_program(scene, ProgramOutput::geometry);
+  const int samples = scene.imaging.samples;
+  s.targets = make_render_targets(s.gl, scene.camera.width, scene.camera.height, samples > 1 ? samples : 0);
+  s.one_pass = samples == 1 && !(scene.imaging.exposure_s > 0);
+  if (s.one_pass) s.all = s.prepare_program(scene, ProgramOutput::all);
+  if (!s.one_pass) s.color = s.prepare_program(scene, ProgramOutput::color);
+  if (!s.one_pass) s.geometry = s.prepare_program(scene, ProgramOutput::geometry);
   s.gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   s.gl.DepthFunc(GL_GREATER);
   s.gl.FrontFace(GL_CW);  // rows run down here, up in OpenGL: what is counter-clockwise turns
@@ -188,8 +188,8 @@ Renderer::~Renderer() = default;
 void Renderer::draw(const ScenePoses& poses) {
   State& s = *state_;
   s.context->make_current();
-  s.draw_image(poses, s.samples == 1, false);
-  if (s.samples > 1) s.draw_color(poses);
+  s.draw_image(poses, false);
+  if (!s.one_pass) s.draw_color(poses);
 }
 
 std::string Renderer::device() const {
@@ -209,9 +209,8 @@ void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
 const RenderedFrame& Renderer::render(const ScenePoses& poses, const std::vector<ScenePoses>& exposure) {
   State& s = *state_;
   s.context->make_current();
-  const bool one_pass = s.samples == 1 && exposure.empty();
-  s.draw_image(poses, one_pass, true);
-  if (!one_pass && exposure.empty()) s.draw_color(poses);
+  s.draw_image(poses, true);
+  if (!s.one_pass && exposure.empty()) s.draw_color(poses);
   read_back(s.frame.rgba, s.frame.ids, s.frame.depth_m);
   if (!exposure.empty()) s.expose(exposure);
   s.frame.objects = s.view_objects(poses, s.frame.ids);

@@ -250,6 +250,7 @@ TEST(Renderer, ExposureIsTheMeanOverTheTimeTheShutterIsOpen) {
   // An edge that sweeps w pixels leaves a ramp w pixels wide; ids are those of its middle.
   Scene scene = white_square();
   scene.imaging.samples = 1;
+  scene.imaging.exposure_s = 0.01;
   Renderer renderer(scene);
   constexpr int kSteps = 40, kWidth_px = 10;
   std::vector<ScenePoses> exposure;
