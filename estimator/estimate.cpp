@@ -97,7 +97,8 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   const auto count = [&](auto is_counted) { return std::count_if(frames.begin(), frames.end(), is_counted); };
   int without_points = 0;
   for (const auto& frame : frames) without_points += frame.objects_without_state;
-  std::string text = fmt::format("schema: 1\nprogram: {}\nsequence: {}\n", yaml_quoted(kProgram), yaml_quoted(sequence.name));
+  std::string text = fmt::format("schema: 1\nprogram: {}\nsequence: {}\n", yaml_quoted(kProgram),
+                                 yaml_quoted(sequence.name));
   if (!sequence.scene_hash.empty()) text += fmt::format("scene_hash: \"{}\"\n", sequence.scene_hash);
   const std::string prompts = options.prompts.empty() ? "everything" : options.prompts.filename().string();
   text += fmt::format("seed: {}\nprompts: {}\n", options.seed, yaml_quoted(prompts));

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxFrames = 10'000'000;
 constexpr double kMinRate_hz = 1e-3, kMaxRate_hz = 10'000;
-constexpr double kMaxDuration_s = 1e9;  // stamps are nanoseconds in 64 bits: nine times this
+constexpr double kMaxDuration_s = 1e9;         // stamps are nanoseconds in 64 bits: nine times this
 constexpr std::uint64_t kWorldSeed = 100'000;  // material seeds of the world, clear of the objects' ids
 
 void read_clock(const ConfigNode& root, Scene& scene) {
@@ -35,8 +35,8 @@ void read_clock(const ConfigNode& root, Scene& scene) {
     root.at("rate_hz").fail(fmt::format("expected at least {} Hz", kMinRate_hz));
   const double duration_s = static_cast<double>(scene.frames - 1) / scene.rate_hz;
   if (duration_s > kMaxDuration_s)
-    root.at("rate_hz").fail(fmt::format("{} frames last {} s, expected at most {} s", scene.frames,
-                                        duration_s, kMaxDuration_s));
+    root.at("rate_hz").fail(
+        fmt::format("{} frames last {} s, expected at most {} s", scene.frames, duration_s, kMaxDuration_s));
 }
 
 void check_pose(const Pose& pose) {

@@ -31,21 +31,22 @@ struct DepthNoise {
   enum class Model { none, proportional, stereo };
   Model model = Model::proportional;
   double k = 0.005;  ///< proportional: sigma = k d, d the distance from the optical centre (paper; ours: k)
-  double baseline_m = 0.095;                   ///< stereo: sigma = s z^2 / (f B), RealSense D455
-  double disparity_sigma_px = 0.08;            ///< stereo: s
-  double disparity_step_px = 1.0 / 32;         ///< stereo: quantisation
-  double edge_dropout = 0.3;                   ///< probability that a pixel beside a depth edge is lost
-  double flying_pixels = 0.3;      ///< stereo: probability that it lies between the edge's two sides instead
-  double max_incidence_deg = 80;   ///< stereo: surfaces seen at a flatter angle are lost; 90 keeps all
-  bool shadow = true;              ///< stereo: what the second imager, baseline_m to the right, cannot see is lost
+  double baseline_m = 0.095;            ///< stereo: sigma = s z^2 / (f B), RealSense D455
+  double disparity_sigma_px = 0.08;     ///< stereo: s
+  double disparity_step_px = 1.0 / 32;  ///< stereo: quantisation
+  double edge_dropout = 0.3;            ///< probability that a pixel beside a depth edge is lost
+  double flying_pixels = 0.3;     ///< stereo: probability that it lies between the edge's two sides instead
+  double max_incidence_deg = 80;  ///< stereo: surfaces seen at a flatter angle are lost; 90 keeps all
+  bool shadow = true;  ///< stereo: what the second imager, baseline_m to the right, cannot see is lost
   double min_range_m = 0.1, max_range_m = 20;  ///< outside: no depth
 };
 
-/// How the camera makes its colour image. Ids, depth and true masks belong to pixel centres and the stamp alone.
+/// How the camera makes its colour image. Ids, depth and true masks belong to pixel centres and the stamp
+/// alone.
 struct Imaging {
-  int samples = 4;        ///< places in a pixel that surfaces are looked up at, 1 or 4 (anti-aliased edges)
-  double gain = 1;        ///< exposure: grey levels are multiplied by it and saturate at 255
-  double exposure_s = 0;  ///< time the shutter is open, its middle at the stamp: 0 is no motion blur
+  int samples = 4;         ///< places in a pixel that surfaces are looked up at, 1 or 4 (anti-aliased edges)
+  double gain = 1;         ///< exposure: grey levels are multiplied by it and saturate at 255
+  double exposure_s = 0;   ///< time the shutter is open, its middle at the stamp: 0 is no motion blur
   int exposure_steps = 8;  ///< images whose mean is the blurred one
 };
 
@@ -96,7 +97,7 @@ struct Scene {
   ImageNoise image_noise;
   SegmenterNoise segmenter;
   std::optional<ImuRig> imu;
-  double map_resolution_m = 0.1;  ///< cell edge of the static world's octree (truth/map.bt)
+  double map_resolution_m = 0.1;    ///< cell edge of the static world's octree (truth/map.bt)
   std::optional<ConfigNode> lidar;  ///< the section as it stands, for its own reader
 
   std::int64_t stamp_ns(std::int64_t frame) const;  ///< of a frame, from 0 on, rounded to the nanosecond

@@ -11,7 +11,8 @@ struct ProgramRun {
   std::string out, err;
 };
 
-/// Runs the program `uniquadric` with arguments and standard input; exit_code 128 + signal when it was killed.
+/// Runs the program `uniquadric` with arguments and standard input; exit_code 128 + signal when it was
+/// killed.
 ProgramRun run_program(const std::vector<std::string>& arguments, const std::string& input = "");
 
 /// Hash of every file's name and bytes below a folder, except files named as in `ignored`.
