@@ -103,7 +103,8 @@ std::string pack_png(const cv::Mat& ids) {
   for (int v = 0; v < ids.rows; ++v, out += row_size) {
     const auto* row = ids.ptr<std::uint16_t>(v);
     *out++ = kFilterUp;
-    for (int u = 0; u < ids.cols; ++u) {
+    const bool repeated = std::memcmp(row, above, row_size) == 0;  // the difference: zeros, as there are
+    for (int u = 0; u < ids.cols && !repeated; ++u) {
       out[2 * u] = static_cast<unsigned char>((row[u] >> 8) - (above[u] >> 8));
       out[2 * u + 1] = static_cast<unsigned char>(row[u] - above[u]);
     }
