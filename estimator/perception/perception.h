@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/camera.h"
+#include "core/geometry/ellipsoid.h"
+#include "core/geometry/pose.h"
+
+namespace uniquadric {
+
+/// A tangent of a silhouette's convex hull: normal . pixel <= offset_px for every pixel of the mask, whose
+/// outline runs half a pixel outside its outer pixel centres. Image axes: x right, y down.
+struct SupportLine {
+  Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  ///< unit length, outward
+  double offset_px = 0;
+  bool free = true;  ///< false: what it touches is the image's border or an occluder's edge, not the body
+};
+
+/// The outline of a body in one image, as the long window observes it. Pixels are those of the image as it
+/// is; a lens with distortion is undone first, so that lines are lines.
+struct Silhouette {
+  Ellipse rot_bbox;                   ///< RotBbox: rectangle of least area about the outline
+  std::array<bool, 4> side_free{};    ///< of the sides at +major, -major, +minor, -minor
+  std::vector<SupportLine> support;   ///< in K directions, the first along +x, counted from x to y
+  std::array<SupportLine, 4> bbox{};  ///< upright box: +x, +y, -x, -y
+  double area_px = 0;
+  bool segmented = false;  ///< from the segmenter's mask of this frame; else from the mask tracker's
+  /// The first frame at which an estimator that runs along may know it: a segmenter's result comes late.
+  std::int64_t known_at_frame = 0;
+};
+
+/// One sighting of a point of a body (or of the background).
+struct Feature {
+  std::int64_t track = 0;  ///< the same for all sightings of one point, over the whole sequence
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< undistorted
+  double depth_m = 0;                               ///< z of the camera frame; 0: not measured
+  double depth_sigma_m = 0;                         ///< its standard deviation, where measured
+};
+
+/// What one frame shows of one body.
+struct BodyObservation {
+  int id = 0;                            ///< of the mask tracker, positive
+  std::optional<Silhouette> silhouette;  ///< nothing: hidden, or the mask is too small
+  std::vector<Feature> features;
+  Eigen::Matrix3Xd points;     ///< from depth under the mask, camera frame [m]
+  std::optional<Pose> motion;  ///< p_now = motion * p_before of the body's points in the two camera frames
+};
+
+struct PerceivedFrame {
+  std::int64_t frame = 0, stamp_ns = 0;
+  std::optional<Pose> world_from_camera;  ///< nothing: the camera was lost
+  std::vector<BodyObservation> bodies;    ///< in order of their ids
+};
+
+/// The result of the perception stage: all that the back end knows of the images.
+struct Perception {
+  Camera camera;    ///< without distortion
+  std::string key;  ///< hash of what it was made from: sequence, options, code
+  std::vector<PerceivedFrame> frames;
+};
+
+/// Writes perception.yaml, camera.tum, silhouettes.csv, features.csv, motions.csv and points.bin into an
+/// existing folder.
+void write_perception(const std::filesystem::path& folder, const Perception& perception);
+/// Reads them back, the same bits. Throws InputError with file and line.
+Perception read_perception(const std::filesystem::path& folder);
+
+}  // namespace uniquadric
