@@ -1,0 +1,68 @@
+#include "estimator/perception/outline_cuts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace uniquadric {
+namespace {
+
+constexpr int kMinNearer = 2;  // one nearer pixel may be a wrong measurement
+constexpr double kBodyJump =
+    1.0 / 3;  // share of occluder_jump that tells another body, which no slope feigns
+
+bool is_at_border(const cv::Mat& image, const Eigen::Vector2d& pixel, double border_px) {
+  return pixel.x() < border_px - 0.5 || pixel.y() < border_px - 0.5 ||
+         pixel.x() > image.cols - 0.5 - border_px || pixel.y() > image.rows - 0.5 - border_px;
+}
+
+std::optional<cv::Point> pixel_at(const cv::Mat& image, const Eigen::Vector2d& position) {
+  const cv::Point p(static_cast<int>(std::lround(position.x())), static_cast<int>(std::lround(position.y())));
+  if (p.x < 0 || p.y < 0 || p.x >= image.cols || p.y >= image.rows) return std::nullopt;
+  return p;
+}
+
+double depth_at(const cv::Mat& depth, const cv::Point& p) {
+  return depth.empty() ? 0 : depth.at<float>(p);
+}
+
+// Median depth of the body along a line into it; 0 where nothing is measured. The outermost pixels may be
+// another's: masks are pixels off.
+double depth_inside(const OutlineSurroundings& around, const Eigen::Vector2d& pixel,
+                    const Eigen::Vector2d& normal, int reach_px) {
+  std::vector<double> values;
+  for (int k = 2; k <= 2 + reach_px; ++k) {
+    const auto p = pixel_at(around.masks, pixel - k * normal);
+    if (!p || around.masks.at<std::uint16_t>(*p) != around.id) continue;
+    if (const double z = depth_at(around.depth, *p); z > 0) values.push_back(z);
+  }
+  if (values.empty()) return 0;
+  const auto half = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), half, values.end());
+  return *half;
+}
+
+}  // namespace
+
+bool is_cut(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
+            const SilhouetteOptions& options) {
+  if (is_at_border(around.masks, pixel, options.border_px)) return true;
+  const double inside_m = depth_inside(around, pixel, normal, options.occluder_reach_px);
+  int nearer = 0, unknown = 0, farther = 0;  // unknown and farther: of other bodies
+  for (int k = 1; k <= options.occluder_reach_px; ++k) {
+    const auto p = pixel_at(around.masks, pixel + k * normal);
+    if (!p) break;
+    const int id = around.masks.at<std::uint16_t>(*p);
+    const double z = depth_at(around.depth, *p);
+    if (id == around.id) continue;
+    const double jump = (id == 0 ? 1 : kBodyJump) * options.occluder_jump;
+    if (z > 0 && inside_m > 0 && z < (1 - jump) * inside_m) ++nearer;
+    if (id == 0) continue;
+    if (!(z > 0 && inside_m > 0)) ++unknown;
+    if (z > inside_m && inside_m > 0) ++farther;
+  }
+  return nearer >= kMinNearer || (unknown >= kMinNearer && farther == 0 && nearer == 0);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <map>
+#include <opencv2/core/mat.hpp>
+
+#include "core/geometry/camera.h"
+#include "estimator/perception/perception.h"
+
+namespace uniquadric {
+
+/// How masks become silhouettes.
+struct SilhouetteOptions {
+  int directions = 16;      // ours: what is gained beyond is within the noise (4: the paper's RotBbox)
+  int min_pixels = 50;      // ours: under 8 px across a pixel of noise is more than a tenth of the size
+  double min_share = 0.15;  // ours: smaller parts beside the largest are specks of a bad mask
+  double border_px = 2.5;   // ours: an outline this near to the image's border may be cut by it
+  double touch_px = 1.5;    // ours: outline points this near to a tangent are what it touches
+  double cut_share = 0.25;  // ours: of the points touched; more of them cut and the tangent is not free
+  double occluder_jump =
+      0.03;                   // ours: relative; six sigma of depth noise of 0.5 %, the floor's slope is less
+  int occluder_reach_px = 6;  // ours: how far outside a neighbour is looked for: masks are pixels off
+};
+
+/// The silhouette of each body in `masks` (CV_16UC1 ids, 0 none) with at least `min_pixels`. A tangent is
+/// free unless what it touches lies at the image's border or has something nearer beside it: depth that is
+/// clearly less (`depth` CV_32FC1 [m], 0 none; may be empty), or another id that is not known to be farther.
+/// `segmented` and `known_at_frame` are left to the caller.
+std::map<int, Silhouette> silhouettes(const cv::Mat& masks, const cv::Mat& depth, const Camera& camera,
+                                      const SilhouetteOptions& options);
+
+}  // namespace uniquadric
