@@ -1,0 +1,122 @@
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/perception/frame_view.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr int kMostFailures = 3;  // of a track before it is forgotten for good
+
+struct Sightings {
+  std::vector<PointSighting> of;
+  std::vector<std::size_t> places;  // of their tracks
+};
+
+Sightings sightings_of(const TrackedBody& body, const Pose& about) {
+  Sightings sightings;
+  const Eigen::Vector3d ray = about.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  for (std::size_t i = 0; i < body.tracks.size(); ++i) {
+    const PointTrack& track = body.tracks[i];
+    if (!track.landmark) continue;
+    PointSighting s{track.landmark->point, track.undistorted};
+    if (track.depth) {
+      const double own = ray.dot(track.landmark->information.inverse() * ray);
+      s.depth_m = track.depth->depth_m;
+      s.depth_sigma_m = std::sqrt(track.depth->sigma_m * track.depth->sigma_m + own);
+    }
+    sightings.of.push_back(s);
+    sightings.places.push_back(i);
+  }
+  return sightings;
+}
+
+void drop_outliers(const FrameView& view, TrackedBody& body, const std::vector<std::size_t>& places,
+                   const std::vector<bool>& inlier) {
+  std::vector<bool> outlier(body.tracks.size(), false);
+  for (std::size_t i = 0; i < places.size(); ++i) outlier[places[i]] = !inlier[i];
+  std::vector<PointTrack> kept;
+  for (std::size_t i = 0; i < body.tracks.size(); ++i) {
+    PointTrack& track = body.tracks[i];
+    if (!outlier[i])
+      kept.push_back(std::move(track));
+    else if (++track.failures < kMostFailures)
+      retire(body, std::move(track), view.options.gallery.min_sightings, view.most_tracks(body.label));
+  }
+  body.tracks = std::move(kept);
+}
+
+// Puts tracks where their anchors' patches fit best; takes new anchors where the old ones have become too
+// different.
+void align(const FrameView& view, TrackedBody& body, const Pose& pose) {
+  const FeatureOptions& options = view.options;
+  for (auto& track : body.tracks) {
+    if (!track.landmark || !track.depth) continue;
+    bool keep = false;
+    if (const auto warp = track.anchor ? anchor_warp(*track.anchor, view.lens, pose) : std::nullopt) {
+      const Eigen::Vector2d stretch = Eigen::JacobiSVD<Eigen::Matrix2d>(*warp).singularValues();
+      const auto found = align_patch(*track.anchor, *warp, view.gray, track.pixel, options.alignment);
+      if (found) view.place(track, found->pixel);
+      keep = found && found->correlation >= options.min_anchor_correlation &&
+             stretch[0] <= options.max_anchor_warp && stretch[1] >= 1 / options.max_anchor_warp;
+    }
+    if (keep) continue;
+    track.anchor = track.depth ? make_anchor(view.gray, track.pixel, *track.depth, pose) : std::nullopt;
+  }
+}
+
+void give_up(const FrameView& view, TrackedBody& body, bool tracks_too) {
+  body.camera_from_map.reset();
+  if (tracks_too) {
+    for (auto& track : body.tracks)
+      retire(body, std::move(track), view.options.gallery.min_sightings, view.most_tracks(body.label));
+    body.tracks.clear();
+  }
+  for (auto& track : body.tracks) {
+    track.landmark.reset();
+    track.anchor.reset();
+  }
+}
+
+}  // namespace
+
+std::optional<Pose> expected_pose(const FrameView& view, const TrackedBody& body) {
+  if (view.step_ns > std::int64_t(view.options.max_prediction_gap_s * 1e9)) return body.camera_from_map;
+  return predicted_pose(body, view.step_ns);
+}
+
+bool fit_pose(const FrameView& view, TrackedBody& body, const Pose& prior, int pass) {
+  const Sightings sightings = sightings_of(body, prior);
+  RandomStream random(view.seed, pass == 0 ? "rigid_motion" : "rigid_motion_again", view.frame, body.label);
+  const auto fit = fit_rigid_motion(sightings.of, view.camera, prior, view.options.motion, random);
+  if (!fit) return false;
+  body.camera_from_map = fit->camera_from_body;
+  drop_outliers(view, body, sightings.places, fit->inlier);
+  return true;
+}
+
+void move_body(const FrameView& view, TrackedBody& body) {
+  const auto before = body.camera_from_map;
+  const auto prior = expected_pose(view, body);
+  body.motion.reset();
+  if (!before) return;
+  const auto with_landmark = std::count_if(body.tracks.begin(), body.tracks.end(),
+                                           [](const auto& t) { return t.landmark.has_value(); });
+  bool known = fit_pose(view, body, *prior, 0);
+  if (known) {
+    align(view, body, *body.camera_from_map);
+    known = fit_pose(view, body, *body.camera_from_map, 1);
+  }
+  if (!known) return give_up(view, body, with_landmark >= 2 * view.options.motion.min_inliers);
+  set_motion(view, body, *before);
+}
+
+void set_motion(const FrameView& view, TrackedBody& body, const Pose& before) {
+  body.motion = *body.camera_from_map * before.inverse();
+  body.motion->rotation.normalize();
+  body.motion_ns = view.step_ns;
+}
+
+}  // namespace uniquadric

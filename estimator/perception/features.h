@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "core/geometry/camera.h"
+#include "core/geometry/pose.h"
+#include "core/sequence/sequence.h"
+#include "estimator/perception/perception.h"
+#include "estimator/perception/plane_depth.h"
+#include "estimator/perception/point_flow.h"
+#include "estimator/perception/rigid_motion.h"
+
+namespace uniquadric {
+
+/// All numbers are ours.
+struct FeatureOptions {
+  int body_features = 90;             // wanted on each body
+  int background_features = 220;      // wanted on what no mask covers
+  int fast_threshold = 8;             // grey levels, four sigma of usual image noise
+  double min_distance_px = 5;         // between features
+  double start_margin_px = 4;         // of a new feature to the next pixel of another label
+  double keep_margin_px = 1.5;        // of a feature that is being tracked: masks jitter by a pixel
+  int max_missed = 2;                 // frames that a feature may spend off its mask
+  double max_prediction_gap_s = 0.2;  // after a longer gap nothing is known of the motion
+  PointFlowOptions flow;
+  PlaneDepthOptions depth;
+  RigidMotionOptions motion;
+};
+
+/// What one frame shows, body by body.
+struct TrackedFeatures {
+  std::vector<Feature> background;
+  std::map<int, std::vector<Feature>> bodies;  ///< by label; those with features alone
+  /// p_now = motion * p_before of each body's points in the camera frames of this and the last frame; of the
+  /// bodies whose motion enough features agree on.
+  std::map<int, Pose> motions;
+  std::optional<Pose> background_motion;  ///< the same of the background: the camera's motion, backwards
+};
+
+/// Whether a point in the camera frame can belong to a body, for example by the envelope of its quadric.
+using BodyEnvelope = std::function<bool(int body, const Eigen::Vector3d& p_camera)>;
+
+/// Corners on the background and on each body, tracked from frame to frame by Lucas-Kanade seeded with the
+/// predicted motion and kept while they move rigidly with their body (paper: FAST, KLT, motion prior).
+class FeatureTracker {
+ public:
+  FeatureTracker(const Camera& camera, const FeatureOptions& options, std::uint64_t seed);
+  ~FeatureTracker();
+
+  /// Frames in their order. `image` CV_8UC3 or CV_8UC1; `depth` CV_32FC1 [m, 0 none] or empty; `masks`
+  /// CV_16UC1 labels of the bodies, 0 background, or empty: nothing but background.
+  TrackedFeatures track(const SequenceFrame& frame, const cv::Mat& image, const cv::Mat& depth,
+                        const cv::Mat& masks, const BodyEnvelope& envelope = {});
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "estimator/perception/corners.h"
+#include "estimator/perception/features.h"
+#include "estimator/perception/tracked_body.h"
+
+namespace uniquadric {
+
+/// One frame as the parts of feature tracking see it.
+struct FrameView {
+  const Camera& lens;    ///< as it is
+  const Camera& camera;  ///< without distortion
+  const FeatureOptions& options;
+  const BodyEnvelope& envelope;
+  cv::Mat gray, depth;  ///< CV_8UC1; CV_32FC1 [m] or empty
+  Regions regions;
+  std::int64_t frame = 0, step_ns = 0;
+  std::uint64_t seed = 0;
+
+  /// Puts a track at a pixel and measures its depth there; false where the lens has no ray.
+  bool place(PointTrack& track, const Eigen::Vector2d& pixel) const;
+  /// Whether the envelope has no objection.
+  bool belongs(int label, const PointTrack& track) const;
+  int most_tracks(int label) const;  ///< of a body's gallery
+};
+
+/// Where a body's map is expected in this frame; its last pose when the motion is not known.
+std::optional<Pose> expected_pose(const FrameView& view, const TrackedBody& body);
+
+/// Moves a body by its tracks, which have been followed into this frame: RANSAC, alignment of each track to
+/// its anchor, and the pose of what agrees. Tracks that move otherwise are dropped. Without a consensus the
+/// pose is given up, and the tracks too when there were enough of them to agree.
+void move_body(const FrameView& view, TrackedBody& body);
+
+/// The pose that most of the body's tracks agree on, from a prior; drops the others. False, and nothing
+/// changed, without a consensus. `pass` tells the random numbers of two calls in one frame apart.
+bool fit_pose(const FrameView& view, TrackedBody& body, const Pose& prior, int pass);
+
+/// Notes how the body has moved from its last pose, in the same map, to the present one.
+void set_motion(const FrameView& view, TrackedBody& body, const Pose& before);
+
+/// Looks for lost tracks of the present map where they should be seen, by their anchors; at most `wanted`.
+void return_expected_tracks(const FrameView& view, TrackedBody& body, Spacing& spacing, double distance_px,
+                            int wanted);
+
+/// Compares new corners (tracks with a place, depth and descriptors that are not yet the body's) with the
+/// lost tracks of all maps, when the body's pose is not known, or else of the other ones. Where enough of
+/// them agree the pose is known in that map, and the present map becomes a part of it. Recognised corners
+/// become the body's, with their old ids and landmarks, and leave `corners`.
+void recognise_body(const FrameView& view, TrackedBody& body, std::vector<PointTrack>& corners);
+
+}  // namespace uniquadric
