@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/sequence/calibration.h"
+#include "evaluation/association/hidden_objects.h"
 #include "evaluation/association/object_overlap.h"
 #include "evaluation/evaluation_files.h"
 #include "evaluation/run_record.h"
@@ -35,15 +36,37 @@ std::vector<std::optional<std::size_t>> states_of_match(const ObjectOverlaps& ov
   return matched;
 }
 
+VisibilityTable read_visibility_of(const fs::path& truth) {
+  const fs::path file = truth / "instances/visibility.csv";
+  return fs::exists(file) ? read_visibility(file) : VisibilityTable{};
+}
+
+// [object][frame]: whether the truth says that the object cannot be seen there.
+std::vector<std::vector<bool>> hidden_frames(const Tracks& truth, const ObjectOverlaps& overlaps,
+                                             const VisibilityTable& visibility) {
+  std::vector<std::vector<bool>> hidden(truth.objects.size(), std::vector<bool>(overlaps.stamps_ns.size()));
+  for (std::size_t g = 0; g < hidden.size(); ++g)
+    for (std::size_t frame = 0; frame < hidden[g].size(); ++frame) {
+      if (!overlaps.truth[g][frame]) continue;
+      const ObjectTrack& object = truth.objects[g];
+      const auto seen = visibility.find({object.states[*overlaps.truth[g][frame]].frame, object.id});
+      hidden[g][frame] = seen != visibility.end() && !is_visible(seen->second);
+    }
+  return hidden;
+}
+
 Evaluation compare(const Tracks& truth, const Tracks& estimate, const std::map<int, std::string>& shapes,
-                   const EvaluateOptions& options) {
+                   const VisibilityTable& visibility, const EvaluateOptions& options) {
   Evaluation result;
   result.camera = evaluate_camera(truth.camera, estimate.camera, kMaxDifferenceNs);
   const BallSamples samples(options.iou_samples, options.seed);
-  const ObjectContext context{truth.camera, estimate.camera, truth.calibration, &samples, kMaxDifferenceNs};
+  const ObjectContext context{truth.camera, estimate.camera, truth.calibration,
+                              &samples,     visibility,      kMaxDifferenceNs};
   const ObjectOverlaps overlaps = overlap_objects(truth, estimate, kMaxDifferenceNs);
   const auto matches = match_objects(overlaps);
-  const std::vector<int> switches = identity_switches(overlaps, kAnyOverlap);
+  ObjectOverlaps visible = overlaps;
+  drop_hidden(hidden_frames(truth, overlaps, visibility), matches, visible);
+  const std::vector<int> switches = identity_switches(visible, kAnyOverlap);
   std::vector<bool> used(estimate.objects.size());
   for (std::size_t g = 0; g < truth.objects.size(); ++g) {
     const ObjectTrack& object = truth.objects[g];
@@ -57,7 +80,7 @@ Evaluation compare(const Tracks& truth, const Tracks& estimate, const std::map<i
   }
   for (std::size_t e = 0; e < used.size(); ++e)
     if (!used[e]) result.unmatched_ids.push_back(estimate.objects[e].id);
-  result.tracking = tracking_scores(overlaps);
+  result.tracking = tracking_scores(visible);
   return result;
 }
 
@@ -70,7 +93,8 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
       !fs::exists(truth_folder / "camera.tum") && fs::is_directory(truth_folder / "truth");
   const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
   const Tracks truth = read_tracks(truth_path), estimate = read_tracks(estimate_folder);
-  Evaluation evaluation = compare(truth, estimate, read_shapes(truth_path), options);
+  Evaluation evaluation =
+      compare(truth, estimate, read_shapes(truth_path), read_visibility_of(truth_path), options);
   if (evaluation.camera.pairs < kMinPairs)
     throw InputError(
         estimate_folder / "camera.tum",

@@ -1,6 +1,5 @@
 #include "evaluation/object_evaluation.h"
 
-#include <algorithm>
 #include <cassert>
 
 #include "evaluation/image_overlap.h"
@@ -102,32 +101,6 @@ void fill_relative(const ObjectTrack& truth, std::vector<ObjectFrame>& frames) {
   }
 }
 
-std::int64_t median_period_ns(const std::vector<ObjectFrame>& frames) {
-  std::vector<std::int64_t> periods;
-  for (std::size_t k = 1; k < frames.size(); ++k)
-    periods.push_back(frames[k].stamp_ns - frames[k - 1].stamp_ns);
-  if (periods.empty()) return 0;
-  const auto middle = periods.begin() + std::ssize(periods) / 2;
-  std::nth_element(periods.begin(), middle, periods.end());
-  return *middle;
-}
-
-double longest_gap_s(const std::vector<ObjectFrame>& frames) {
-  const std::int64_t end = frames.back().stamp_ns + median_period_ns(frames);
-  std::int64_t longest = 0;
-  std::optional<std::int64_t> since;
-  for (const ObjectFrame& frame : frames) {
-    if (frame.estimate) {
-      if (since) longest = std::max(longest, frame.stamp_ns - *since);
-      since.reset();
-    } else if (!since) {
-      since = frame.stamp_ns;
-    }
-  }
-  if (since) longest = std::max(longest, end - *since);
-  return static_cast<double>(longest) * 1e-9;
-}
-
 std::optional<Drift> object_drift(const ObjectTrack& truth, const std::vector<ObjectFrame>& frames) {
   PosePairs poses;
   for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -164,6 +137,11 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const std::string& sh
     frame.frame = state.frame;
     frame.stamp_ns = state.stamp_ns;
     frame.true_semi_axes_m = state.ellipsoid.semi_axes_m;
+    if (const auto seen = context.visibility.find({state.frame, truth.id});
+        seen != context.visibility.end()) {
+      frame.visible_fraction = seen->second.visible_fraction;
+      frame.visible = is_visible(seen->second);
+    }
   }
   if (result.frames.empty()) return result;
   result.symmetry = body_symmetry(shape, result.frames.front().true_semi_axes_m);
@@ -176,8 +154,7 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const std::string& sh
   }
   fill_relative(truth, result.frames);
   result.matched_frames = settled.size();
-  result.coverage = static_cast<double>(settled.size()) / static_cast<double>(result.frames.size());
-  result.longest_gap_s = longest_gap_s(result.frames);
+  result.presence = object_presence(result.frames);
   result.drift = object_drift(truth, result.frames);
   return result;
 }

@@ -52,11 +52,12 @@ constexpr Metric kMetrics[] = {
      "Bures-Wasserstein "
      "distance of their shapes; needs no symmetry rule and no threshold."},
     {"coverage", "coverage", "", kHigher, kObject | kCamera, "/coverage",
-     "Share of the frames with a true pose for which there is an estimate. Lost frames count here; the "
-     "errors "
-     "above are over the matched frames alone."},
+     "Share of the frames in which the object is visible for which there is an estimate (of the camera: of "
+     "all "
+     "frames). Visible is what shows a tenth of its silhouette and 50 pixels; hidden or out of view, it is "
+     "neither hit nor miss. Lost frames count here; the errors above are over the matched frames alone."},
     {"longest_gap_s", "longest gap", "s", kLower, kObject, "/longest_gap_s",
-     "Longest time without an estimate."},
+     "Longest time without an estimate; frames in which the object is not visible add nothing."},
     {"id_switches", "id switches", "", kLower, kObject, "/id_switches",
      "How often the estimated track that follows this object changed."},
     {"drift_max_translation_m", "drift.t", "m", kLower, kObject | kCamera, "/drift/max_translation_m",

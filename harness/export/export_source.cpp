@@ -6,28 +6,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/error.h"
-#include "core/base/text.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
-
-void read_visibility(const fs::path& path, ExportTruth& truth) {
-  bool is_header = true;
-  for_each_line(
-      path,
-      [&](int line, const std::vector<std::string_view>& fields) {
-        if (std::exchange(is_header, false)) return;
-        std::vector<double> values;
-        for (const auto field : fields)
-          if (const auto value = parse_double(field)) values.push_back(*value);
-        if (values.size() != 7 || fields.size() != 7) throw InputError(path, line, "expected 7 numbers");
-        truth.visibility[{static_cast<std::int64_t>(values[0]), static_cast<int>(values[2])}] = {
-            static_cast<std::int64_t>(values[3]), static_cast<std::int64_t>(values[4]), values[5],
-            values[6] != 0};
-      },
-      ',');
-}
 
 ExportTruth open_truth(const fs::path& folder) {
   if (!fs::is_directory(folder)) throw InputError(folder, "is not a folder");
@@ -35,7 +17,7 @@ ExportTruth open_truth(const fs::path& folder) {
   truth.folder = folder;
   truth.tracks = read_tracks(folder);
   truth.objects = read_objects_yaml(folder / "objects.yaml");
-  read_visibility(folder / "instances/visibility.csv", truth);
+  truth.visibility = read_visibility(folder / "instances/visibility.csv");
   return truth;
 }
 

@@ -2,31 +2,22 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <opencv2/core/mat.hpp>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "core/sequence/calibration.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
+#include "core/sequence/visibility.h"
 
 namespace uniquadric {
-
-/// A row of truth/instances/visibility.csv.
-struct ObjectVisibility {
-  std::int64_t visible_px = 0;
-  std::int64_t silhouette_px = 0;  ///< pixels it would cover if nothing stood before it
-  double visible_fraction = 0;
-  bool touches_border = false;
-};
 
 struct ExportTruth {
   std::filesystem::path folder;
   Tracks tracks;
   std::vector<ObjectDescription> objects;
-  std::map<std::pair<std::int64_t, int>, ObjectVisibility> visibility;  ///< by frame and object id
+  VisibilityTable visibility;
 };
 
 /// What is exported: a sequence and, where it is known, its truth.

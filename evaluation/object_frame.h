@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "core/geometry/ellipsoid.h"
+#include "evaluation/iou/monte_carlo.h"
+#include "evaluation/trajectory/pose_error.h"
+
+namespace uniquadric {
+
+/// One object at one truth frame. Empty where there is no estimate, or no such figure of it.
+struct ObjectFrame {
+  std::int64_t frame = 0, stamp_ns = 0;
+  Eigen::Vector3d true_semi_axes_m;
+  std::optional<double> visible_fraction;  ///< of the true silhouette; empty where the truth does not say
+  bool visible = true;                     ///< is_visible, or not known
+  std::optional<Ellipsoid> estimate;  ///< axes renamed, body frame turned within the true shape's symmetry
+  std::optional<PoseError> ape;       ///< of `estimate`
+  std::optional<double> ape_rotation_naive_rad;  ///< of the estimate as it came
+  std::optional<double> rotation_symmetric_rad;  ///< by the class of the true axes; empty for spheres
+  std::optional<PoseError> rpe, motion;          ///< from the truth frame before, when both are estimated
+  std::optional<double> iou3d, d_shape_m;
+  std::optional<MonteCarloIou> iou3d_monte_carlo;
+  std::optional<double> iou2d, iou2d_ellipse;  ///< empty where one of the two has no elliptic outline
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "core/base/text.h"
+#include "tests/evaluation/evaluate_fixture.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kNs = 1e-9;
+
+// An evaluation whose truth says how much of the cuboid (object 1) each frame shows; the others are in full
+// view.
+class Presence : public Evaluate {
+ protected:
+  struct View {
+    int visible_px = 1000, silhouette_px = 1000;
+  };
+  void write_visibility(const std::function<View(int)>& cuboid_at) {
+    std::string text = "frame,timestamp_ns,id,visible_px,silhouette_px,visible_fraction,touches_border\n";
+    for (int frame = 0; frame < kFrames; ++frame)
+      for (const ObjectDescription& object : kObjects) {
+        const View view = object.id == 1 ? cuboid_at(frame) : View{};
+        const double fraction = view.silhouette_px > 0 ? 1.0 * view.visible_px / view.silhouette_px : 0;
+        text += fmt::format("{},{},{},{},{},{},0\n", frame, frame * kPeriodNs, object.id, view.visible_px,
+                            view.silhouette_px, fraction);
+      }
+    fs::create_directories(truth() / "instances");
+    write_text(truth() / "instances/visibility.csv", text);
+  }
+};
+
+TEST_F(Presence, HiddenFramesAreNoMisses) {
+  // Out of view in frames 8 to 11, behind something in 12 to 14; lost from 6 to 17.
+  write_visibility([](int frame) -> View {
+    return frame >= 8 && frame < 12 ? View{0, 0} : frame >= 12 && frame < 15 ? View{20, 1000} : View{};
+  });
+  write_changed([](Tracks& tracks) {
+    auto& states = tracks.objects[0].states;
+    states.erase(states.begin() + 6, states.begin() + 18);
+  });
+  const json result = run();
+  const json& cuboid = result["objects"][0];
+  EXPECT_EQ(cuboid["frames"], kFrames);
+  EXPECT_EQ(cuboid["visible_frames"], kFrames - 7);
+  EXPECT_EQ(cuboid["matched_frames"], kFrames - 12);
+  EXPECT_NEAR(cuboid["coverage"], 18.0 / 23, 1e-15);
+  EXPECT_NEAR(cuboid["coverage_of_all_frames"], 18.0 / 30, 1e-15);
+  EXPECT_NEAR(cuboid["longest_gap_s"], 5 * kPeriodNs * kNs, 1e-12);  // frames 6, 7, 15, 16, 17
+  EXPECT_EQ(cuboid["ape"]["translation_m"]["n"], 18);
+  // 5 misses among the 83 frames in which some object can be seen
+  EXPECT_NEAR(result["tracking"]["mota"], 78.0 / 83, 1e-12);
+  EXPECT_NEAR(result["tracking"]["idf1"], 2 * 78.0 / (83 + 78), 1e-12);
+}
+
+TEST_F(Presence, EnoughIsATenthOfTheSilhouetteAndFiftyPixels) {
+  const std::vector<View> views = {{99, 1000}, {100, 1000}, {49, 49}, {50, 50}, {0, 0}};
+  write_visibility([&](int frame) { return frame < 5 ? views[frame] : View{}; });
+  write_changed([](Tracks& tracks) {
+    auto& states = tracks.objects[0].states;
+    states.erase(states.begin(), states.begin() + 5);
+  });
+  const json cuboid = run()["objects"][0];
+  EXPECT_EQ(cuboid["visible_frames"], kFrames - 3);
+  EXPECT_NEAR(cuboid["coverage"], 25.0 / 27, 1e-15);
+}
+
+TEST_F(Presence, AStateOfAHiddenObjectIsNeitherHitNorFalseTrack) {
+  write_visibility([](int frame) { return frame >= 10 && frame < 15 ? View{0, 1000} : View{}; });
+  write_changed([](Tracks& tracks) {
+    for (int i = 10; i < 15; ++i)  // predicted, and far off in the end
+      tracks.objects[0].states[i].ellipsoid.world_from_object.translation.y() += 0.1 * (i - 9);
+  });
+  const json result = run();
+  EXPECT_EQ(result["objects"][0]["coverage"], 1);
+  EXPECT_EQ(result["objects"][0]["ape"]["translation_m"]["n"], kFrames);  // its error counts
+  EXPECT_NEAR(result["objects"][0]["ape"]["translation_m"]["max"], 0.5, kRounding);
+  for (const char* key : {"hota", "mota", "idf1"}) EXPECT_NEAR(result["tracking"][key], 1, 1e-12) << key;
+}
+
+TEST_F(Presence, ATrackThatJumpsToAVisibleObjectMeanwhileIsWrong) {
+  write_visibility([](int frame) { return frame >= 10 && frame < 20 ? View{0, 1000} : View{}; });
+  write_changed([](Tracks& tracks) {
+    for (int i = 10; i < 20; ++i)  // the hidden cuboid's track follows the cube, whose own is lost
+      tracks.objects[0].states[i].ellipsoid = tracks.objects[1].states[i].ellipsoid;
+    auto& cube = tracks.objects[1].states;
+    cube.erase(cube.begin() + 10, cube.begin() + 20);
+  });
+  const json result = run();
+  EXPECT_EQ(result["objects"][1]["id_switches"], 2);  // to the other track and back
+  EXPECT_NEAR(result["tracking"]["mota"], 1 - 2.0 / 80, 1e-12);
+  EXPECT_LT(result["tracking"]["idf1"], 0.9);
+}
+
+TEST_F(Presence, AnObjectThatIsNeverVisibleHasNoCoverage) {
+  write_visibility([](int) { return View{0, 1000}; });
+  write_changed([](Tracks&) {});
+  const json cuboid = run()["objects"][0];
+  EXPECT_EQ(cuboid["visible_frames"], 0);
+  EXPECT_TRUE(cuboid["coverage"].is_null());
+  EXPECT_TRUE(cuboid["longest_gap_s"].is_null());
+  EXPECT_EQ(cuboid["coverage_of_all_frames"], 1);
+}
+
+TEST_F(Presence, FramesCsvSaysWhatWasVisible) {
+  write_visibility([](int frame) { return frame == 3 ? View{40, 1000} : View{}; });
+  write_changed([](Tracks&) {});
+  run();
+  int hidden = 0;
+  for_each_line(
+      root_ / "out/frames.csv",
+      [&](int line, const auto& fields) {
+        const std::size_t n = fields.size();
+        if (line == 1) {
+          EXPECT_EQ(fields[n - 2], "visible_fraction");
+          EXPECT_EQ(fields[n - 1], "visible");
+        } else if (fields[n - 1] == "0") {
+          EXPECT_EQ(fields[0], "3");
+          EXPECT_EQ(fields[2], "1");
+          EXPECT_EQ(fields[n - 2], "0.04");
+          ++hidden;
+        }
+      },
+      ',');
+  EXPECT_EQ(hidden, 1);
+}
+
+TEST_F(Presence, RefusesABrokenVisibilityTable) {
+  write_changed([](Tracks&) {});
+  const std::string header =
+      "frame,timestamp_ns,id,visible_px,silhouette_px,visible_fraction,touches_border\n";
+  fs::create_directories(truth() / "instances");
+  for (const char* rows : {"0,0,1,5,5,1\n", "0,0,1,5,5,nan,0\n", "0,0,1,-5,5,1,0\n", "0,0,1,5,5,1.5,0\n",
+                           "0,0,1,5,5,1,2\n", "x,0,1,5,5,1,0\n", "0,0,1,5,5,1,0\n0,0,1,5,5,1,0\n"}) {
+    write_text(truth() / "instances/visibility.csv", header + rows);
+    EXPECT_THROW(run(), InputError) << rows;
+  }
+  for (const char* text : {"", "frame,id\n"}) {
+    write_text(truth() / "instances/visibility.csv", text);
+    EXPECT_THROW(run(), InputError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace uniquadric
