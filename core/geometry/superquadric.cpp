@@ -3,6 +3,33 @@
 #include <cmath>
 
 namespace uniquadric {
+namespace {
+
+// The q-norm of two non-negative numbers with its derivatives by them and by q.
+struct PairNorm {
+  double value = 0, by_u = 0, by_v = 0, by_q = 0;
+};
+
+PairNorm pair_norm(double u, double v, double q) {
+  const bool u_larger = u >= v;
+  const double large = u_larger ? u : v, small = u_larger ? v : u;
+  if (!(large > 0)) return {};
+  const double ratio = small / large;
+  const double log_ratio = ratio > 0 ? std::log(ratio) : 0;
+  const double power = ratio > 0 ? std::exp(q * log_ratio) : 0;  // ratio^q
+  const double sum = 1 + power, log_sum = std::log1p(power);
+  PairNorm n;
+  n.value = large * std::exp(log_sum / q);
+  const double by_large = n.value / (large * sum);
+  // At ratio 0 the derivative is 0 for every q > 1 and 1 for the box's q = 1.
+  const double by_small = ratio > 0 ? by_large * power / ratio : (q > 1 ? 0 : 1);
+  n.by_u = u_larger ? by_large : by_small;
+  n.by_v = u_larger ? by_small : by_large;
+  n.by_q = n.value / q * (power * log_ratio / sum - log_sum / q);
+  return n;
+}
+
+}  // namespace
 
 Eigen::Vector3d superellipsoid_support_point(const Eigen::Vector3d& semi_axes_m, double q,
                                              const Eigen::Vector3d& normal) {
@@ -19,6 +46,42 @@ Eigen::Vector3d superellipsoid_support_point(const Eigen::Vector3d& semi_axes_m,
 double superellipsoid_volume(const Eigen::Vector3d& semi_axes_m, double q) {
   const double inverse_p = 1 - 1 / q;
   return 8 * semi_axes_m.prod() * std::pow(std::tgamma(1 + inverse_p), 3) / std::tgamma(1 + 3 * inverse_p);
+}
+
+SupportDerivatives superellipsoid_support_derivatives(const Eigen::Vector3d& semi_axes_m,
+                                                      const SuperExponents& q, const Eigen::Vector3d& normal,
+                                                      double smoothing_m) {
+  const Eigen::Vector3d v = semi_axes_m.cwiseProduct(normal);
+  Eigen::Vector3d u, slope;  // |v| and its derivative
+  for (int i = 0; i < 3; ++i) {
+    const double root = smoothing_m > 0 ? std::hypot(v[i], smoothing_m) : std::abs(v[i]);
+    u[i] = smoothing_m > 0 ? root - smoothing_m : root;
+    slope[i] = root > 0 ? v[i] / root : 0;
+  }
+  SupportDerivatives d;
+  d.upper = normal.z() > 0;
+  const PairNorm outline = pair_norm(u.x(), u.y(), q.outline);
+  const PairNorm whole = pair_norm(outline.value, u.z(), d.upper ? q.upper : q.lower);
+  d.value = whole.value;
+  d.by_outline = whole.by_u * outline.by_q;
+  d.by_profile = whole.by_q;
+  const Eigen::Vector3d by_u(whole.by_u * outline.by_u, whole.by_u * outline.by_v, whole.by_v);
+  d.by_normal = by_u.cwiseProduct(slope).cwiseProduct(semi_axes_m);
+  d.by_log_axes = d.by_normal.cwiseProduct(normal);
+  return d;
+}
+
+double superellipsoid_support(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
+                              const Eigen::Vector3d& normal, double smoothing_m) {
+  return superellipsoid_support_derivatives(semi_axes_m, q, normal, smoothing_m).value;
+}
+
+double superellipsoid_gauge(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
+                            const Eigen::Vector3d& point) {
+  const auto dual = [](double exponent) { return exponent / (exponent - 1); };
+  const Eigen::Vector3d u = point.cwiseQuotient(semi_axes_m).cwiseAbs();
+  const double outline = pair_norm(u.x(), u.y(), dual(q.outline)).value;
+  return pair_norm(outline, u.z(), dual(point.z() > 0 ? q.upper : q.lower)).value;
 }
 
 }  // namespace uniquadric

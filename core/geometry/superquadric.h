@@ -20,6 +20,38 @@ Eigen::Vector3d superellipsoid_support_point(const Eigen::Vector3d& semi_axes_m,
 /// box.
 double superellipsoid_volume(const Eigen::Vector3d& semi_axes_m, double q);
 
+/// Exponents of a superellipsoid that need not be symmetric about its plane z = 0, each in [1, 2]: of its
+/// outline in (x, y), and of its profile above (n_z > 0) and below. All equal: the superellipsoid above.
+struct SuperExponents {
+  double outline = 2, upper = 2, lower = 2;
+};
+
+/// Support function with three exponents,
+///   h(n) = ((|a_x n_x|^q2 + |a_y n_y|^q2)^(q1 / q2) + |a_z n_z|^q1)^(1 / q1),
+/// q2 = outline, q1 = upper for n_z > 0, else lower. Continuous at n_z = 0, homogeneous of degree 1, and
+/// convex: the body exists. Smoothed as above.
+double superellipsoid_support(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
+                              const Eigen::Vector3d& normal, double smoothing_m = 0);
+
+/// h and its derivatives. For q > 1 or smoothing > 0 they exist everywhere but by `profile` at n_z = 0, where
+/// the exponent changes.
+struct SupportDerivatives {
+  double value = 0;                                       ///< h [m]
+  Eigen::Vector3d by_normal = Eigen::Vector3d::Zero();    ///< without smoothing the support point [m]
+  Eigen::Vector3d by_log_axes = Eigen::Vector3d::Zero();  ///< d h / d ln a [m]
+  double by_outline = 0;                                  ///< d h / d q2 [m]
+  double by_profile = 0;                                  ///< d h / d q1 [m]
+  bool upper = false;                                     ///< whether q1 is `upper`
+};
+SupportDerivatives superellipsoid_support_derivatives(const Eigen::Vector3d& semi_axes_m,
+                                                      const SuperExponents& q, const Eigen::Vector3d& normal,
+                                                      double smoothing_m = 0);
+
+/// The gauge of the body with that support function: below 1 inside, 1 on the surface, above 1 outside; the
+/// norms with 1/p + 1/q = 1 for each exponent, the profile's by the sign of z. q > 1.
+double superellipsoid_gauge(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
+                            const Eigen::Vector3d& point);
+
 }  // namespace uniquadric
 
 #include "core/geometry/superquadric_impl.h"
