@@ -72,5 +72,100 @@ TEST(Superquadric, VolumeIsKnownAtBothEndsAndBySamplingBetween) {
   EXPECT_NEAR(static_cast<double>(inside) / kSamples, share, 5 * std::sqrt(share * (1 - share) / kSamples));
 }
 
+Eigen::Vector3d random_normal(RandomStream& random) {
+  return Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+}
+
+TEST(SuperExponents, EqualOnesAreTheSuperellipsoid) {
+  RandomStream random(2, "normals");
+  for (const double q : {1.0, 1.3, 1.7, 2.0})
+    for (const double smoothing : {0.0, 1e-3})
+      for (int i = 0; i < 50; ++i) {
+        const Eigen::Vector3d n = random_normal(random);
+        EXPECT_NEAR(superellipsoid_support(kAxes, {q, q, q}, n, smoothing), support(q, n, smoothing), 1e-15);
+      }
+}
+
+TEST(SuperExponents, IsContinuousWhereTheProfileChangesAndHomogeneous) {
+  const SuperExponents q{1.4, 1.9, 1.1};
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector3d flat(std::cos(i * 0.5), std::sin(i * 0.5), 0), up = 1e-9 * Eigen::Vector3d::UnitZ();
+    EXPECT_NEAR(superellipsoid_support(kAxes, q, flat + up), superellipsoid_support(kAxes, q, flat - up),
+                1e-9);
+    const Eigen::Vector3d n(flat.x(), flat.y(), i % 2 ? 0.6 : -0.6);
+    EXPECT_NEAR(superellipsoid_support(kAxes, q, 3 * n), 3 * superellipsoid_support(kAxes, q, n), 1e-14);
+    EXPECT_NE(superellipsoid_support(kAxes, q, n), superellipsoid_support(kAxes, {1.4, 1.1, 1.9}, n));
+  }
+}
+
+// A support function belongs to a body exactly when it is subadditive.
+TEST(SuperExponents, IsConvex) {
+  RandomStream random(3, "normals");
+  for (int i = 0; i < 500; ++i) {
+    const SuperExponents q{random.uniform(1, 2), random.uniform(1, 2), random.uniform(1, 2)};
+    const Eigen::Vector3d a = random_normal(random), b = random_normal(random);
+    EXPECT_LE(superellipsoid_support(kAxes, q, a + b),
+              superellipsoid_support(kAxes, q, a) + superellipsoid_support(kAxes, q, b) + 1e-14);
+  }
+}
+
+// The second way: points of the surface by the gauge; the largest n . x of them is h(n).
+TEST(SuperExponents, SupportIsTheLargestReachOfTheGaugesBody) {
+  const SuperExponents q{1.3, 1.8, 1.2};
+  for (const Eigen::Vector3d& n : {Eigen::Vector3d(0.3, 0.8, -0.5), Eigen::Vector3d(-0.6, 0.2, 0.7)}) {
+    double reach = 0;
+    for (int i = 0; i <= 400; ++i)
+      for (int j = 0; j < 800; ++j) {
+        const double polar = i * std::numbers::pi / 400, around = j * std::numbers::pi / 400;
+        const Eigen::Vector3d d(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around),
+                                std::cos(polar));
+        reach = std::max(reach, n.dot(d) / superellipsoid_gauge(kAxes, q, d));
+      }
+    EXPECT_NEAR(superellipsoid_support(kAxes, q, n), reach, 2e-4);  // m, the sampling's step
+    EXPECT_GE(superellipsoid_support(kAxes, q, n), reach - 1e-12);
+  }
+}
+
+TEST(SuperExponents, SupportPointLiesOnTheSurfaceAndTouchesThePlane) {
+  RandomStream random(5, "normals");
+  for (int i = 0; i < 200; ++i) {
+    const SuperExponents q{random.uniform(1.05, 2), random.uniform(1.05, 2), random.uniform(1.05, 2)};
+    const Eigen::Vector3d n = random_normal(random);
+    const auto d = superellipsoid_support_derivatives(kAxes, q, n);
+    EXPECT_NEAR(superellipsoid_gauge(kAxes, q, d.by_normal), 1, 1e-10);
+    EXPECT_NEAR(n.dot(d.by_normal), d.value, 1e-14);
+    EXPECT_EQ(d.by_normal.z() > 0, d.upper);
+  }
+}
+
+TEST(SuperExponents, DerivativesMatchDifferences) {
+  constexpr double kStep = 1e-6;
+  RandomStream random(6, "normals");
+  for (int i = 0; i < 100; ++i) {
+    const SuperExponents q{random.uniform(1.1, 1.9), random.uniform(1.1, 1.9), random.uniform(1.1, 1.9)};
+    const Eigen::Vector3d n = random_normal(random);
+    const auto d = superellipsoid_support_derivatives(kAxes, q, n, 1e-3);
+    const auto slope = [&](const auto& h) { return (h(kStep) - h(-kStep)) / (2 * kStep); };
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d e = Eigen::Vector3d::Unit(k);
+      EXPECT_NEAR(d.by_normal[k],
+                  slope([&](double s) { return superellipsoid_support(kAxes, q, n + s * e, 1e-3); }), 1e-7);
+      EXPECT_NEAR(d.by_log_axes[k], slope([&](double s) {
+                    return superellipsoid_support(kAxes.cwiseProduct((s * e).array().exp().matrix()), q, n,
+                                                  1e-3);
+                  }),
+                  1e-7);
+    }
+    EXPECT_NEAR(d.by_outline, slope([&](double s) {
+                  return superellipsoid_support(kAxes, {q.outline + s, q.upper, q.lower}, n, 1e-3);
+                }),
+                1e-7);
+    EXPECT_NEAR(d.by_profile, slope([&](double s) {
+                  return superellipsoid_support(kAxes, {q.outline, q.upper + s, q.lower + s}, n, 1e-3);
+                }),
+                1e-7);
+  }
+}
+
 }  // namespace
 }  // namespace uniquadric
