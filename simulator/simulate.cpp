@@ -100,7 +100,7 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
   write_truth_files(scene, frames, folder / "truth");
   if (lidar) write_lidar_files(scene, *lidar, options, frames, folder);
   write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
-  for (const char* part : {"sequence", "truth"}) write_hashes(folder / part);
+  for (const char* part : {"sequence", "truth"}) write_hashes(folder / part, options.threads);
   fs::remove(log_file);
   fs::remove(folder / "key");
   pending.commit();

@@ -1,6 +1,8 @@
 #include "core/base/folder_hashes.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <map>
 
@@ -12,29 +14,42 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-// hash by relative path, of all files but the list of hashes itself
-std::map<std::string, std::string> hash_files(const fs::path& folder) {
-  std::map<std::string, std::string> hashes;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string name = fs::relative(entry.path(), folder).generic_string();
-    if (entry.is_regular_file() && name != kHashesFile) hashes[name] = Hash().add_file(entry.path()).hex();
-  }
-  return hashes;
+// Paths below the folder of all files but the list of hashes itself.
+std::vector<std::string> list_files(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) names.push_back(entry.path().lexically_relative(folder).generic_string());
+  std::erase(names, kHashesFile);
+  return names;
+}
+
+// Hash by path below the folder.
+std::map<std::string, std::string> hash_files(const fs::path& folder, int threads) {
+  const std::vector<std::string> names = list_files(folder);
+  std::vector<std::uint64_t> hashes(names.size());
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(std::size_t{0}, names.size(),
+                      [&](std::size_t i) { hashes[i] = hash_file(folder / names[i]); });
+  });
+  std::map<std::string, std::string> hash_of;
+  for (std::size_t i = 0; i < names.size(); ++i) hash_of[names[i]] = hex(hashes[i]);
+  return hash_of;
 }
 
 }  // namespace
 
-void write_hashes(const fs::path& folder) {
+void write_hashes(const fs::path& folder, int threads) {
   std::string text;
-  for (const auto& [name, hash] : hash_files(folder)) text += fmt::format("{} {}\n", hash, name);
+  for (const auto& [name, hash] : hash_files(folder, threads)) text += fmt::format("{}  {}\n", hash, name);
   write_text(folder / kHashesFile, text);
 }
 
-std::vector<std::string> check_hashes(const fs::path& folder) {
+std::vector<std::string> check_hashes(const fs::path& folder, int threads) {
   const fs::path list = folder / kHashesFile;
   if (!fs::exists(list)) return {};
   std::vector<std::string> problems;
-  std::map<std::string, std::string> files = hash_files(folder);
+  std::map<std::string, std::string> files = hash_files(folder, threads);
   for_each_line(list, [&](int line, const std::vector<std::string_view>& fields) {
     if (fields.size() != 2) {
       problems.push_back(fmt::format("{}:{}: expected: hash path", list.string(), line));

@@ -9,12 +9,13 @@ namespace uniquadric {
 /// Name of the file that holds the hashes of all others of its folder.
 inline constexpr const char* kHashesFile = "hashes.txt";
 
-/// Writes `hashes.txt` into a folder: a line `hash path` for every other file below it, in order of their
-/// paths, which are relative to the folder; the hash is Hash().add_file(path).hex().
-void write_hashes(const std::filesystem::path& folder);
+/// Writes `hashes.txt` into a folder: a line `hash  path` for every other file below it, in order of their
+/// paths, which are relative to the folder; the hash is hash_file(path), the layout that of `xxh64sum`, which
+/// can check it too. `threads`: 0, as many as the machine has.
+void write_hashes(const std::filesystem::path& folder, int threads = 0);
 
 /// What has changed in a folder since: a line each for files that differ, are missing, or came since, and for
 /// lines of hashes.txt that cannot be read. None when there is no hashes.txt.
-std::vector<std::string> check_hashes(const std::filesystem::path& folder);
+std::vector<std::string> check_hashes(const std::filesystem::path& folder, int threads = 0);
 
 }  // namespace uniquadric

@@ -1,0 +1,54 @@
+#include "core/base/folder_hashes.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/files.h"
+#include "core/base/hash.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+// What `xxh64sum` of xxHash 0.8.1 prints for these files.
+TEST(HashFile, IsXxh64) {
+  const TempFolder temp;
+  const fs::path file = temp.path() / "file";
+  for (const auto& [content, expected] : {std::pair{std::string(), "ef46db3751d8e999"},
+                                          {std::string("abc"), "44bc2cf5ad770999"},
+                                          {std::string(1'000'000, 'a'), "dc483aaa9b4fdc40"}}) {
+    write_text(file, content);
+    EXPECT_EQ(hex(hash_file(file)), expected) << content.size() << " bytes";
+  }
+  EXPECT_NE(input_error([&] { hash_file(temp.path()); }).find("is a folder"), std::string::npos);
+  EXPECT_NE(input_error([&] { hash_file(temp.path() / "none"); }).find("cannot be read"), std::string::npos);
+}
+
+TEST(FolderHashes, ListEveryFileInOrderForAnyThreads) {
+  const TempFolder temp;
+  fs::create_directories(temp.path() / "a/b");
+  write_text(temp.path() / "z", "abc");
+  write_text(temp.path() / "a/b/empty", "");
+  for (const int threads : {1, 2}) {
+    write_hashes(temp.path(), threads);
+    EXPECT_EQ(read_text(temp.path() / kHashesFile), "ef46db3751d8e999  a/b/empty\n44bc2cf5ad770999  z\n");
+    EXPECT_TRUE(check_hashes(temp.path(), threads).empty());
+  }
+}
+
+TEST(FolderHashes, TellWhatHasChanged) {
+  const TempFolder temp;
+  for (const char* name : {"same", "changed", "gone"}) write_text(temp.path() / name, name);
+  write_hashes(temp.path());
+  write_text(temp.path() / "changed", "Changed");
+  fs::remove(temp.path() / "gone");
+  write_text(temp.path() / "new", "new");
+  const std::vector<std::string> problems = check_hashes(temp.path());
+  ASSERT_EQ(problems.size(), 3);
+  EXPECT_NE(problems[0].find("changed: has changed"), std::string::npos) << problems[0];
+  EXPECT_NE(problems[1].find("gone: is missing"), std::string::npos) << problems[1];
+  EXPECT_NE(problems[2].find("new: does not stand"), std::string::npos) << problems[2];
+}
+
+}  // namespace
+}  // namespace uniquadric
