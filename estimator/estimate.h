@@ -11,8 +11,10 @@ struct EstimateOptions {
   std::uint64_t seed = 0;
   int threads = 0;  ///< 0: as many as the machine has
   bool quiet = false;
-  bool force = false;             ///< replace an existing output folder
-  std::filesystem::path prompts;  ///< file or folder of prompts (read_box_prompts); empty: everything
+  bool force = false;                ///< replace an existing output folder
+  std::filesystem::path prompts;     ///< file or folder of prompts (read_box_prompts); empty: everything
+  std::filesystem::path perception;  ///< where the perception stage's result is kept and taken from; empty:
+                                     ///< nowhere
 };
 
 /// Runs a variant of the estimator on a sequence folder, of which it reads observations alone, and writes to
@@ -20,10 +22,15 @@ struct EstimateOptions {
 /// run.yaml (program, seed, counts and all resolved options) and, where the segmenter worked from prompts,
 /// the masks it found (masks/FRAME.png, 16-bit ids). Frames without depth, masks or a camera pose, and
 /// objects with too few points, have no state and are counted in run.yaml. The same sequence, variant and
-/// seed give the same bytes (timing.csv excepted) for any number of threads. Throws InputError for bad
-/// sequences and prompts, when the camera's poses are to be given and are not, and when no frame has depth,
-/// masks and a camera pose; then nothing is left at `out`.
+/// seed give the same bytes (timing.csv excepted) for any number of threads, and whether or not the
+/// perception stage's result was there. Throws InputError for bad sequences and prompts, when the camera's
+/// poses are to be given and are not, and when no frame has depth, masks and a camera pose; then nothing is
+/// left at `out`.
 void estimate(const std::filesystem::path& sequence, const Variant& variant, const EstimateOptions& options,
               const std::filesystem::path& out);
+
+/// The perception stage alone, into options.perception, unless its result is there already.
+void keep_perception(const std::filesystem::path& sequence, const Variant& variant,
+                     const EstimateOptions& options);
 
 }  // namespace uniquadric

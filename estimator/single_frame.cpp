@@ -1,84 +1,51 @@
 #include "estimator/single_frame.h"
 
-#include <chrono>
+#include <tbb/parallel_for.h>
+
+#include <map>
 
 #include "core/geometry/box_symmetry.h"
-#include "estimator/shape/object_points.h"
 
 namespace uniquadric {
 namespace {
 
-// Adds the time since it was last asked to a stage.
-class Stopwatch {
- public:
-  explicit Stopwatch(std::vector<std::pair<const char*, double>>& stages) : stages_(stages) {}
-  void stop(const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    for (auto& [name, sum] : stages_)
-      if (name == stage) {
-        sum += ms;
-        return;
-      }
-    stages_.emplace_back(stage, ms);
-  }
-
- private:
-  std::vector<std::pair<const char*, double>>& stages_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
-std::vector<int> ids_in(const cv::Mat& masks) {
-  std::set<int> ids;
-  for (int v = 0; v < masks.rows; ++v)
-    for (int u = 0; u < masks.cols; ++u) ids.insert(masks.at<std::uint16_t>(v, u));
-  ids.erase(0);
-  return {ids.begin(), ids.end()};
-}
-
-ObjectState state_of(const SequenceFrame& frame, const Pose& world_from_camera, const ObbEstimate& obb) {
+ObjectState state_of(const PerceivedFrame& frame, const ObbEstimate& obb) {
   ObjectState state;
   state.frame = frame.frame;
   state.stamp_ns = frame.stamp_ns;
   state.ellipsoid = inscribed_ellipsoid(obb.box);
-  state.ellipsoid.world_from_object = world_from_camera * state.ellipsoid.world_from_object;
+  state.ellipsoid.world_from_object = *frame.world_from_camera * state.ellipsoid.world_from_object;
   state.ellipsoid.world_from_object.rotation.normalize();
   state.covariance_diagonal.head<3>() = obb.semi_axes_std_m.cwiseAbs2();
   return state;
 }
 
-}  // namespace
+// States of one frame, their axes named as the world's.
+struct FrameStates {
+  std::map<int, ObjectState> states;  // by id
+  int without_state = 0;
+  std::vector<StageTime> times;
+};
 
-FrameEstimate estimate_frame(const Sequence& sequence, const SequenceFrame& frame, const Segmenter& segmenter,
-                             const Variant& variant, const std::optional<Pose>& world_from_camera,
-                             std::uint64_t seed) {
-  FrameEstimate result;
-  result.has_depth = !frame.depth.empty();
-  result.has_pose = world_from_camera.has_value();
-  Stopwatch watch(result.timing_ms);
-  if (!result.has_depth) return result;
-  const cv::Mat depth = read_depth(sequence, frame);
-  watch.stop("read");
-  result.masks = segment(segmenter, sequence, frame, depth, seed);
-  watch.stop("segment");
-  result.has_masks = !result.masks.empty();
-  if (!result.has_masks || !result.has_pose) return result;
-  const Eigen::Matrix3d world_axes_in_camera = world_from_camera->rotation.toRotationMatrix().transpose();
-  for (const int id : ids_in(result.masks)) {
-    const Eigen::Matrix3Xd points = object_points(depth, result.masks == id, sequence.camera, variant.points);
-    watch.stop("points");
-    RandomStream random(seed, "obb_ransac", frame.frame, id);
-    const auto obb = fit_obb_ransac(points, variant.obb, world_axes_in_camera, random);
-    watch.stop("shape");
+FrameStates estimate_frame(const PerceivedFrame& frame, const Variant& variant, std::uint64_t seed) {
+  FrameStates result;
+  if (!frame.world_from_camera) return result;
+  Stopwatch watch(frame.frame, result.times);
+  const Eigen::Matrix3d world_axes_in_camera =
+      frame.world_from_camera->rotation.toRotationMatrix().transpose();
+  for (const BodyObservation& body : frame.bodies) {
+    RandomStream random(seed, "obb_ransac", frame.frame, body.id);
+    const auto obb = fit_obb_ransac(body.points, variant.body.shape.obb, world_axes_in_camera, random);
     if (obb)
-      result.states.emplace(id, state_of(frame, *world_from_camera, *obb));
+      result.states.emplace(body.id, state_of(frame, *obb));
     else
-      ++result.objects_without_state;
+      ++result.without_state;
   }
+  watch.stop("shape");
   return result;
 }
 
+// Renames the axes of a track's states, each to be nearest to the one before.
 void follow_axes(ObjectTrack& track) {
   for (std::size_t i = 1; i < track.states.size(); ++i) {
     const auto axes = [&](std::size_t k) {
@@ -90,6 +57,28 @@ void follow_axes(ObjectTrack& track) {
     state.covariance_diagonal.head<3>() =
         (P.cwiseAbs().transpose() * state.covariance_diagonal.head<3>()).eval();
   }
+}
+
+}  // namespace
+
+BackendResult estimate_single_frames(const Perception& perception, const Variant& variant,
+                                     std::uint64_t seed) {
+  std::vector<FrameStates> frames(perception.frames.size());
+  tbb::parallel_for(std::size_t{0}, frames.size(),
+                    [&](std::size_t i) { frames[i] = estimate_frame(perception.frames[i], variant, seed); });
+  BackendResult result;
+  std::map<int, ObjectTrack> tracks;
+  for (const FrameStates& frame : frames) {
+    for (const auto& [id, state] : frame.states) tracks[id].states.push_back(state);
+    result.observations_without_state += frame.without_state;
+    result.times.insert(result.times.end(), frame.times.begin(), frame.times.end());
+  }
+  for (auto& [id, track] : tracks) {
+    track.id = id;
+    if (variant.axis_naming == AxisNaming::previous) follow_axes(track);
+    result.objects.push_back(std::move(track));
+  }
+  return result;
 }
 
 }  // namespace uniquadric

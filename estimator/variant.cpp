@@ -62,21 +62,97 @@ void visit(Io& io, ObbOptions& o) {
 }
 
 template <typename Io>
-void visit(Io& io, Variant& o) {
-  int schema = kVariantSchema;
-  io.number("schema", schema, kVariantSchema, kVariantSchema);
-  io.text("name", o.name);
+void visit(Io& io, FeatureOptions& o) {
+  io.number("body_features", o.body_features, 8, 10'000);
+  io.number("background_features", o.background_features, 8, 100'000);
+  io.number("fast_threshold", o.fast_threshold, 1, 255);
+  io.positive("min_distance_px", o.min_distance_px);
+}
+
+template <typename Io>
+void visit(Io& io, SilhouetteOptions& o) {
+  io.number("directions", o.directions, 4, 360);
+  io.number("min_pixels", o.min_pixels, 1, 1'000'000);
+  io.number("border_px", o.border_px, 0.0, 100.0);
+  io.positive("occluder_jump", o.occluder_jump);
+}
+
+template <typename Io>
+void visit(Io& io, PerceptionOptions& o) {
   io.section("ego", [&](auto& inner) {
     inner.choice("source", o.ego, Choices<EgoSource>{{"given", EgoSource::given}});
   });
   io.section("segmentation", [&](auto& inner) { visit(inner, o.segmentation); });
+  io.section("features", [&](auto& inner) { visit(inner, o.features); });
+  io.section("silhouettes", [&](auto& inner) { visit(inner, o.silhouettes); });
   io.section("points", [&](auto& inner) { visit(inner, o.points); });
+}
+
+template <typename Io>
+void visit(Io& io, ShortWindowOptions& o) {
+  io.number("keyframes", o.keyframes, 3, 100);
+  io.positive("keyframe_turn_deg", o.keyframe_turn_deg);
+  io.number("keyframe_share", o.keyframe_share, 0.0, 1.0);
+  io.number("keyframe_gap", o.keyframe_gap, 1, 1000);
+  io.flag("motion_model", o.motion_model);
+  io.positive("acceleration_noise", o.motion_noise.acceleration);
+  io.positive("angular_acceleration_noise", o.motion_noise.angular_acceleration);
+  io.flag("marginal_prior", o.marginal_prior);
+  io.number("max_landmarks", o.max_landmarks, 10);
+  io.positive("pixel_sigma_px", o.pose.pixel_sigma_px);
+  io.positive("gate_sigmas", o.pose.gate_sigmas);
+  io.number("min_inliers", o.pose.min_inliers, 4);
+  io.number("ransac_iterations", o.pose.ransac_iterations, 1, kMaxIterations);
+}
+
+template <typename Io>
+void visit(Io& io, LongWindowOptions& o) {
+  io.number("keyframes", o.keyframes, 1, 1000);
+  io.choice("semantic", o.semantic,
+            Choices<SemanticFactor>{{"none", SemanticFactor::none},
+                                    {"literal", SemanticFactor::literal},
+                                    {"vector", SemanticFactor::vector},
+                                    {"tangent", SemanticFactor::tangent}});
+  io.choice(
+      "outline", o.outline,
+      Choices<Outline>{{"bbox", Outline::bbox}, {"rot_bbox", Outline::rot_bbox}, {"hull", Outline::hull}});
+  io.number("exponents", o.exponents, 0, 3);
+  io.positive("outline_sigma_px", o.outline_sigma_px);
+  io.choice("rigid_prior", o.rigid_prior,
+            Choices<RigidPrior>{
+                {"none", RigidPrior::none}, {"soft", RigidPrior::soft}, {"hard", RigidPrior::hard}});
+  io.positive("rigid_sigma_m", o.rigid_sigmas.translation_m);
+  io.positive("rigid_sigma_rad", o.rigid_sigmas.rotation_rad);
+  io.flag("surface_points", o.surface_points);
+  io.positive("surface_sigma_m", o.surface_sigma_m);
+  io.number("max_iterations", o.max_iterations, 1, kMaxIterations);
+}
+
+template <typename Io>
+void visit(Io& io, LifecycleOptions& o) {
+  io.number("confirm_keyframes", o.confirm_keyframes, 1, 1000);
+  io.number("restart_frames", o.restart_frames, 1);
+  io.positive("search_after_s", o.search_after_s);
+  io.positive("lost_after_s", o.lost_after_s);
+}
+
+template <typename Io>
+void visit(Io& io, Variant& o) {
+  int schema = kVariantSchema;
+  io.number("schema", schema, kVariantSchema, kVariantSchema);
+  io.text("name", o.name);
+  visit(io, o.perception);
   io.section("shape", [&](auto& inner) {
     inner.choice("axis_naming", o.axis_naming,
                  Choices<AxisNaming>{{"world", AxisNaming::world}, {"previous", AxisNaming::previous}});
-    inner.section("obb", [&](auto& innermost) { visit(innermost, o.obb); });
+    inner.section("obb", [&](auto& innermost) { visit(innermost, o.body.shape.obb); });
   });
-  io.choice("backend", o.backend, Choices<Backend>{{"single_frame", Backend::single_frame}});
+  io.section("short_window", [&](auto& inner) { visit(inner, o.body.short_window); });
+  io.section("long_window", [&](auto& inner) { visit(inner, o.body.shape.long_window); });
+  io.section("lifecycle", [&](auto& inner) { visit(inner, o.body.lifecycle); });
+  io.choice("backend", o.backend,
+            Choices<Backend>{{"single_frame", Backend::single_frame}, {"windows", Backend::windows}});
+  io.choice("output", o.output, Choices<Output>{{"causal", Output::causal}, {"final", Output::final}});
 }
 
 }  // namespace
@@ -94,6 +170,13 @@ Variant load_variant(const std::filesystem::path& path) {
 
 std::string variant_yaml(const Variant& variant) {
   Variant copy = variant;
+  OptionWriter writer;
+  visit(writer, copy);
+  return writer.yaml();
+}
+
+std::string perception_yaml(const Variant& variant) {
+  PerceptionOptions copy = variant.perception;
   OptionWriter writer;
   visit(writer, copy);
   return writer.yaml();

@@ -3,39 +3,40 @@
 #include <filesystem>
 #include <string>
 
-#include "estimator/perception/segmentation.h"
+#include "estimator/objects/body_estimator.h"
+#include "estimator/perception/perceive.h"
 #include "estimator/shape/obb_ransac.h"
-#include "estimator/shape/object_points.h"
 
 namespace uniquadric {
-
-/// Where the camera's poses come from.
-enum class EgoSource {
-  given,  ///< camera_given.tum of the sequence
-};
 
 /// What turns the observations of the frames into states.
 enum class Backend {
   single_frame,  ///< each frame by itself: the paper's baseline
+  windows,       ///< the dual sliding window
 };
 
-/// Which of an object's 24 equivalent frames a state is written in.
+/// Which of an object's 24 equivalent frames a state of `single_frame` is written in.
 enum class AxisNaming {
   world,  ///< axes nearest to the world's: frames are named without memory, but a body that turns is renamed
   previous,  ///< axes nearest to the object's last state (the world's for the first): names follow the body
 };
 
+/// When a state is written as of.
+enum class Output {
+  causal,  ///< what was known at its frame
+  final,   ///< each frame's pose with the shape of the last one, as trajectories of SLAM systems are given
+};
+
 /// A variant of the estimator, as its file says: all options of all parts, with defaults.
 struct Variant {
   std::string name = "single_frame_obb";
-  EgoSource ego = EgoSource::given;
-  SegmentationOptions segmentation;
-  PointOptions points;
-  ObbOptions obb;
+  PerceptionOptions perception;
   // ours: names only, no measurement passes between frames; the world's names made 0.9 rad of error of a
   // turning cube that is right to 0.1 (README.md)
   AxisNaming axis_naming = AxisNaming::previous;
+  BodyOptions body;
   Backend backend = Backend::single_frame;
+  Output output = Output::causal;
 };
 
 /// Reads a variant file (configs/variants). Keys left out have their defaults; an unknown key, a value out of
@@ -44,5 +45,8 @@ Variant load_variant(const std::filesystem::path& path);
 
 /// All options, resolved, in the format that load_variant reads.
 std::string variant_yaml(const Variant& variant);
+
+/// Those of the perception stage alone: variants that agree in them can share its result.
+std::string perception_yaml(const Variant& variant);
 
 }  // namespace uniquadric

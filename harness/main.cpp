@@ -84,10 +84,11 @@ void add_simulate(CLI::App& app, Common& common) {
 
 void add_estimate(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "estimate", "sequence -> 9-DoF tracks of every object", common);
-  static std::string sequence, out, variant, prompt = "everything";
+  static std::string sequence, out, variant, prompt = "everything", perception;
   static EstimateOptions options;
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
   sub->add_option("OUT", out, "folder for the estimate")->required();
+  sub->add_option("--perception", perception, "folder that keeps the perception stage's result, or has it");
   sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
   sub->add_option("--prompt", prompt, "everything, or a file or folder of box prompts");
@@ -96,8 +97,29 @@ void add_estimate(CLI::App& app, Common& common) {
     options.threads = common.threads;
     options.quiet = common.quiet;
     options.force = common.force;
+    options.perception = perception;
     if (prompt != "everything") options.prompts = prompt;
     estimate(sequence, variant.empty() ? Variant{} : load_variant(variant), options, out);
+  });
+}
+
+void add_perceive(CLI::App& app, Common& common) {
+  auto* sub =
+      subcommand(app, "perceive", "the perception stage of estimate alone, for variants to share", common);
+  static std::string sequence, out, variant, prompt = "everything";
+  static EstimateOptions options;
+  sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
+  sub->add_option("OUT", out, "folder for its result, for estimate's --perception")->required();
+  sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
+  sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
+  sub->add_option("--prompt", prompt, "everything, or a file or folder of box prompts");
+  add_force(sub, common);
+  sub->callback([&common] {
+    options.threads = common.threads;
+    options.quiet = common.quiet;
+    options.perception = out;
+    if (prompt != "everything") options.prompts = prompt;
+    keep_perception(sequence, variant.empty() ? Variant{} : load_variant(variant), options);
   });
 }
 
@@ -254,6 +276,7 @@ int run(int argc, char** argv) {
   const std::string command = command_line(argc, argv);
   add_simulate(app, common);
   add_estimate(app, common);
+  add_perceive(app, common);
   add_evaluate(app, common);
   add_bench(app, common, exit_code, command);
   add_report(app, common);

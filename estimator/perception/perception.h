@@ -55,6 +55,7 @@ struct BodyObservation {
 struct PerceivedFrame {
   std::int64_t frame = 0, stamp_ns = 0;
   std::optional<Pose> world_from_camera;  ///< nothing: the camera was lost
+  bool has_masks = false;                 ///< whether the segmenter had anything to say
   std::vector<BodyObservation> bodies;    ///< in order of their ids
 };
 
@@ -65,9 +66,11 @@ struct Perception {
   std::vector<PerceivedFrame> frames;
 };
 
-/// Writes perception.yaml, camera.tum, silhouettes.csv, features.csv, motions.csv and points.bin into an
-/// existing folder.
+/// Writes perception.yaml, camera.yaml, camera.tum (the poses alone, for other tools) and observations.bin
+/// into an existing folder.
 void write_perception(const std::filesystem::path& folder, const Perception& perception);
+/// The key of a kept perception.
+std::string perception_key_of(const std::filesystem::path& folder);
 /// Reads them back, the same bits. Throws InputError with file and line.
 Perception read_perception(const std::filesystem::path& folder);
 

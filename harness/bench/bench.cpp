@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <thread>
 
 #include "core/base/error.h"
@@ -28,7 +29,7 @@ struct Cell {
   std::uint64_t seed;
   fs::path variant_file;
   fs::path folder;  // relative to the results
-  std::string estimate_key;
+  std::string perception_key, estimate_key;
   std::string failure;  // empty: none
 
   std::string label() const { return fmt::format("{} / {} / seed {}", scene, variant, seed); }
@@ -55,9 +56,8 @@ struct Run {
 
 std::vector<std::unique_ptr<Simulation>> plan(const BenchConfig& config) {
   std::vector<std::unique_ptr<Simulation>> simulations;
-  std::vector<std::string> variant_texts;
-  for (const auto& variant : config.variants)
-    variant_texts.push_back(variant_yaml(load_variant(variant.path)));
+  std::vector<Variant> variants;
+  for (const auto& variant : config.variants) variants.push_back(load_variant(variant.path));
   for (const auto& scene : config.scenes) {
     const std::string scene_hash = load_scene(scene.path).hash;
     for (const auto seed : config.seeds) {
@@ -71,7 +71,8 @@ std::vector<std::unique_ptr<Simulation>> plan(const BenchConfig& config) {
         const auto& variant = config.variants[v];
         simulation->cells.push_back({scene.name, variant.name, seed, variant.path,
                                      fmt::format("cells/{}/{}/seed_{}", scene.name, variant.name, seed),
-                                     estimate_key(simulation->key, variant_texts[v], seed), ""});
+                                     perception_key(simulation->key, perception_yaml(variants[v]), seed),
+                                     estimate_key(simulation->key, variant_yaml(variants[v]), seed), ""});
       }
       simulations.push_back(std::move(simulation));
     }
@@ -83,6 +84,11 @@ bool is_done(const Run& run, const Cell& cell) {
   const fs::path folder = run.out / cell.folder;
   return is_current(folder / "evaluation", evaluation_key(cell.estimate_key)) &&
          is_current(folder / "overlays", overlay_key(cell.estimate_key, run.config.overlays));
+}
+
+// Variants that agree in their perception share its result; it goes with the sequence.
+fs::path perception_folder(const Run& run, const Simulation& simulation, const Cell& cell) {
+  return run.out / (simulation.folder.string() + "/perception_" + cell.perception_key);
 }
 
 // Runs a subcommand of this program that makes `folder`, unless it is there already.
@@ -111,7 +117,7 @@ void run_cell(const Run& run, const Simulation& simulation, Cell& cell) {
   };
   stage("estimate", cell.estimate_key,
         {"estimate", data / "sequence", estimate, "--variant", cell.variant_file, "--seed",
-         std::to_string(cell.seed)}) &&
+         std::to_string(cell.seed), "--perception", perception_folder(run, simulation, cell)}) &&
       stage("evaluation", evaluation_key(cell.estimate_key),
             {"evaluate", data / "truth", estimate, folder / "evaluation"}) &&
       stage("overlays", overlay_key(cell.estimate_key, run.config.overlays),
@@ -130,6 +136,29 @@ void finish_cell(const Run& run, Simulation& simulation, Cell& cell) {
   fs::remove_all(run.out / simulation.folder);
 }
 
+// Cells of one perception: it is made first, then the cells run side by side.
+void run_cells(const Run& run, Simulation& simulation, const std::vector<Cell*>& cells) {
+  const Cell& first = *cells.front();
+  const fs::path folder = perception_folder(run, simulation, first), log = folder.string() + ".log";
+  if (first.failure.empty()) {
+    const ProcessResult result =
+        run_stage(run, folder, first.perception_key,
+                  {"perceive", run.out / simulation.folder / "sequence", folder, "--variant",
+                   first.variant_file, "--seed", std::to_string(first.seed)},
+                  log);
+    for (Cell* cell : cells)
+      if (!result.ok) cell->failure = "perceive: " + result.message;
+  }
+  for (Cell* cell : cells)
+    if (cell->failure.empty())
+      run.pool.add([&run, &simulation, cell] {
+        run_cell(run, simulation, *cell);
+        finish_cell(run, simulation, *cell);
+      });
+    else
+      finish_cell(run, simulation, *cell);
+}
+
 void run_simulation(const Run& run, Simulation& simulation) {
   std::vector<Cell*> waiting;
   for (Cell& cell : simulation.cells)
@@ -144,16 +173,13 @@ void run_simulation(const Run& run, Simulation& simulation) {
   fs::remove(log);
   const ProcessResult result = run_stage(run, run.out / simulation.folder, simulation.key, command, log);
   simulation.unfinished = static_cast<int>(waiting.size());
-  for (Cell* cell : waiting)
-    if (result.ok)
-      run.pool.add([&run, &simulation, cell] {
-        run_cell(run, simulation, *cell);
-        finish_cell(run, simulation, *cell);
-      });
-    else {
-      cell->failure = "simulate: " + result.message;
-      finish_cell(run, simulation, *cell);
-    }
+  std::map<std::string, std::vector<Cell*>> by_perception;
+  for (Cell* cell : waiting) {
+    by_perception[cell->perception_key].push_back(cell);
+    if (!result.ok) cell->failure = "simulate: " + result.message;
+  }
+  for (const auto& [key, cells] : by_perception)
+    run.pool.add([&run, &simulation, cells = cells] { run_cells(run, simulation, cells); });
 }
 
 std::string csv_field(std::string text) {

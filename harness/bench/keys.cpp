@@ -30,6 +30,11 @@ std::string simulation_key(const std::string& scene_hash, std::uint64_t seed,
       .hex();
 }
 
+std::string perception_key(const std::string& simulation_key, const std::string& perception_yaml,
+                           std::uint64_t seed) {
+  return stage("perceive", kestimator_sources).add(simulation_key).add(perception_yaml).add(seed).hex();
+}
+
 std::string estimate_key(const std::string& simulation_key, const std::string& variant_yaml,
                          std::uint64_t seed) {
   return stage("estimate", kestimator_sources).add(simulation_key).add(variant_yaml).add(seed).hex();

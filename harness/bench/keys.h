@@ -11,6 +11,8 @@ namespace uniquadric {
 /// included.
 std::string simulation_key(const std::string& scene_hash, std::uint64_t seed,
                            std::optional<std::int64_t> frames);
+std::string perception_key(const std::string& simulation_key, const std::string& perception_yaml,
+                           std::uint64_t seed);
 std::string estimate_key(const std::string& simulation_key, const std::string& variant_yaml,
                          std::uint64_t seed);
 std::string evaluation_key(const std::string& estimate_key);

@@ -109,7 +109,7 @@ TEST(Estimate, TheSameBytesForAnyNumberOfThreads) {
   EstimateOptions prompted = quiet();
   prompted.prompts = write_prompts(sequence);
   Variant grabcut;
-  grabcut.segmentation.source = MaskSource::grabcut_depth;
+  grabcut.perception.segmentation.source = MaskSource::grabcut_depth;
   int compared = 0;
   for (const auto& [variant, prompts] : {std::pair{Variant{}, fs::path()}, {grabcut, prompted.prompts}}) {
     std::map<std::string, std::string> first;
@@ -208,7 +208,7 @@ TEST(Estimate, ASequenceWithoutAnythingToEstimateIsRefused) {
     bool prompted = false;
   };
   Variant grabcut;
-  grabcut.segmentation.source = MaskSource::grabcut_depth;
+  grabcut.perception.segmentation.source = MaskSource::grabcut_depth;
   const auto shift_poses = [](Sequence& s) {
     for (auto& pose : *s.given_camera) pose.stamp_ns += 500'000'000'000;
   };

@@ -1,4 +1,4 @@
-#include "estimator/check_sequence.h"
+#include "estimator/perception/check_sequence.h"
 
 #include <fmt/format.h>
 

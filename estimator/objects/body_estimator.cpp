@@ -1,0 +1,124 @@
+#include "estimator/objects/body_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace uniquadric {
+namespace {
+
+constexpr int kRecent = 6;                    // frames that the velocity is taken from
+constexpr double kUnknownAcceleration = 1.0;  // [m/s^2], [rad/s^2]: how the covariance of predictions grows
+
+double seconds(std::int64_t from_ns, std::int64_t to_ns) {
+  return 1e-9 * static_cast<double>(to_ns - from_ns);
+}
+
+const std::optional<Silhouette> kNoSilhouette;
+
+}  // namespace
+
+BodyEstimator::BodyEstimator(int id, const Camera& camera, const BodyOptions& options, std::uint64_t seed)
+    : id_(id),
+      camera_(camera),
+      options_(options),
+      seed_(seed),
+      short_window_(camera, options.short_window),
+      shape_(id, camera, options.shape, seed) {}
+
+std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const BodyObservation* body) {
+  if (!frame.world_from_camera) return std::nullopt;
+  shape_.receive(frame.frame);  // silhouettes that came late
+  if (recent_.empty()) {
+    if (!body || !start(frame, *body)) return std::nullopt;
+    return state_at(frame, recent_.back().world_from_body, recent_.back().covariance);
+  }
+  std::optional<BodyPose> pose;
+  if (body) pose = track(frame, *body);
+  if (!pose && body && body->silhouette) {
+    if (++frames_unfound_ >= options_.lifecycle.restart_frames) pose = restart(frame, *body);
+  }
+  if (pose) {
+    frames_unfound_ = 0;
+    recent_.push_back(
+        {frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, pose->covariance});
+    if (std::ssize(recent_) > kRecent) recent_.pop_front();
+    if (pose->keyframe) {
+      ++keyframes_;
+      shape_.add_keyframe(short_window_.keyframes(), frame, *body);
+    }
+    return state_at(frame, pose->world_from_body, pose->covariance);
+  }
+  const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
+  if (hidden_s > options_.lifecycle.lost_after_s) return std::nullopt;
+  const double drift = kUnknownAcceleration * hidden_s * hidden_s / 2;
+  BodyState state =
+      state_at(frame, predict(frame, body), recent_.back().covariance + drift * drift * Matrix6d::Identity());
+  state.status = ObjectStatus::occluded;
+  return state;
+}
+
+bool BodyEstimator::start(const PerceivedFrame& frame, const BodyObservation& body) {
+  if (!body.silhouette || body.points.cols() == 0) return false;
+  const auto center = shape_.start(frame, body);
+  if (!center) return false;
+  Pose world_from_body;
+  world_from_body.translation = *center;
+  short_window_.start(frame, body, world_from_body);
+  shape_.add_keyframe(short_window_.keyframes(), frame, body);
+  recent_.push_back(
+      {frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, Matrix6d::Zero()});
+  keyframes_ = 1;
+  return true;
+}
+
+std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const BodyObservation& body) {
+  RandomStream random(seed_, "find_pose", frame.frame, id_);
+  const bool stale = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.search_after_s;
+  return short_window_.track(frame, body, predict(frame, &body), stale, random);
+}
+
+// The body is in view and none of its points is found again: the pose is the prediction, moved to where the
+// outline and the depth are.
+std::optional<BodyPose> BodyEstimator::restart(const PerceivedFrame& frame, const BodyObservation& body) {
+  const auto center = shape_.center_of(frame, body);
+  if (!center) return std::nullopt;
+  BodyPose pose;
+  pose.world_from_body = predict(frame, nullptr);
+  const Pose& offset = shape_.shape().body_from_object;
+  pose.world_from_body.translation = *center - pose.world_from_body.rotation * offset.translation;
+  pose.covariance = Matrix6d::Identity() * 0.01;  // 0.1 m, 0.1 rad: a guess
+  pose.keyframe = true;
+  short_window_.start(frame, body, pose.world_from_body);
+  return pose;
+}
+
+// From perception's own frame-to-frame motion where the last frame was tracked, else at constant velocity.
+Pose BodyEstimator::predict(const PerceivedFrame& frame, const BodyObservation* body) const {
+  const Tracked& last = recent_.back();
+  if (body && body->motion && last.frame == frame.frame - 1)
+    return *frame.world_from_camera * *body->motion * last.world_from_camera.inverse() * last.world_from_body;
+  const Tracked& first = recent_.front();
+  const double base_s = seconds(first.stamp_ns, last.stamp_ns),
+               ahead_s = seconds(last.stamp_ns, frame.stamp_ns);
+  if (base_s <= 0) return last.world_from_body;
+  const double share = ahead_s / base_s;
+  Pose pose;
+  const Eigen::Vector3d turn =
+      log_so3(last.world_from_body.rotation * first.world_from_body.rotation.inverse());
+  pose.rotation = (exp_so3(share * turn) * last.world_from_body.rotation).normalized();
+  // what moves steadily is the centre, not the origin of the window's frame
+  const Eigen::Vector3d& c = shape_.shape().body_from_object.translation;
+  const Eigen::Vector3d center =
+      (1 + share) * (last.world_from_body * c) - share * (first.world_from_body * c);
+  pose.translation = center - pose.rotation * c;
+  return pose;
+}
+
+BodyState BodyEstimator::state_at(const PerceivedFrame& frame, const Pose& world_from_body,
+                                  const Matrix6d& covariance) const {
+  const bool confirmed = keyframes_ >= options_.lifecycle.confirm_keyframes;
+  return {frame.frame, frame.stamp_ns, world_from_body,
+          covariance,  shape_.shape(), confirmed ? ObjectStatus::active : ObjectStatus::tentative};
+}
+
+}  // namespace uniquadric

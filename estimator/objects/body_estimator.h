@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "core/sequence/tracks.h"
+#include "estimator/objects/shape_estimator.h"
+#include "estimator/perception/perception.h"
+#include "estimator/window/short_window.h"
+
+namespace uniquadric {
+
+/// When a body counts as what. All numbers are ours.
+struct LifecycleOptions {
+  int confirm_keyframes = 3;     // tentative until its windows agree on so many keyframes
+  int restart_frames = 8;        // in view, but none of its points found again: its short window starts anew
+  double search_after_s = 0.25;  // a prediction older than this is not trusted
+  double lost_after_s = 3;       // of prediction alone
+};
+
+struct BodyOptions {
+  ShortWindowOptions short_window;
+  ShapeOptions shape;
+  LifecycleOptions lifecycle;
+};
+
+/// What is known of a body at one frame: where its short window's frame is, and the shape in it.
+struct BodyState {
+  std::int64_t frame = 0, stamp_ns = 0;
+  Pose world_from_body;
+  Matrix6d covariance = Matrix6d::Zero();  ///< of world_from_body
+  Shape shape;
+  ObjectStatus status = ObjectStatus::tentative;
+};
+
+/// One body through its life: initialised as a sphere and then by Alg. 1 (the paper's SQI), tracked by the
+/// short window, modelled by the long one, predicted while it is hidden, found again by its points.
+class BodyEstimator {
+ public:
+  BodyEstimator(int id, const Camera& camera, const BodyOptions& options, std::uint64_t seed);
+
+  /// The next frame; `body` null where perception has nothing of it. Nothing before the body has been
+  /// initialised, while the camera's pose is unknown, and after it was lost.
+  std::optional<BodyState> step(const PerceivedFrame& frame, const BodyObservation* body);
+
+ private:
+  struct Tracked {
+    std::int64_t frame, stamp_ns;
+    Pose world_from_camera, world_from_body;
+    Matrix6d covariance;
+  };
+
+  bool start(const PerceivedFrame& frame, const BodyObservation& body);
+  std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
+  std::optional<BodyPose> restart(const PerceivedFrame& frame, const BodyObservation& body);
+  Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;
+  BodyState state_at(const PerceivedFrame& frame, const Pose& world_from_body,
+                     const Matrix6d& covariance) const;
+
+  int id_;
+  Camera camera_;
+  BodyOptions options_;
+  std::uint64_t seed_;
+  ShortWindow short_window_;
+  ShapeEstimator shape_;
+  std::deque<Tracked> recent_;  // frames with a tracked pose, the newest last
+  int keyframes_ = 0, frames_unfound_ = 0;
+};
+
+}  // namespace uniquadric

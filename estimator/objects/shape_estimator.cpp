@@ -1,0 +1,118 @@
+#include "estimator/objects/shape_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/box_symmetry.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kSphereDepth = 0.6;    // centre of a sphere behind the median of its visible depth, in radii
+constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
+constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
+
+double median_depth(const Eigen::Matrix3Xd& points) {
+  std::vector<double> z(points.row(2).begin(), points.row(2).end());
+  std::nth_element(z.begin(), z.begin() + std::ssize(z) / 2, z.end());
+  return z[z.size() / 2];
+}
+
+}  // namespace
+
+ShapeEstimator::ShapeEstimator(int id, const Camera& camera, const ShapeOptions& options, std::uint64_t seed)
+    : id_(id), camera_(camera), options_(options), seed_(seed), cloud_(options.cloud) {}
+
+std::optional<Eigen::Vector3d> ShapeEstimator::start(const PerceivedFrame& frame,
+                                                     const BodyObservation& body) {
+  if (!body.silhouette || body.points.cols() == 0) return std::nullopt;
+  const Ellipse& box = body.silhouette->rot_bbox;
+  radius_m_ = median_depth(body.points) * std::sqrt(box.semi_major * box.semi_minor) / camera_.fx;
+  shape_.semi_axes_m.setConstant(radius_m_);
+  cloud_.reset(radius_m_);
+  return center_of(frame, body);
+}
+
+std::optional<Eigen::Vector3d> ShapeEstimator::center_of(const PerceivedFrame& frame,
+                                                         const BodyObservation& body) const {
+  if (!body.silhouette || body.points.cols() == 0) return std::nullopt;
+  const double depth = median_depth(body.points) + kSphereDepth * std::cbrt(shape_.semi_axes_m.prod());
+  const auto ray = camera_.unproject(body.silhouette->rot_bbox.center);
+  if (!ray) return std::nullopt;
+  return *frame.world_from_camera * (depth * *ray);
+}
+
+void ShapeEstimator::add_keyframe(const std::deque<BodyKeyframe>& window, const PerceivedFrame& frame,
+                                  const BodyObservation& body) {
+  const BodyKeyframe& newest = window.back();
+  ++keyframes_;
+  follow_window(window);
+  const Pose body_from_camera = newest.world_from_body.inverse() * newest.world_from_camera;
+  Eigen::Matrix3Xd points(3, body.points.cols());
+  for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) = body_from_camera * body.points.col(i);
+  cloud_.add(points);
+  if (body.silhouette) {
+    ShapeView view{newest.frame, newest.world_from_camera, newest.world_from_body, *body.silhouette};
+    (view.silhouette.known_at_frame <= frame.frame ? views_ : waiting_).push_back(std::move(view));
+  }
+  std::optional<Shape> box;
+  if (keyframes_ <= options_.search_keyframes) box = box_of(newest, body.points);
+  if (keyframes_ == 1 && box) shape_ = *box;
+  solve(box);
+}
+
+void ShapeEstimator::receive(std::int64_t frame) {
+  const auto known = [&](const ShapeView& view) { return view.silhouette.known_at_frame <= frame; };
+  const auto first =
+      std::stable_partition(waiting_.begin(), waiting_.end(), [&](const auto& v) { return !known(v); });
+  if (first == waiting_.end()) return;
+  views_.insert(views_.end(), std::make_move_iterator(first), std::make_move_iterator(waiting_.end()));
+  waiting_.erase(first, waiting_.end());
+  solve(std::nullopt);
+}
+
+// The views' poses are those that the short window has refined by now.
+void ShapeEstimator::follow_window(const std::deque<BodyKeyframe>& window) {
+  for (std::vector<ShapeView>* views : {&views_, &waiting_})
+    for (ShapeView& view : *views)
+      for (const BodyKeyframe& keyframe : window)
+        if (keyframe.frame == view.frame) view.world_from_body = keyframe.world_from_body;
+}
+
+// Alg. 1 on one keyframe, its axes named as the shape's.
+std::optional<Shape> ShapeEstimator::box_of(const BodyKeyframe& keyframe,
+                                            const Eigen::Matrix3Xd& points) const {
+  RandomStream random(seed_, "obb_ransac", keyframe.frame, id_);
+  const Pose body_from_camera = keyframe.world_from_body.inverse() * keyframe.world_from_camera;
+  const Eigen::Matrix3d axes_in_camera =
+      (body_from_camera.inverse().rotation * shape_.body_from_object.rotation).toRotationMatrix();
+  const auto obb = fit_obb_ransac(points, options_.obb, axes_in_camera, random);
+  if (!obb) return std::nullopt;
+  const Ellipsoid box = inscribed_ellipsoid(obb->box);
+  Shape shape = shape_;
+  shape.body_from_object = body_from_camera * box.world_from_object;
+  shape.body_from_object.rotation.normalize();
+  // what is not seen of a body is no thinner than this; the box's seen face stays where it is
+  shape.semi_axes_m = box.semi_axes_m.cwiseMax(kThinnest * radius_m_);
+  const Eigen::Vector3d view = shape.body_from_object.translation - body_from_camera.translation;
+  const Eigen::Vector3d away = shape.body_from_object.rotation.conjugate() * view;
+  const Eigen::Vector3d grown = (shape.semi_axes_m - box.semi_axes_m).cwiseProduct(away.cwiseSign());
+  shape.body_from_object.translation += shape.body_from_object.rotation * grown;
+  return shape;
+}
+
+void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
+  if (views_.empty()) return;
+  thin_views(views_, options_.long_window.keyframes);
+  const Eigen::Matrix3Xd points = cloud_.sample();
+  const Eigen::Vector3d sphere = Eigen::Vector3d::Constant(radius_m_);
+  const std::vector<AxisBelief> beliefs = {{sphere, options_.sphere_sigma * sphere}};
+  ShapeSolution best = solve_shape(camera_, views_, points, beliefs, shape_, options_.long_window);
+  if (other_start) {
+    ShapeSolution other = solve_shape(camera_, views_, points, beliefs, *other_start, options_.long_window);
+    if (other.cost < kClearlyBetter * best.cost) best = std::move(other);
+  }
+  shape_ = best.shape;
+}
+
+}  // namespace uniquadric

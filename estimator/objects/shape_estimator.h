@@ -1,0 +1,62 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "estimator/objects/surface_cloud.h"
+#include "estimator/perception/perception.h"
+#include "estimator/shape/obb_ransac.h"
+#include "estimator/window/long_window.h"
+#include "estimator/window/short_window.h"
+
+namespace uniquadric {
+
+struct ShapeOptions {
+  ObbOptions obb;
+  LongWindowOptions long_window;
+  SurfaceCloudOptions cloud;
+  // ours: of each semi-axis about the sphere's radius, relative: a face seen head-on says nothing of the
+  // depth behind it; a centimetre of evidence outweighs it
+  double sphere_sigma = 0.5;
+  int search_keyframes = 12;  // ours: for so many keyframes Alg. 1's new orientation is tried as a start too
+};
+
+/// The shape of one body: Alg. 1 on each keyframe's points, their fusion (Alg. 2) or the accumulated cloud's
+/// box as a prior, and the long window's solution.
+class ShapeEstimator {
+ public:
+  ShapeEstimator(int id, const Camera& camera, const ShapeOptions& options, std::uint64_t seed);
+
+  /// The sphere of the first outline and depth (Eq. 10): its centre in the world; nothing without depth.
+  std::optional<Eigen::Vector3d> start(const PerceivedFrame& frame, const BodyObservation& body);
+
+  /// Takes the newest of the short window's keyframes, whose frame and observation these are, and solves.
+  void add_keyframe(const std::deque<BodyKeyframe>& window, const PerceivedFrame& frame,
+                    const BodyObservation& body);
+
+  /// Takes in silhouettes that are known by now, and solves if there are any.
+  void receive(std::int64_t frame);
+
+  /// Centre of the body in the world, from one outline and depth; nothing without depth.
+  std::optional<Eigen::Vector3d> center_of(const PerceivedFrame& frame, const BodyObservation& body) const;
+
+  const Shape& shape() const { return shape_; }
+
+ private:
+  void follow_window(const std::deque<BodyKeyframe>& window);
+  std::optional<Shape> box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points) const;
+  void solve(const std::optional<Shape>& other_start);
+
+  int id_;
+  Camera camera_;
+  ShapeOptions options_;
+  std::uint64_t seed_;
+  Shape shape_;
+  double radius_m_ = 0;  // of the first sphere
+  int keyframes_ = 0;
+  std::vector<ShapeView> views_, waiting_;
+  SurfaceCloud cloud_;
+};
+
+}  // namespace uniquadric

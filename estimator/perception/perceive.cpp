@@ -1,0 +1,150 @@
+#include "estimator/perception/perceive.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <memory>
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/error.h"
+#include "core/base/progress.h"
+#include "estimator/perception/check_sequence.h"
+#include "estimator/stopwatch.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr int kFramesInFlight = 4;  // more cost memory and gain nothing on two cores
+
+// What passes through the pipeline.
+struct Work {
+  std::size_t index = 0;
+  cv::Mat rgb, depth, masks;
+  PerceivedFrame result;
+  std::vector<StageTime> times;
+};
+
+std::map<std::int64_t, Pose> given_poses(const Sequence& sequence) {
+  if (!sequence.given_camera || sequence.given_camera->empty())
+    throw InputError(sequence.folder / "camera_given.tum",
+                     "holds no camera poses, which the variant (ego: given) needs");
+  std::map<std::int64_t, Pose> poses;
+  for (const auto& [stamp_ns, pose] : *sequence.given_camera) poses.emplace(stamp_ns, pose);
+  return poses;
+}
+
+BodyObservation& body_of(PerceivedFrame& frame, int id) {
+  for (BodyObservation& body : frame.bodies)
+    if (body.id == id) return body;
+  frame.bodies.emplace_back().id = id;
+  return frame.bodies.back();
+}
+
+std::set<int> ids_in(const cv::Mat& masks) {
+  std::set<int> ids;
+  for (int v = 0; v < masks.rows; ++v) {
+    const auto* row = masks.ptr<std::uint16_t>(v);
+    for (int u = 0; u < masks.cols; ++u)
+      if (row[u] != 0 && (u == 0 || row[u] != row[u - 1])) ids.insert(row[u]);
+  }
+  return ids;
+}
+
+// Outlines and depth points of each body.
+void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work& work) {
+  Stopwatch watch(work.result.frame, work.times);
+  if (work.masks.empty()) return;
+  for (auto& [id, silhouette] : silhouettes(work.masks, work.depth, camera, options.silhouettes)) {
+    silhouette.segmented = true;
+    silhouette.known_at_frame = work.result.frame;
+    body_of(work.result, id).silhouette = std::move(silhouette);
+  }
+  watch.stop("silhouettes");
+  if (work.depth.empty()) return;
+  for (const int id : ids_in(work.masks))
+    body_of(work.result, id).points = object_points(work.depth, work.masks == id, camera, options.points);
+  watch.stop("points");
+}
+
+void add_features(const TrackedFeatures& tracked, PerceivedFrame& frame) {
+  for (const auto& [id, features] : tracked.bodies) body_of(frame, id).features = features;
+  for (const auto& [id, motion] : tracked.motions) body_of(frame, id).motion = motion;
+}
+
+Camera without_distortion(Camera camera) {
+  camera.distortion = {};
+  return camera;
+}
+
+}  // namespace
+
+Perception perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
+                    std::vector<StageTime>& times) {
+  const auto poses = given_poses(sequence);
+  const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
+  check_sequence(sequence, segmenter, poses);
+  const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence;
+  if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
+  FeatureTracker features(sequence.camera, options.features, run.seed);
+  Perception perception;
+  perception.camera = without_distortion(sequence.camera);
+  perception.frames.resize(sequence.frames.size());
+  Progress progress("perceive", std::ssize(sequence.frames), run.quiet);
+
+  std::size_t next = 0;
+  const auto take = [&](tbb::flow_control& control) {
+    auto work = std::make_shared<Work>();
+    if (next == sequence.frames.size()) control.stop();
+    work->index = next++;
+    return work;
+  };
+  const auto read = [&](std::shared_ptr<Work> work) {
+    const SequenceFrame& frame = sequence.frames[work->index];
+    work->result.frame = frame.frame;
+    work->result.stamp_ns = frame.stamp_ns;
+    Stopwatch watch(frame.frame, work->times);
+    work->rgb = read_rgb(sequence, frame);
+    if (!frame.depth.empty()) work->depth = read_depth(sequence, frame);
+    watch.stop("read");
+    work->masks = segment(segmenter, sequence, frame, work->depth, run.seed);
+    watch.stop("segment");
+    work->result.has_masks = !work->masks.empty();
+    if (keeps_masks && !work->masks.empty())
+      write_png(run.masks_folder / fmt::format("{:06}.png", frame.frame), work->masks);
+    return work;
+  };
+  const auto track = [&](std::shared_ptr<Work> work) {
+    const SequenceFrame& frame = sequence.frames[work->index];
+    Stopwatch watch(frame.frame, work->times);
+    add_features(features.track(frame, work->rgb, work->depth, work->masks), work->result);
+    if (const auto pose = poses.find(frame.stamp_ns); pose != poses.end())
+      work->result.world_from_camera = pose->second;
+    watch.stop("features");
+    return work;
+  };
+  const auto look = [&](std::shared_ptr<Work> work) {
+    look_at_bodies(perception.camera, options, *work);
+    auto& bodies = work->result.bodies;
+    std::sort(bodies.begin(), bodies.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+    return work;
+  };
+  const auto keep = [&](const std::shared_ptr<Work>& work) {
+    times.insert(times.end(), work->times.begin(), work->times.end());
+    perception.frames[work->index] = std::move(work->result);
+    progress.advance();
+  };
+  using Handle = std::shared_ptr<Work>;
+  tbb::task_arena arena(run.threads > 0 ? run.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_pipeline(kFramesInFlight,
+                           tbb::make_filter<void, Handle>(tbb::filter_mode::serial_in_order, take) &
+                               tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, read) &
+                               tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, track) &
+                               tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, look) &
+                               tbb::make_filter<Handle, void>(tbb::filter_mode::serial_in_order, keep));
+  });
+  return perception;
+}
+
+}  // namespace uniquadric

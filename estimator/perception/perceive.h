@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "core/sequence/sequence.h"
+#include "estimator/perception/features.h"
+#include "estimator/perception/perception.h"
+#include "estimator/perception/segmentation.h"
+#include "estimator/perception/silhouette.h"
+#include "estimator/shape/object_points.h"
+#include "estimator/stopwatch.h"
+
+namespace uniquadric {
+
+/// Where the camera's poses come from.
+enum class EgoSource {
+  given,  ///< camera_given.tum of the sequence
+};
+
+/// All options of the perception stage.
+struct PerceptionOptions {
+  EgoSource ego = EgoSource::given;
+  SegmentationOptions segmentation;
+  FeatureOptions features;
+  SilhouetteOptions silhouettes;
+  PointOptions points;
+};
+
+struct PerceiveOptions {
+  std::filesystem::path prompts;       ///< file or folder; empty: everything
+  std::uint64_t seed = 0;              ///< of the random samples
+  int threads = 0;                     ///< 0: as many as the machine has
+  std::filesystem::path masks_folder;  ///< where masks are written as PNG (16-bit ids); empty: nowhere
+  bool quiet = false;
+};
+
+/// The perception stage: masks, outlines, feature tracks, depth points and the camera's poses of every frame,
+/// in their order. The same for any number of threads. `times` receives what each stage took. Throws
+/// InputError for sequences with nothing to work on (check_sequence).
+Perception perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
+                    std::vector<StageTime>& times);
+
+}  // namespace uniquadric

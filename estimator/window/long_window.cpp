@@ -1,0 +1,229 @@
+#include "estimator/window/long_window.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "estimator/factors/conic.h"
+#include "estimator/factors/pose_block.h"
+#include "estimator/factors/shape_block.h"
+#include "estimator/factors/shape_prior.h"
+#include "estimator/factors/surface_point.h"
+#include "estimator/factors/tangent.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kHuberSigmas = 2;
+constexpr double kMinDepth = 0.1;        // [m] of a body's centre in a view that counts
+constexpr double kFirstExponent = 1.6;   // q where it is to be found: in the middle of its range
+const PoseSigmas kWeakOffset{0.5, 0.5};  // of the offset about its start: holds what nothing else does
+
+// The blocks that Ceres works on.
+struct Blocks {
+  std::vector<PoseBlock> bodies;  // world_from_body of each view
+  PoseBlock offset;               // body_from_object
+  AxesBlock axes;
+  std::array<double, 3> exponents;
+};
+
+std::array<SupportLine, 4> sides_of(const Silhouette& silhouette) {
+  const Ellipse& box = silhouette.rot_bbox;
+  const Eigen::Vector2d major(std::cos(box.angle_rad), std::sin(box.angle_rad));
+  const Eigen::Vector2d minor(-major.y(), major.x());
+  std::array<SupportLine, 4> sides;
+  const Eigen::Vector2d normals[4] = {major, -major, minor, -minor};
+  for (int i = 0; i < 4; ++i)
+    sides[i] = {normals[i], normals[i].dot(box.center) + (i < 2 ? box.semi_major : box.semi_minor),
+                silhouette.side_free[i]};
+  return sides;
+}
+
+Ellipse upright_ellipse(const std::array<SupportLine, 4>& bbox) {
+  const double a = (bbox[0].offset_px + bbox[2].offset_px) / 2,
+               b = (bbox[1].offset_px + bbox[3].offset_px) / 2;
+  Ellipse ellipse;
+  ellipse.center = {(bbox[0].offset_px - bbox[2].offset_px) / 2, (bbox[1].offset_px - bbox[3].offset_px) / 2};
+  ellipse.semi_major = std::max(a, b);
+  ellipse.semi_minor = std::min(a, b);
+  ellipse.angle_rad = a >= b ? 0 : std::numbers::pi / 2;
+  return ellipse;
+}
+
+std::vector<SupportLine> tangents_of(const Silhouette& silhouette, Outline outline) {
+  if (outline == Outline::hull) return silhouette.support;
+  const auto sides = outline == Outline::bbox ? silhouette.bbox : sides_of(silhouette);
+  return {sides.begin(), sides.end()};
+}
+
+void add_tangents(ceres::Problem& problem, const Camera& camera, const ShapeView& view, double* body,
+                  Blocks& blocks, const LongWindowOptions& options) {
+  const Pose offset = pose_from_block(blocks.offset);
+  const double depth = (view.world_from_camera.inverse() * (view.world_from_body * offset.translation)).z();
+  if (depth < kMinDepth) return;
+  TangentOptions tangent;
+  tangent.exponents = std::max(1, options.exponents);
+  tangent.sigma_px = options.outline_sigma_px;
+  for (const SupportLine& line : tangents_of(view.silhouette, options.outline)) {
+    if (!line.free) continue;
+    problem.AddResidualBlock(
+        tangent_factor(tangent_plane(camera, view.world_from_camera, line, depth), tangent).release(),
+        new ceres::HuberLoss(kHuberSigmas), body, blocks.offset.data(), blocks.axes.data(),
+        blocks.exponents.data());
+  }
+}
+
+// A conic needs the whole outline: views of which a side is cut say nothing.
+void add_conic(ceres::Problem& problem, const Camera& camera, const ShapeView& view, double* body,
+               Blocks& blocks, const LongWindowOptions& options) {
+  const auto is_free = [](const SupportLine& line) { return line.free; };
+  const auto& bbox = view.silhouette.bbox;
+  const auto& sides = view.silhouette.side_free;
+  const bool upright = options.outline == Outline::bbox;
+  if (upright ? !std::all_of(bbox.begin(), bbox.end(), is_free)
+              : !std::all_of(sides.begin(), sides.end(), [](bool free) { return free; }))
+    return;
+  const Ellipse observed = upright ? upright_ellipse(bbox) : view.silhouette.rot_bbox;
+  ConicOptions conic;
+  conic.residual =
+      options.semantic == SemanticFactor::literal ? ConicResidual::literal : ConicResidual::vector;
+  conic.sigma = conic_sigma(observed, options.outline_sigma_px);
+  problem.AddResidualBlock(conic_factor(camera, view.world_from_camera, observed, conic).release(),
+                           new ceres::HuberLoss(kHuberSigmas), body, blocks.offset.data(),
+                           blocks.axes.data());
+}
+
+void add_view(ceres::Problem& problem, const Camera& camera, const ShapeView& view, double* body,
+              Blocks& blocks, const LongWindowOptions& options) {
+  problem.AddParameterBlock(body, 7, pose_manifold().release());
+  if (options.rigid_prior == RigidPrior::hard) problem.SetParameterBlockConstant(body);
+  if (options.rigid_prior == RigidPrior::soft)
+    problem.AddResidualBlock(pose_prior_factor(view.world_from_body, options.rigid_sigmas).release(), nullptr,
+                             body);
+  if (options.semantic == SemanticFactor::tangent)
+    add_tangents(problem, camera, view, body, blocks, options);
+  else if (options.semantic != SemanticFactor::none)
+    add_conic(problem, camera, view, body, blocks, options);
+}
+
+Blocks make_blocks(const std::vector<ShapeView>& views, const Shape& start,
+                   const LongWindowOptions& options) {
+  Blocks blocks;
+  for (const ShapeView& view : views) blocks.bodies.push_back(pose_block(view.world_from_body));
+  blocks.offset = pose_block(start.body_from_object);
+  blocks.axes = axes_block(start.semi_axes_m);
+  const bool fresh = start.exponents.outline == 2 && start.exponents.upper == 2;
+  const auto block = [&](double q) {
+    return exponent_block(options.exponents == 0 ? 2 : fresh ? kFirstExponent : q);
+  };
+  blocks.exponents = {block(start.exponents.outline), block(start.exponents.upper),
+                      block(start.exponents.lower)};
+  return blocks;
+}
+
+// Variances of axes [m^2], translation and rotation from the inverse of the normal equations of the blocks
+// that belong to the body; poses that are free are marginalised with them.
+Vector9d variances_of(ceres::Problem& problem, Blocks& blocks) {
+  ceres::Problem::EvaluateOptions evaluate;
+  problem.GetParameterBlocks(&evaluate.parameter_blocks);
+  auto& order = evaluate.parameter_blocks;
+  std::erase_if(order, [&](double* block) { return problem.IsParameterBlockConstant(block); });
+  std::stable_partition(order.begin(), order.end(),
+                        [&](double* block) { return block == blocks.axes.data(); });
+  std::stable_partition(order.begin(), order.end(),
+                        [&](double* block) { return block == blocks.offset.data(); });
+  ceres::CRSMatrix crs;
+  problem.Evaluate(evaluate, nullptr, nullptr, nullptr, &crs);
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(crs.num_cols, crs.num_cols);
+  for (int row = 0; row < crs.num_rows; ++row)
+    for (int i = crs.rows[row]; i < crs.rows[row + 1]; ++i)
+      for (int j = crs.rows[row]; j < crs.rows[row + 1]; ++j)
+        normal(crs.cols[i], crs.cols[j]) += crs.values[i] * crs.values[j];
+  const bool has_offset = !problem.IsParameterBlockConstant(blocks.offset.data());
+  const int wanted = has_offset ? 9 : 3;
+  const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
+  Vector9d variances = Vector9d::Zero();
+  for (int k = 0; k < wanted; ++k) {
+    const double variance = solver.solve(Eigen::VectorXd::Unit(crs.num_cols, k))[k];
+    const int axis = has_offset ? k - 6 : k;
+    if (axis >= 0)
+      variances[axis] = variance * std::exp(2 * blocks.axes[axis]);
+    else
+      variances[3 + k] = variance;
+  }
+  return variances;
+}
+
+}  // namespace
+
+ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& views,
+                          const Eigen::Matrix3Xd& surface_points, const std::vector<AxisBelief>& axes,
+                          const Shape& start, const LongWindowOptions& options) {
+  Blocks blocks = make_blocks(views, start, options);
+  ceres::Problem problem;
+  const int exponents = std::max(1, options.exponents);
+  problem.AddParameterBlock(blocks.offset.data(), 7, pose_manifold().release());
+  problem.AddParameterBlock(blocks.axes.data(), 3);
+  problem.AddParameterBlock(blocks.exponents.data(), exponents);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    add_view(problem, camera, views[i], blocks.bodies[i].data(), blocks, options);
+  for (Eigen::Index i = 0; options.surface_points && i < surface_points.cols(); ++i)
+    problem.AddResidualBlock(
+        surface_point_factor(surface_points.col(i), options.surface_sigma_m, exponents).release(),
+        new ceres::CauchyLoss(kHuberSigmas), blocks.offset.data(), blocks.axes.data(),
+        blocks.exponents.data());
+  for (const AxisBelief& belief : axes)
+    problem.AddResidualBlock(
+        axis_prior_factor(belief.semi_axes_m, belief.sigma_m, AxisScale::logarithmic).release(), nullptr,
+        blocks.axes.data());
+  if (options.exponents == 0)
+    problem.SetParameterBlockConstant(blocks.exponents.data());
+  else
+    problem.AddResidualBlock(exponent_prior_factor(exponents).release(), nullptr, blocks.exponents.data());
+  if (options.rigid_prior == RigidPrior::none)
+    problem.SetParameterBlockConstant(blocks.offset.data());  // the poses are free: they carry it
+  else
+    problem.AddResidualBlock(pose_prior_factor(start.body_from_object, kWeakOffset).release(), nullptr,
+                             blocks.offset.data());
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = options.rigid_prior == RigidPrior::hard ? ceres::DENSE_QR : ceres::DENSE_SCHUR;
+  solver.max_num_iterations = options.max_iterations;
+  solver.num_threads = 1;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+
+  ShapeSolution solution;
+  solution.cost = summary.final_cost;
+  solution.shape.body_from_object = pose_from_block(blocks.offset);
+  solution.shape.semi_axes_m = axes_from_block(blocks.axes.data());
+  solution.shape.exponents = exponents_from_block(blocks.exponents.data(), exponents);
+  solution.shape.variances = variances_of(problem, blocks);
+  for (const PoseBlock& body : blocks.bodies) solution.world_from_body.push_back(pose_from_block(body));
+  return solution;
+}
+
+void thin_views(std::vector<ShapeView>& views, int most) {
+  const auto turn = [](const ShapeView& a, const ShapeView& b) {
+    const Eigen::Quaterniond p = a.world_from_camera.rotation.conjugate() * a.world_from_body.rotation;
+    const Eigen::Quaterniond q = b.world_from_camera.rotation.conjugate() * b.world_from_body.rotation;
+    return p.angularDistance(q);
+  };
+  while (std::ssize(views) > most) {
+    std::size_t least = 0;
+    double least_turn = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i + 1 < views.size(); ++i)
+      for (std::size_t j = i + 1; j < views.size(); ++j)
+        if (const double angle = turn(views[i], views[j]); angle < least_turn) {
+          least_turn = angle;
+          least = i;
+        }
+    views.erase(views.begin() + static_cast<std::ptrdiff_t>(least));
+  }
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/camera.h"
+#include "core/geometry/pose.h"
+#include "core/geometry/superquadric.h"
+#include "core/sequence/tracks.h"
+#include "estimator/factors/pose_prior.h"
+#include "estimator/perception/perception.h"
+
+namespace uniquadric {
+
+/// How the outline of a body enters.
+enum class SemanticFactor {
+  none,
+  literal,  ///< Eq. 14 as printed: sqrt(2 e_B)
+  vector,   ///< Eq. 14, our 5-vector
+  tangent,  ///< the outline's tangents touch the body (SPEC 3 in short: h(n) + n . t + d = 0)
+};
+/// Which outline.
+enum class Outline {
+  bbox,      ///< the upright box's four sides
+  rot_bbox,  ///< the RotBbox's four sides: the paper's
+  hull,      ///< the convex hull's tangents in K directions
+};
+/// Where the axes' prior comes from (Eq. 15).
+enum class AxisPrior { none, mean, inverse_variance, renyi, literal, accumulated };
+/// What holds the body's poses to the short window's (Eq. 16).
+enum class RigidPrior {
+  none,
+  soft,  ///< a factor a pose
+  hard,  ///< the poses are the short window's
+};
+
+struct LongWindowOptions {
+  int keyframes = 25;  // paper: 20-25
+  SemanticFactor semantic = SemanticFactor::tangent;
+  Outline outline = Outline::hull;
+  int exponents =
+      1;  // ours: 0 is the ellipsoid (q = 2), 1 the superellipsoid, 3 the one with a top of its own
+  double outline_sigma_px = 1.0;  // ours: of one tangent, README.md
+  AxisPrior axis_prior = AxisPrior::accumulated;
+  RigidPrior rigid_prior = RigidPrior::hard;
+  PoseSigmas rigid_sigmas{0.003, 0.006};  // ours: what short windows reach on the simulated scenes
+  bool surface_points = true;             // ours: depth says where the surface is along the view
+  double surface_sigma_m = 0.01;          // ours: of an averaged point of the cloud against a superellipsoid
+  int max_iterations = 15;
+};
+
+/// What the long window finds: 3 + 6 + 1 (or 3) numbers that belong to the body, not to a frame.
+struct Shape {
+  Pose body_from_object;  ///< the common offset: centre and axes in the short window's frame of the body
+  Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();
+  SuperExponents exponents;  ///< all equal unless the options say three
+  /// Variances: semi-axes, translation, rotation vector, as in ObjectState.
+  Vector9d variances = Vector9d::Constant(std::numeric_limits<double>::quiet_NaN());
+};
+
+/// One keyframe as the long window keeps it.
+struct ShapeView {
+  std::int64_t frame = 0;
+  Pose world_from_camera, world_from_body;  ///< as the short window left them
+  Silhouette silhouette;
+};
+
+/// A prior on the semi-axes (Eq. 15), each with its own sigma.
+struct AxisBelief {
+  Eigen::Vector3d semi_axes_m, sigma_m;
+};
+
+struct ShapeSolution {
+  Shape shape;
+  double cost = 0;
+  std::vector<Pose> world_from_body;  ///< of the views
+};
+
+/// Solves for the shape from views, surface points (body frame) and priors on the axes, from `start`.
+ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& views,
+                          const Eigen::Matrix3Xd& surface_points, const std::vector<AxisBelief>& axes,
+                          const Shape& start, const LongWindowOptions& options);
+
+/// Keeps `most` views: the one that looks most like another goes, the older of the two.
+void thin_views(std::vector<ShapeView>& views, int most);
+
+}  // namespace uniquadric

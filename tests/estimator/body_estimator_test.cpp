@@ -1,0 +1,87 @@
+#include "estimator/objects/body_estimator.h"
+
+#include <gtest/gtest.h>
+
+#include "synthetic_perception.h"
+
+namespace uniquadric {
+namespace {
+
+Pose looking_at(const Eigen::Vector3d& from, const Eigen::Vector3d& at) {
+  const Eigen::Vector3d z = (at - from).normalized(), x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
+  Eigen::Matrix3d R;
+  R << x, z.cross(x), z;
+  return {Eigen::Quaterniond(R), from};
+}
+
+Pose arc_camera(double t) {
+  const double angle = -0.6 + 0.1 * t;
+  return looking_at({2.2 * std::sin(angle), -2.2 * std::cos(angle), 1.6}, {0, 0, 1});
+}
+
+Pose tumbling(double t) {
+  const Eigen::Vector3d axis(0.3, 0.2, 1), wander(std::sin(t), std::cos(0.8 * t), 0.5 * std::sin(2 * t));
+  return {exp_so3(0.6 * t * axis.normalized()), Eigen::Vector3d(0, 0, 1) + 0.2 * wander};
+}
+
+const Eigen::Vector3d kAxes(0.3, 0.2, 0.15);
+
+struct Errors {
+  double translation_m = 0, rotation_rad = 0, axes_m = 0;  // largest over the frames asked for
+  int frames = 0;
+};
+
+Errors run(const SyntheticBody& body, const SyntheticOptions& options, double from_s) {
+  const Perception perception = synthetic_perception({body}, options);
+  const Tracks truth = synthetic_truth({body}, options);
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  Errors errors;
+  for (std::size_t i = 0; i < perception.frames.size(); ++i) {
+    const auto& bodies = perception.frames[i].bodies;
+    const auto state = estimator.step(perception.frames[i], bodies.empty() ? nullptr : &bodies[0]);
+    if (!state || i < from_s * options.rate_hz) continue;
+    const Pose object = state->world_from_body * state->shape.body_from_object;
+    const Ellipsoid& expected = truth.objects[0].states[i].ellipsoid;
+    const auto raise = [](double& largest, double value) { largest = std::max(largest, value); };
+    raise(errors.translation_m, (object.translation - expected.world_from_object.translation).norm());
+    raise(errors.rotation_rad, object.rotation.angularDistance(expected.world_from_object.rotation));
+    raise(errors.axes_m, (state->shape.semi_axes_m - expected.semi_axes_m).cwiseAbs().maxCoeff());
+    ++errors.frames;
+  }
+  return errors;
+}
+
+SyntheticOptions three_seconds() {
+  SyntheticOptions options;
+  options.world_from_camera = arc_camera;
+  return options;
+}
+
+TEST(BodyEstimator, FindsPoseAndSizeOfATumblingBoxWithinMillimetres) {
+  const Errors errors = run(box_body(kAxes, tumbling), three_seconds(), 1.5);
+  EXPECT_EQ(errors.frames, 45);
+  EXPECT_LT(errors.translation_m, 0.008);
+  EXPECT_LT(errors.rotation_rad, 0.03);
+  EXPECT_LT(errors.axes_m, 0.006);
+}
+
+TEST(BodyEstimator, AndOfAnEllipsoid) {
+  const Errors errors = run(ellipsoid_body(kAxes, tumbling), three_seconds(), 1.5);
+  EXPECT_EQ(errors.frames, 45);
+  EXPECT_LT(errors.translation_m, 0.008);
+  EXPECT_LT(errors.rotation_rad, 0.05);  // its outline turns less than a box's
+  EXPECT_LT(errors.axes_m, 0.006);
+}
+
+TEST(BodyEstimator, ABodyThatWasHiddenIsFoundAgainByItsPoints) {
+  SyntheticOptions options = three_seconds();
+  options.frames = 120;
+  options.hidden = [](int, double t) { return t > 1.5 && t < 2.5; };
+  const Errors after = run(box_body(kAxes, tumbling), options, 2.6);
+  EXPECT_EQ(after.frames, 42);
+  EXPECT_LT(after.translation_m, 0.01);
+  EXPECT_LT(after.rotation_rad, 0.03);
+}
+
+}  // namespace
+}  // namespace uniquadric
