@@ -48,23 +48,40 @@ void drop_outliers(const FrameView& view, TrackedBody& body, const std::vector<s
   body.tracks = std::move(kept);
 }
 
-// Puts tracks where their anchors' patches fit best; takes new anchors where the old ones have become too
-// different.
-void align(const FrameView& view, TrackedBody& body, const Pose& pose) {
+enum class Fit { good, poor, none };
+
+// Puts a track where its anchor's patch fits best.
+Fit align_track(const FrameView& view, const Pose& pose, PointTrack& track) {
   const FeatureOptions& options = view.options;
+  const auto warp = anchor_warp(*track.anchor, track.landmark->surface(), view.lens, pose);
+  if (!warp) return Fit::none;
+  const auto found = align_patch(*track.anchor, *warp, view.gray, track.pixel, options.alignment);
+  if (!found || found->sigma_px > options.max_pixel_sigma || !view.place(track, found->pixel))
+    return Fit::none;
+  const Eigen::Vector2d stretch = Eigen::JacobiSVD<Eigen::Matrix2d>(*warp).singularValues();
+  const bool is_near = stretch[0] <= options.max_anchor_warp && stretch[1] >= 1 / options.max_anchor_warp;
+  return is_near && found->correlation >= options.min_anchor_correlation ? Fit::good : Fit::poor;
+}
+
+// Aligns all tracks. Takes new anchors where the old ones have become too different, and drops tracks that
+// fit neither their anchors nor their landmarks.
+void align(const FrameView& view, TrackedBody& body, const Pose& pose) {
+  std::vector<PointTrack> kept;
   for (auto& track : body.tracks) {
-    if (!track.landmark || !track.depth) continue;
-    bool keep = false;
-    if (const auto warp = track.anchor ? anchor_warp(*track.anchor, view.lens, pose) : std::nullopt) {
-      const Eigen::Vector2d stretch = Eigen::JacobiSVD<Eigen::Matrix2d>(*warp).singularValues();
-      const auto found = align_patch(*track.anchor, *warp, view.gray, track.pixel, options.alignment);
-      if (found) view.place(track, found->pixel);
-      keep = found && found->correlation >= options.min_anchor_correlation &&
-             stretch[0] <= options.max_anchor_warp && stretch[1] >= 1 / options.max_anchor_warp;
+    const bool is_known = track.landmark && track.depth;
+    const Fit fit = is_known && track.anchor ? align_track(view, pose, track) : Fit::none;
+    if (is_known && fit != Fit::good) {
+      const auto expected = view.camera.project(pose * track.landmark->point);
+      if (fit == Fit::none && track.anchor &&
+          !(expected && (*expected - track.undistorted).norm() < view.options.max_slip_px)) {
+        retire(body, std::move(track), view.options.gallery.min_sightings, view.most_tracks(body.label));
+        continue;
+      }
+      track.anchor = make_anchor(view.gray, track.pixel, pose);
     }
-    if (keep) continue;
-    track.anchor = track.depth ? make_anchor(view.gray, track.pixel, *track.depth, pose) : std::nullopt;
+    kept.push_back(std::move(track));
   }
+  body.tracks = std::move(kept);
 }
 
 void give_up(const FrameView& view, TrackedBody& body, bool tracks_too) {
@@ -90,7 +107,9 @@ std::optional<Pose> expected_pose(const FrameView& view, const TrackedBody& body
 bool fit_pose(const FrameView& view, TrackedBody& body, const Pose& prior, int pass) {
   const Sightings sightings = sightings_of(body, prior);
   RandomStream random(view.seed, pass == 0 ? "rigid_motion" : "rigid_motion_again", view.frame, body.label);
-  const auto fit = fit_rigid_motion(sightings.of, view.camera, prior, view.options.motion, random);
+  RigidMotionOptions options = view.options.motion;
+  if (pass > 0) options.pixel_gate = view.options.aligned_pixel_gate;
+  const auto fit = fit_rigid_motion(sightings.of, view.camera, prior, options, random);
   if (!fit) return false;
   body.camera_from_map = fit->camera_from_body;
   drop_outliers(view, body, sightings.places, fit->inlier);

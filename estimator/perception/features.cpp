@@ -4,13 +4,13 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "estimator/perception/corners.h"
-#include "estimator/perception/tracked_body.h"
+#include "estimator/perception/frame_view.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr int kLandmarkSightings = 12;  // after which its own noise is below that of a new sighting
+constexpr double kCrowding = 0.6;       // distance between features, of that in an even lattice
 
 Camera without_distortion(Camera camera) {
   camera.distortion = {};
@@ -35,7 +35,54 @@ Feature feature_of(const PointTrack& track) {
   return feature;
 }
 
+// How many features each label still wants and how far apart they should be.
+struct Demand {
+  int wanted = 0;
+  double distance_px = 0;
+};
+
+std::map<int, Demand> demands(const FrameView& view) {
+  std::map<int, Demand> result;
+  std::vector<int> area(65536, 0);
+  for (int v = 0; v < view.regions.labels.rows; ++v) {
+    const std::uint16_t* row = view.regions.labels.ptr<std::uint16_t>(v);
+    for (int u = 0; u < view.regions.labels.cols; ++u) ++area[row[u]];
+  }
+  for (int label = 0; label < std::ssize(area); ++label) {
+    if (area[label] == 0) continue;
+    const int wanted = label == 0 ? view.options.background_features : view.options.body_features;
+    result[label] = {wanted, std::max(view.options.min_distance_px,
+                                      kCrowding * std::sqrt(double(area[label]) / std::max(wanted, 1)))};
+  }
+  return result;
+}
+
+void describe(const FrameView& view, std::vector<PointTrack>& corners) {
+  std::vector<SurfacePoint> points;
+  for (const auto& corner : corners) points.push_back({corner.pixel, *corner.depth});
+  auto descriptors = describe_surfaces(view.gray, view.lens, points);
+  for (std::size_t i = 0; i < corners.size(); ++i) corners[i].descriptors = std::move(descriptors[i]);
+}
+
 }  // namespace
+
+bool FrameView::place(PointTrack& track, const Eigen::Vector2d& pixel) const {
+  const auto ray = lens.unproject(pixel);
+  if (!ray) return false;
+  track.pixel = pixel;
+  track.undistorted = Eigen::Vector2d(camera.fx * ray->x() + camera.cx, camera.fy * ray->y() + camera.cy);
+  track.depth = fit_plane_depth(depth, regions.labels, pixel, options.depth);
+  return true;
+}
+
+bool FrameView::belongs(int label, const PointTrack& track) const {
+  if (label == 0 || !envelope || !track.depth) return true;
+  return envelope(label, seen_point(camera, track, options.motion.pixel_sigma).point);
+}
+
+int FrameView::most_tracks(int label) const {
+  return label == 0 ? options.gallery.background_tracks : options.gallery.body_tracks;
+}
 
 struct FeatureTracker::State {
   Camera lens, camera;  // as it is, without distortion
@@ -46,40 +93,17 @@ struct FeatureTracker::State {
   std::int64_t next_id = 0;
   std::map<int, TrackedBody> bodies;
 
-  // The present frame.
-  std::int64_t frame = 0, step_ns = 0;
-  cv::Mat depth;
-  Regions regions;
-  const BodyEnvelope* envelope = nullptr;
-
-  bool belongs(int label, const PointTrack& track) const {
-    if (label == 0 || !*envelope || !track.depth) return true;
-    return (*envelope)(label, seen_point(camera, track, options.motion.pixel_sigma).point);
-  }
-
-  bool place(PointTrack& track, const Eigen::Vector2d& pixel) const {
-    const auto ray = lens.unproject(pixel);
-    if (!ray) return false;
-    track.pixel = pixel;
-    track.undistorted = Eigen::Vector2d(camera.fx * ray->x() + camera.cx, camera.fy * ray->y() + camera.cy);
-    track.depth = fit_plane_depth(depth, regions.labels, pixel, options.depth);
-    return true;
-  }
-
-  void follow_all(const FlowImage& image);
-  void move_body(TrackedBody& body);
-  void update_landmarks(TrackedBody& body) const;
-  void find_corners(const cv::Mat& gray);
-  TrackedFeatures result(std::map<int, bool> moved) const;
+  void follow_all(const FrameView& view, const FlowImage& image);
+  void find_corners(const FrameView& view);
+  void update_landmarks(const FrameView& view, TrackedBody& body) const;
+  TrackedFeatures result() const;
 };
 
-// Moves all tracks to their places in the new image; those not found are dropped.
-void FeatureTracker::State::follow_all(const FlowImage& image) {
+// Moves all tracks to their places in the new image; those not found are lost.
+void FeatureTracker::State::follow_all(const FrameView& view, const FlowImage& image) {
   std::vector<Eigen::Vector2d> points, seeds;
   for (const auto& [label, body] : bodies) {
-    const auto pose = step_ns <= std::int64_t(options.max_prediction_gap_s * 1e9)
-                          ? predicted_pose(body, step_ns)
-                          : std::nullopt;
+    const auto pose = expected_pose(view, body);
     for (const auto& track : body.tracks) {
       points.push_back(track.pixel);
       seeds.push_back(track.pixel);
@@ -94,92 +118,73 @@ void FeatureTracker::State::follow_all(const FlowImage& image) {
     std::vector<PointTrack> kept;
     for (auto& track : body.tracks) {
       const auto& pixel = found[i++];
-      if (!pixel || !place(track, *pixel)) continue;
-      const bool on_mask = regions.label(*pixel) == label && regions.margin(*pixel) >= options.keep_margin_px;
+      const bool placed = pixel && view.place(track, *pixel);
+      const bool on_mask = placed && view.regions.label(*pixel) == label &&
+                           view.regions.margin(*pixel) >= options.keep_margin_px;
       track.missed = on_mask ? 0 : track.missed + 1;
-      if (track.missed <= options.max_missed && belongs(label, track)) kept.push_back(std::move(track));
+      if (placed && track.missed <= options.max_missed && view.belongs(label, track))
+        kept.push_back(std::move(track));
+      else
+        retire(body, std::move(track), options.gallery.min_sightings, view.most_tracks(label));
     }
     body.tracks = std::move(kept);
   }
 }
 
-// The body's pose from its tracks; tracks that move otherwise are dropped. Without a consensus the map is
-// given up, and the tracks too when there were enough of them to agree.
-void FeatureTracker::State::move_body(TrackedBody& body) {
-  std::vector<PointSighting> sightings;
-  std::vector<std::size_t> places;
-  const auto before = body.camera_from_map;
-  for (std::size_t i = 0; i < body.tracks.size() && before; ++i) {
-    const PointTrack& track = body.tracks[i];
-    if (!track.landmark) continue;
-    PointSighting s{track.landmark->point, track.undistorted};
-    if (track.depth) {
-      const Eigen::Vector3d ray = before->rotation.conjugate() * Eigen::Vector3d::UnitZ();
-      const double own = ray.dot(track.landmark->information.inverse() * ray);
-      s.depth_m = track.depth->depth_m;
-      s.depth_sigma_m = std::sqrt(track.depth->sigma_m * track.depth->sigma_m + own);
-    }
-    sightings.push_back(s);
-    places.push_back(i);
+// Fills bodies up: lost tracks that should be seen, then new corners, of which some may be recognised.
+void FeatureTracker::State::find_corners(const FrameView& view) {
+  auto wanted = demands(view);
+  Spacing spacing(view.gray.size());
+  for (auto& [label, demand] : wanted) {
+    TrackedBody& body = bodies[label];
+    body.label = label;
+    for (const auto& track : body.tracks) spacing.take(track.pixel, demand.distance_px);
+    demand.wanted -= static_cast<int>(body.tracks.size());
+    const auto before = body.tracks.size();
+    return_expected_tracks(view, body, spacing, demand.distance_px, demand.wanted);
+    demand.wanted -= static_cast<int>(body.tracks.size() - before);
   }
-  RandomStream random(seed, "rigid_motion", frame, body.label);
-  const auto fit = fit_rigid_motion(sightings, camera, predicted_pose(body, step_ns), options.motion, random);
-  body.motion.reset();
-  if (!fit) {
-    body.camera_from_map.reset();
-    if (std::ssize(sightings) >= 2 * options.motion.min_inliers) body.tracks.clear();
-    for (auto& track : body.tracks) track.landmark.reset();
-    return;
-  }
-  body.camera_from_map = fit->camera_from_body;
-  body.motion = fit->camera_from_body * before->inverse();
-  body.motion->rotation.normalize();
-  body.motion_ns = step_ns;
-  std::vector<bool> outlier(body.tracks.size(), false);
-  for (std::size_t i = 0; i < places.size(); ++i) outlier[places[i]] = !fit->inlier[i];
-  std::size_t i = 0;
-  std::erase_if(body.tracks, [&](const PointTrack&) { return outlier[i++]; });
-}
-
-void FeatureTracker::State::update_landmarks(TrackedBody& body) const {
-  if (body.tracks.empty()) body.camera_from_map.reset();
-  if (!body.tracks.empty() && !body.camera_from_map) body.camera_from_map = Pose{};
-  for (auto& track : body.tracks)
-    if (track.depth && track.missed == 0)
-      add_sighting(track.landmark, seen_point(camera, track, options.motion.pixel_sigma),
-                   *body.camera_from_map, kLandmarkSightings);
-}
-
-// New tracks on bodies that have too few.
-void FeatureTracker::State::find_corners(const cv::Mat& gray) {
-  std::map<int, double> area;
-  for (int v = 0; v < gray.rows; ++v)
-    for (int u = 0; u < gray.cols; ++u) ++area[regions.labels.at<std::uint16_t>(v, u)];
-  Spacing spacing(gray.size());
-  std::map<int, int> wanted;
-  std::map<int, double> distance;
-  for (const auto& [label, pixels] : area) {
-    wanted[label] = label == 0 ? options.background_features : options.body_features;
-    distance[label] = std::max(options.min_distance_px, 0.6 * std::sqrt(pixels / wanted[label]));
-    for (const auto& track : bodies[label].tracks) spacing.take(track.pixel, distance[label]);
-    wanted[label] -= static_cast<int>(bodies[label].tracks.size());
-    bodies[label].label = label;
-  }
-  for (const auto& corner : fast_corners(gray, options.fast_threshold)) {
-    const int label = regions.label(corner.pixel);
-    if (wanted[label] <= 0 || regions.margin(corner.pixel) < options.start_margin_px ||
+  std::map<int, std::vector<PointTrack>> corners;
+  for (const auto& corner : fast_corners(view.gray, options.fast_threshold)) {
+    const int label = view.regions.label(corner.pixel);
+    Demand& demand = wanted[label];
+    if (demand.wanted <= 0 || view.regions.margin(corner.pixel) < options.start_margin_px ||
         !spacing.is_free(corner.pixel))
       continue;
     PointTrack track;
-    if (!place(track, corner.pixel) || (!depth.empty() && !track.depth) || !belongs(label, track)) continue;
-    track.id = next_id++;
-    bodies[label].tracks.push_back(track);
-    spacing.take(corner.pixel, distance[label]);
-    --wanted[label];
+    if (!view.place(track, corner.pixel) || (!view.depth.empty() && !track.depth) ||
+        !view.belongs(label, track))
+      continue;
+    corners[label].push_back(track);
+    spacing.take(corner.pixel, demand.distance_px);
+    --demand.wanted;
+  }
+  for (auto& [label, found] : corners) {
+    TrackedBody& body = bodies[label];
+    if (!view.depth.empty()) describe(view, found);
+    recognise_body(view, body, found);
+    for (auto& track : found) {
+      track.id = next_id++;
+      body.tracks.push_back(std::move(track));
+    }
   }
 }
 
-TrackedFeatures FeatureTracker::State::result(std::map<int, bool> moved) const {
+void FeatureTracker::State::update_landmarks(const FrameView& view, TrackedBody& body) const {
+  if (body.tracks.empty()) body.camera_from_map.reset();
+  if (!body.tracks.empty() && !body.camera_from_map) {
+    body.camera_from_map = Pose{};
+    body.map = body.maps++;
+  }
+  for (auto& track : body.tracks) {
+    if (!track.depth || track.missed > 0) continue;
+    track.map = body.map;
+    add_sighting(track, camera, *body.camera_from_map, options.motion.pixel_sigma, kLandmarkSightings);
+    if (!track.anchor) track.anchor = make_anchor(view.gray, track.pixel, *body.camera_from_map);
+  }
+}
+
+TrackedFeatures FeatureTracker::State::result() const {
   TrackedFeatures result;
   for (const auto& [label, body] : bodies) {
     std::vector<Feature> features;
@@ -187,11 +192,11 @@ TrackedFeatures FeatureTracker::State::result(std::map<int, bool> moved) const {
       if (track.missed == 0) features.push_back(feature_of(track));
     if (label == 0) {
       result.background = std::move(features);
-      if (moved[label]) result.background_motion = body.motion;
+      result.background_motion = body.motion;
       continue;
     }
     if (!features.empty()) result.bodies.emplace(label, std::move(features));
-    if (moved[label]) result.motions.emplace(label, *body.motion);
+    if (body.motion) result.motions.emplace(label, *body.motion);
   }
   return result;
 }
@@ -209,24 +214,27 @@ FeatureTracker::~FeatureTracker() = default;
 TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat& image, const cv::Mat& depth,
                                       const cv::Mat& masks, const BodyEnvelope& envelope) {
   State& s = *state_;
-  const cv::Mat gray = gray_of(image);
-  s.frame = frame.frame;
-  s.step_ns = frame.stamp_ns - s.last_stamp_ns;
-  s.depth = depth;
-  s.regions = make_regions(masks, gray.size());
-  s.envelope = &envelope;
-  FlowImage flow_image = make_flow_image(gray, s.options.flow);
-  std::map<int, bool> moved;
-  if (!s.last_image.pyramid.empty()) s.follow_all(flow_image);
+  FrameView view{s.lens, s.camera, s.options, envelope, gray_of(image), depth, {}};
+  view.regions = make_regions(masks, view.gray.size());
+  view.frame = frame.frame;
+  view.step_ns = frame.stamp_ns - s.last_stamp_ns;
+  view.seed = s.seed;
+  FlowImage flow_image = make_flow_image(view.gray, s.options.flow);
+  if (!s.last_image.pyramid.empty()) s.follow_all(view, flow_image);
+  std::map<int, std::pair<std::optional<Pose>, int>> before;
   for (auto& [label, body] : s.bodies) {
-    s.move_body(body);
-    moved[label] = body.motion.has_value();
+    before[label] = {body.camera_from_map, body.map};
+    move_body(view, body);
   }
-  s.find_corners(gray);
-  for (auto& [label, body] : s.bodies) s.update_landmarks(body);
+  s.find_corners(view);
+  for (auto& [label, body] : s.bodies) {
+    const auto& [pose, map] = before[label];
+    if (pose && !body.motion && body.camera_from_map && body.map == map) set_motion(view, body, *pose);
+    s.update_landmarks(view, body);
+  }
   s.last_image = std::move(flow_image);
   s.last_stamp_ns = frame.stamp_ns;
-  return s.result(std::move(moved));
+  return s.result();
 }
 
 }  // namespace uniquadric

@@ -8,10 +8,12 @@
 #include "core/geometry/camera.h"
 #include "core/geometry/pose.h"
 #include "core/sequence/sequence.h"
+#include "estimator/perception/patch_alignment.h"
 #include "estimator/perception/perception.h"
 #include "estimator/perception/plane_depth.h"
 #include "estimator/perception/point_flow.h"
 #include "estimator/perception/rigid_motion.h"
+#include "estimator/perception/track_gallery.h"
 
 namespace uniquadric {
 
@@ -25,9 +27,18 @@ struct FeatureOptions {
   double keep_margin_px = 1.5;        // of a feature that is being tracked: masks jitter by a pixel
   int max_missed = 2;                 // frames that a feature may spend off its mask
   double max_prediction_gap_s = 0.2;  // after a longer gap nothing is known of the motion
+  double max_anchor_warp = 1.6;       // scale or shear of a patch, either way; then a new anchor is taken
+  double min_anchor_correlation = 0.8;
+  double max_pixel_sigma = 0.25;  // of an alignment [px]
+  double max_slip_px = 0.5;       // off the landmark, of a track whose anchor does not fit any more
+  double aligned_pixel_gate = 1;  // of tracks that were aligned: true ones are off by a tenth
   PointFlowOptions flow;
+  PatchAlignmentOptions alignment;
   PlaneDepthOptions depth;
+  int descriptor_half_window_px =
+      7;  // of the plane that a descriptor's view is drawn from: its normal counts
   RigidMotionOptions motion;
+  GalleryOptions gallery;
 };
 
 /// What one frame shows, body by body.
@@ -44,7 +55,9 @@ struct TrackedFeatures {
 using BodyEnvelope = std::function<bool(int body, const Eigen::Vector3d& p_camera)>;
 
 /// Corners on the background and on each body, tracked from frame to frame by Lucas-Kanade seeded with the
-/// predicted motion and kept while they move rigidly with their body (paper: FAST, KLT, motion prior).
+/// predicted motion and kept while they move rigidly with their body (paper: FAST, KLT, motion prior). Each
+/// is aligned to what it looked like when it was found, so that it does not drift; one that was lost gets its
+/// id back when it is seen again.
 class FeatureTracker {
  public:
   FeatureTracker(const Camera& camera, const FeatureOptions& options, std::uint64_t seed);

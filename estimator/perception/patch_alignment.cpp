@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kReach = 16;       // of a stored patch: a window of 11x11 seen at 1.7 times the scale, turned
 constexpr double kProbe_px = 3;  // of the warp's finite differences
+constexpr double kMinFacing = 0.15;  // cosine between ray and normal: 81 degrees
 constexpr double kConverged_px = 5e-3;
 constexpr double kMinTexture = 4;  // mean square of a template's gradient, (grey levels / px)^2
 
@@ -27,7 +28,7 @@ struct Template {
   std::vector<double> values;
   std::vector<Eigen::Vector2d> gradients;
   Eigen::Matrix2d inverse_hessian;
-  double energy = 0;
+  double energy = 0, least_curvature = 0;
 };
 
 std::optional<Template> make_template(const PatchAnchor& anchor, const Eigen::Matrix2d& warp, int half) {
@@ -63,6 +64,7 @@ std::optional<Template> make_template(const PatchAnchor& anchor, const Eigen::Ma
   const double least = (H.trace() - std::sqrt(std::pow(H(0, 0) - H(1, 1), 2) + 4 * H(0, 1) * H(0, 1))) / 2;
   if (!(least > kMinTexture * n)) return std::nullopt;
   result.inverse_hessian = H.inverse();
+  result.least_curvature = least;
   return result;
 }
 
@@ -84,22 +86,25 @@ bool window(const cv::Mat& gray, const Eigen::Vector2d& pixel, int half, std::ve
 }  // namespace
 
 std::optional<PatchAnchor> make_anchor(const cv::Mat& gray, const Eigen::Vector2d& pixel,
-                                       const PlaneDepth& surface, const Pose& camera_from_map) {
+                                       const Pose& camera_from_map) {
   const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
   const cv::Rect square(u - kReach, v - kReach, 2 * kReach + 1, 2 * kReach + 1);
   if ((square & cv::Rect(0, 0, gray.cols, gray.rows)) != square) return std::nullopt;
-  return PatchAnchor{gray(square).clone(), pixel - Eigen::Vector2d(square.x, square.y), pixel, surface,
+  return PatchAnchor{gray(square).clone(), pixel - Eigen::Vector2d(square.x, square.y), pixel,
                      camera_from_map};
 }
 
-std::optional<Eigen::Matrix2d> anchor_warp(const PatchAnchor& anchor, const Camera& lens,
-                                           const Pose& camera_from_map) {
+std::optional<Eigen::Matrix2d> anchor_warp(const PatchAnchor& anchor, const SurfaceElement& surface,
+                                           const Camera& lens, const Pose& camera_from_map) {
   const Pose now_from_anchor = camera_from_map * anchor.camera_from_map.inverse();
+  const Eigen::Vector3d normal = anchor.camera_from_map.rotation * surface.normal;
+  const double offset_m = normal.dot(anchor.camera_from_map * surface.point);
+  const Eigen::Vector3d now = camera_from_map * surface.point;
+  if (!((camera_from_map.rotation * surface.normal).dot(now.normalized()) < -kMinFacing)) return std::nullopt;
   const auto carried = [&](const Eigen::Vector2d& offset) -> std::optional<Eigen::Vector2d> {
-    const double inverse_depth = 1 / anchor.surface.depth_m + anchor.surface.slope_per_px.dot(offset);
     const auto ray = lens.unproject(anchor.pixel + offset);
-    if (!ray || !(inverse_depth > 0)) return std::nullopt;
-    return lens.project(now_from_anchor * Eigen::Vector3d(*ray / inverse_depth));
+    if (!ray || !(normal.dot(ray->normalized()) < -kMinFacing)) return std::nullopt;
+    return lens.project(now_from_anchor * Eigen::Vector3d(*ray * (offset_m / normal.dot(*ray))));
   };
   const auto left = carried({-kProbe_px, 0}), right = carried({kProbe_px, 0});
   const auto up = carried({0, -kProbe_px}), down = carried({0, kProbe_px});
@@ -132,8 +137,11 @@ std::optional<PatchAlignment> align_patch(const PatchAnchor& anchor, const Eigen
     const Eigen::Vector2d step = wanted->inverse_hessian * b;
     result.pixel -= step;
     if (!((result.pixel - start).norm() <= options.max_shift_px)) return std::nullopt;
-    if (step.norm() < kConverged_px)
-      return result.correlation >= options.min_correlation ? std::optional(result) : std::nullopt;
+    if (!(step.norm() < kConverged_px)) continue;
+    const double squares =
+        std::max(energy / (gain * gain) - wanted->energy, 0.0);  // of the residuals, over gain
+    result.sigma_px = std::sqrt(squares / static_cast<double>(values.size() - 4) / wanted->least_curvature);
+    return result.correlation >= options.min_correlation ? std::optional(result) : std::nullopt;
   }
   return std::nullopt;
 }

@@ -6,7 +6,6 @@
 
 #include "core/geometry/camera.h"
 #include "core/geometry/pose.h"
-#include "estimator/perception/plane_depth.h"
 
 namespace uniquadric {
 
@@ -18,28 +17,33 @@ struct PatchAlignmentOptions {
   double min_correlation = 0.7;  // of the patches, after gain and offset
 };
 
-/// What a corner looked like where it was found, and on which piece of surface it lies. Later sightings are
-/// aligned to it, so that their errors do not add up from frame to frame.
+/// What a corner looked like where it was found. Later sightings are aligned to it, so that their errors do
+/// not add up from frame to frame.
 struct PatchAnchor {
   cv::Mat patch;                                    ///< CV_8UC1 around the pixel
   Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< of the feature in the patch
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< raw image
-  PlaneDepth surface;
   Pose camera_from_map;
 };
 
 /// Nothing where the patch would reach over the image's border.
 std::optional<PatchAnchor> make_anchor(const cv::Mat& gray, const Eigen::Vector2d& pixel,
-                                       const PlaneDepth& surface, const Pose& camera_from_map);
+                                       const Pose& camera_from_map);
 
-/// How the anchor's surroundings appear now: d pixel_now / d pixel_anchor at the feature, from the surface
-/// and the two poses; nothing for surfaces that are seen from behind or at infinity.
-std::optional<Eigen::Matrix2d> anchor_warp(const PatchAnchor& anchor, const Camera& lens,
-                                           const Pose& camera_from_map);
+/// A piece of a plane, in the frame of a body's map.
+struct SurfaceElement {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
+};
+
+/// How the anchor's surroundings, on that surface, appear now: d pixel_now / d pixel_anchor at the feature;
+/// nothing for surfaces that one of the views sees from behind or edge on.
+std::optional<Eigen::Matrix2d> anchor_warp(const PatchAnchor& anchor, const SurfaceElement& surface,
+                                           const Camera& lens, const Pose& camera_from_map);
 
 struct PatchAlignment {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< raw image
   double correlation = 0;                           ///< of anchor and image there, at most 1
+  double sigma_px = 0;                              ///< of the worse direction, from the residuals
 };
 
 /// The pixel near `start` whose surroundings fit the warped anchor best: translation by inverse compositional

@@ -11,6 +11,8 @@ namespace {
 
 constexpr int kRounds = 3;  // of fit and rejection
 constexpr double kMadToSigma = 1.4826;
+constexpr double kCutVariance =
+    1.03;                       // a normal distribution cut at three sigma has lost this of its variance
 constexpr int kMinSamples = 8;  // three unknowns and a spread that means something
 
 struct Sample {
@@ -73,14 +75,10 @@ double residual(const Sample& s, const Eigen::Vector3d& plane) {
   return s.inverse_depth - plane[0] - plane.tail<2>().dot(s.offset);
 }
 
-}  // namespace
-
-std::optional<PlaneDepth> fit_plane_depth(const cv::Mat& depth, const cv::Mat& labels,
-                                          const Eigen::Vector2d& pixel, const PlaneDepthOptions& options) {
-  if (depth.empty()) return std::nullopt;
-  auto samples = samples_about(depth, labels, pixel, options.half_window_px);
-  keep_near_surface(samples, options.max_jump);
-  const double side = 2 * options.half_window_px + 1;
+// The plane of a window's samples in inverse depth, by rejection of outliers.
+std::optional<PlaneDepth> robust_plane(std::vector<Sample> samples, int half,
+                                       const PlaneDepthOptions& options) {
+  const double side = 2 * half + 1;
   const std::size_t needed = std::max<std::size_t>(kMinSamples, std::lround(options.min_share * side * side));
   std::vector<double> spread;
   std::optional<Fit> fit;
@@ -96,9 +94,31 @@ std::optional<PlaneDepth> fit_plane_depth(const cv::Mat& depth, const cv::Mat& l
   if (!fit || !(fit->plane[0] > 0)) return std::nullopt;
   double sum = 0;
   for (const auto& s : samples) sum += std::pow(residual(s, fit->plane), 2);
-  const double variance = sum / static_cast<double>(samples.size() - 3) * fit->inverse_normal_matrix(0, 0);
+  const double variance = kCutVariance * sum / static_cast<double>(samples.size() - 3);
   const double z = 1 / fit->plane[0];
-  return PlaneDepth{z, std::hypot(std::sqrt(variance) * z * z, options.min_sigma * z), fit->plane.tail<2>()};
+  const Eigen::Matrix3d& C = fit->inverse_normal_matrix;
+  return PlaneDepth{z, std::hypot(std::sqrt(variance * C(0, 0)) * z * z, options.min_sigma * z),
+                    fit->plane.tail<2>(), std::sqrt(variance * std::max(C(1, 1), C(2, 2)))};
+}
+
+}  // namespace
+
+std::optional<PlaneDepth> fit_plane_depth(const cv::Mat& depth, const cv::Mat& labels,
+                                          const Eigen::Vector2d& pixel, const PlaneDepthOptions& options) {
+  if (depth.empty()) return std::nullopt;
+  auto samples = samples_about(depth, labels, pixel, std::max(options.half_window_px, options.half_wide_px));
+  keep_near_surface(samples, options.max_jump);
+  std::vector<Sample> inner;
+  for (const auto& s : samples)
+    if (s.offset.cwiseAbs().maxCoeff() < options.half_window_px + 1) inner.push_back(s);
+  auto narrow = robust_plane(std::move(inner), options.half_window_px, options);
+  if (!narrow || options.half_wide_px <= options.half_window_px) return narrow;
+  const auto wide = robust_plane(std::move(samples), options.half_wide_px, options);
+  if (!wide) return narrow;
+  const double difference = std::abs(wide->depth_m - narrow->depth_m);
+  if (difference <= options.agreement_sigmas * narrow->sigma_m) return wide;
+  narrow->sigma_m = std::hypot(narrow->sigma_m, options.curvature_share * difference);
+  return narrow;
 }
 
 }  // namespace uniquadric

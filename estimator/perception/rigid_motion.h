@@ -20,7 +20,7 @@ struct PointSighting {
 
 /// All numbers are ours.
 struct RigidMotionOptions {
-  double pixel_sigma = 0.3;     // of tracked corners [px], with what the points' own errors add
+  double pixel_sigma = 0.12;    // of aligned corners [px], with what the points' own errors add
   double pixel_gate = 3;        // an inlier's distance [px]
   double depth_gate = 5;        // an inlier's distance in depth [sigma]
   double depth_slack_m = 0.01;  // and what it may be off besides

@@ -16,12 +16,14 @@ constexpr double kMostTriesPerWanted = 3;  // lost tracks looked at, per track w
 // not fit or the surface there is another.
 std::optional<PointTrack> found_again(const FrameView& view, const TrackedBody& body, const PointTrack& lost,
                                       const Pose& pose, const Eigen::Vector2d& pixel) {
-  const auto warp = anchor_warp(*lost.anchor, view.lens, pose);
+  const auto warp = anchor_warp(*lost.anchor, lost.landmark->surface(), view.lens, pose);
   if (!warp) return std::nullopt;
   const Eigen::Vector2d stretch = Eigen::JacobiSVD<Eigen::Matrix2d>(*warp).singularValues();
   if (stretch[0] > 2 || stretch[1] < 0.5) return std::nullopt;
   const auto aligned = align_patch(*lost.anchor, *warp, view.gray, pixel, view.options.alignment);
-  if (!aligned || aligned->correlation < view.options.min_anchor_correlation) return std::nullopt;
+  if (!aligned || aligned->correlation < view.options.min_anchor_correlation ||
+      aligned->sigma_px > view.options.max_pixel_sigma)
+    return std::nullopt;
   if (view.regions.label(aligned->pixel) != body.label) return std::nullopt;
   PointTrack track = lost;
   if (!view.place(track, aligned->pixel) || !view.belongs(body.label, track)) return std::nullopt;
@@ -37,7 +39,7 @@ std::optional<PointTrack> found_again(const FrameView& view, const TrackedBody& 
 std::optional<Eigen::Vector2d> expected_pixel(const FrameView& view, const TrackedBody& body,
                                               const PointTrack& lost, const Spacing& spacing) {
   const Eigen::Vector3d p = *body.camera_from_map * lost.landmark->point;
-  const Eigen::Vector3d normal = body.camera_from_map->rotation * lost.landmark->normal;
+  const Eigen::Vector3d normal = body.camera_from_map->rotation * lost.landmark->surface().normal;
   if (-normal.dot(p.normalized()) < kMinFacing) return std::nullopt;
   const auto pixel = view.lens.project(p);
   if (!pixel || view.regions.label(*pixel) != body.label ||

@@ -2,8 +2,33 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <utility>
 
 namespace uniquadric {
+namespace {
+
+constexpr double kMinNormalVariance = 1e-5;  // rad^2
+
+void carry(PointTrack& track, int map, const Pose& map_from_present) {
+  const Eigen::Matrix3d R = map_from_present.rotation.toRotationMatrix();
+  track.map = map;
+  if (track.landmark) {
+    track.landmark->point = map_from_present * track.landmark->point;
+    track.landmark->information = R * track.landmark->information * R.transpose();
+    track.landmark->normal_sum = R * track.landmark->normal_sum;
+  }
+  if (track.anchor)
+    track.anchor->camera_from_map = track.anchor->camera_from_map * map_from_present.inverse();
+}
+
+// The normal of the surface in the camera frame, its length the inverse of its variance [1/rad^2].
+Eigen::Vector3d weighted_normal(const Camera& camera, const PointTrack& track) {
+  const double sigma_rad = camera.fx * track.depth->depth_m * track.depth->slope_sigma_per_px;
+  return surface_normal(camera, track.undistorted, *track.depth) /
+         (sigma_rad * sigma_rad + kMinNormalVariance);
+}
+
+}  // namespace
 
 std::optional<Pose> predicted_pose(const TrackedBody& body, std::int64_t step_ns) {
   if (!body.camera_from_map) return std::nullopt;
@@ -26,20 +51,39 @@ SeenPoint seen_point(const Camera& camera, const PointTrack& track, double pixel
   return {z * ray, inverse.transpose() * inverse};
 }
 
-void add_sighting(std::optional<Landmark>& landmark, const SeenPoint& seen, const Pose& camera_from_map,
+void add_sighting(PointTrack& track, const Camera& camera, const Pose& camera_from_map, double pixel_sigma,
                   int most) {
+  const SeenPoint seen = seen_point(camera, track, pixel_sigma);
   const Eigen::Matrix3d R = camera_from_map.rotation.toRotationMatrix();
   const Eigen::Vector3d point = camera_from_map.inverse() * seen.point;
   const Eigen::Matrix3d information = R.transpose() * seen.information * R;
-  if (!landmark) {
-    landmark = Landmark{point, information, 1};
+  const Eigen::Vector3d normal = R.transpose() * weighted_normal(camera, track);
+  if (!track.landmark) {
+    track.landmark = Landmark{point, information, normal, 1};
     return;
   }
-  if (landmark->sightings >= most) return;
-  const Eigen::Matrix3d sum = landmark->information + information;
-  landmark->point += sum.ldlt().solve(information * (point - landmark->point));
-  landmark->information = sum;
-  ++landmark->sightings;
+  Landmark& landmark = *track.landmark;
+  if (landmark.sightings >= most) return;
+  const Eigen::Matrix3d sum = landmark.information + information;
+  landmark.point += sum.ldlt().solve(information * (point - landmark.point));
+  landmark.information = sum;
+  landmark.normal_sum += normal;
+  ++landmark.sightings;
+}
+
+void retire(TrackedBody& body, PointTrack track, int min_sightings, int most_tracks) {
+  if (!track.landmark || !track.anchor || track.landmark->sightings < min_sightings) return;
+  if (std::ssize(body.gallery) >= most_tracks) body.gallery.erase(body.gallery.begin());
+  track.missed = track.tries = 0;
+  body.gallery.push_back(std::move(track));
+}
+
+void join_map(TrackedBody& body, int map, const Pose& map_from_present) {
+  for (auto* tracks : {&body.tracks, &body.gallery})
+    for (auto& track : *tracks)
+      if (track.map == body.map) carry(track, map, map_from_present);
+  if (body.camera_from_map) body.camera_from_map = *body.camera_from_map * map_from_present.inverse();
+  body.map = map;
 }
 
 }  // namespace uniquadric
