@@ -14,7 +14,8 @@ Eigen::Vector3d axes_from_block(const double* block);
 
 /// An exponent q of a superellipsoid in [1, 2] as the solver holds it: s with q = 1 + 1 / (1 + exp(-s)). A
 /// body has a block of one (all its exponents equal) or of three (outline, upper, lower). q = 2 becomes s =
-/// 40, whose q is 2 to the last bit and does not move: the quadric. To estimate q, start below 2 (say 1.6).
+/// 40, whose q is 2 to the last bit and does not move: the quadric. To estimate q, start at 1.3
+/// (docs/shape.md).
 double exponent_block(double q);
 double exponent_from_block(double s);
 /// d q / d s.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cassert>
+#include <cmath>
 
 #include "core/geometry/superquadric.h"
 #include "estimator/factors/pose_block.h"
@@ -28,6 +29,7 @@ class Tangent final : public ceres::SizedCostFunction<1, 7, 7, 3, Exponents> {
     const double distance = plane_.normal.dot(world_from_body.translation) + plane_.offset_m +
                             in_body.dot(body_from_shape.translation) + h.value;
     residuals[0] = weight_ * distance;
+    if (!std::isfinite(distance)) return false;  // axes beyond the numbers: the solver takes a shorter step
     if (!jacobians) return true;
 
     // The normal turns by -phi x n; the point it supports, in the frame that turns, takes it up.

@@ -24,7 +24,7 @@ struct AccumulatedBoxOptions {
   double min_cloud_weight = 200;  // ours: points; fewer say nothing about where a body ends
   double pose_sigma_m = 0.003;    // ours: of one view; falls with the root of their number
   double model_sigma_m =
-      0.003;  // ours: largest bias measured (README.md): edges that are no face and no ball
+      0.003;  // ours: largest bias measured (docs/shape.md): edges that are no face and no ball
 };
 
 /// The side of the accumulated cloud along a direction (unit). Nothing for too few points.
