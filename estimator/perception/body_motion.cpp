@@ -70,6 +70,7 @@ void align(const FrameView& view, TrackedBody& body, const Pose& pose) {
   for (auto& track : body.tracks) {
     const bool is_known = track.landmark && track.depth;
     const Fit fit = is_known && track.anchor ? align_track(view, pose, track) : Fit::none;
+    if (fit == Fit::none) view.place(track, track.pixel);
     if (is_known && fit != Fit::good) {
       const auto expected = view.camera.project(pose * track.landmark->point);
       if (fit == Fit::none && track.anchor &&
@@ -86,6 +87,7 @@ void align(const FrameView& view, TrackedBody& body, const Pose& pose) {
 
 void give_up(const FrameView& view, TrackedBody& body, bool tracks_too) {
   body.camera_from_map.reset();
+  for (auto& track : body.tracks) view.place(track, track.pixel);
   if (tracks_too) {
     for (auto& track : body.tracks)
       retire(body, std::move(track), view.options.gallery.min_sightings, view.most_tracks(body.label));

@@ -15,8 +15,13 @@ struct Place {
 Place place_of(const Eigen::Vector2d& pixel) {
   return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
 }
-bool is_inside(const Place& p, const cv::Mat& image) {
+bool lies_in(const Place& p, const cv::Mat& image) {
   return p.u >= 0 && p.v >= 0 && p.u < image.cols && p.v < image.rows;
+}
+
+bool is_set(const cv::Mat& image, const Eigen::Vector2d& pixel) {
+  const Place p = place_of(pixel);
+  return lies_in(p, image) && image.at<std::uint8_t>(p.v, p.u) != 0;
 }
 
 // 255 where all neighbours have the same label.
@@ -25,6 +30,13 @@ cv::Mat interior(const cv::Mat& labels) {
   cv::erode(labels, low, cv::Mat());
   cv::dilate(labels, high, cv::Mat());
   return low == high;
+}
+
+cv::Mat shrunk(const cv::Mat& inside, int by_px) {
+  if (by_px <= 0) return inside;
+  cv::Mat result;
+  cv::erode(inside, result, cv::Mat::ones(2 * by_px + 1, 2 * by_px + 1, CV_8UC1));
+  return result;
 }
 
 }  // namespace
@@ -42,25 +54,25 @@ std::vector<Corner> fast_corners(const cv::Mat& gray, int threshold) {
 
 int Regions::label(const Eigen::Vector2d& pixel) const {
   const Place p = place_of(pixel);
-  return is_inside(p, labels) ? labels.at<std::uint16_t>(p.v, p.u) : -1;
+  return lies_in(p, labels) ? labels.at<std::uint16_t>(p.v, p.u) : -1;
 }
 
-double Regions::margin(const Eigen::Vector2d& pixel) const {
-  const Place p = place_of(pixel);
-  return is_inside(p, margin_px) ? margin_px.at<float>(p.v, p.u) : 0;
+bool Regions::is_inside(const Eigen::Vector2d& pixel) const {
+  return is_set(keep, pixel);
 }
 
-Regions make_regions(const cv::Mat& masks, cv::Size size) {
+bool Regions::is_well_inside(const Eigen::Vector2d& pixel) const {
+  return is_set(start, pixel);
+}
+
+Regions make_regions(const cv::Mat& masks, cv::Size size, int keep_px, int start_px) {
   Regions regions;
   if (masks.empty())
     regions.labels = cv::Mat::zeros(size, CV_16UC1);
   else
     regions.labels = masks;
-  const cv::Mat inside = interior(regions.labels);
-  if (cv::countNonZero(inside) == inside.rows * inside.cols)
-    regions.margin_px = cv::Mat(size, CV_32FC1, cv::Scalar(std::max(size.width, size.height)));
-  else
-    cv::distanceTransform(inside, regions.margin_px, cv::DIST_L2, 3);
+  regions.keep = shrunk(interior(regions.labels), keep_px - 1);
+  regions.start = shrunk(regions.keep, start_px - keep_px);
   return regions;
 }
 
@@ -68,7 +80,7 @@ Spacing::Spacing(cv::Size size) : taken_(cv::Mat::zeros(size, CV_8UC1)) {}
 
 bool Spacing::is_free(const Eigen::Vector2d& pixel) const {
   const Place p = place_of(pixel);
-  return is_inside(p, taken_) && taken_.at<std::uint8_t>(p.v, p.u) == 0;
+  return lies_in(p, taken_) && taken_.at<std::uint8_t>(p.v, p.u) == 0;
 }
 
 void Spacing::take(const Eigen::Vector2d& pixel, double distance_px) {

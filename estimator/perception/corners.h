@@ -16,15 +16,16 @@ struct Corner {
 /// rows.
 std::vector<Corner> fast_corners(const cv::Mat& gray, int threshold);
 
-/// Labels of an image and how far each pixel is from the next pixel of another label.
+/// Labels of an image, and which pixels have no other label near.
 struct Regions {
-  cv::Mat labels;                                     ///< CV_16UC1; never empty
-  cv::Mat margin_px;                                  ///< CV_32FC1
-  int label(const Eigen::Vector2d& pixel) const;      ///< of the nearest pixel; -1 outside the image
-  double margin(const Eigen::Vector2d& pixel) const;  ///< of the nearest pixel; 0 outside the image
+  cv::Mat labels;       ///< CV_16UC1; never empty
+  cv::Mat keep, start;  ///< CV_8UC1, 255 where the squares of those half sides have one label
+  int label(const Eigen::Vector2d& pixel) const;       ///< of the nearest pixel; -1 outside the image
+  bool is_inside(const Eigen::Vector2d& pixel) const;  ///< by the smaller square; false outside the image
+  bool is_well_inside(const Eigen::Vector2d& pixel) const;  ///< by the larger one
 };
-/// `masks` CV_16UC1, or empty: all background.
-Regions make_regions(const cv::Mat& masks, cv::Size size);
+/// `masks` CV_16UC1, or empty: all background. Half sides in pixels, at least 1.
+Regions make_regions(const cv::Mat& masks, cv::Size size, int keep_px, int start_px);
 
 /// Keeps points apart: what has been taken blocks a square around it.
 class Spacing {

@@ -43,20 +43,23 @@ struct Demand {
 
 std::map<int, Demand> demands(const FrameView& view) {
   std::map<int, Demand> result;
-  std::vector<int> area(65536, 0);
+  std::map<int, int> area;
   for (int v = 0; v < view.regions.labels.rows; ++v) {
     const std::uint16_t* row = view.regions.labels.ptr<std::uint16_t>(v);
-    for (int u = 0; u < view.regions.labels.cols; ++u) ++area[row[u]];
+    for (int u = 0, begin = 0; u < view.regions.labels.cols; begin = u) {
+      while (u < view.regions.labels.cols && row[u] == row[begin]) ++u;
+      area[row[begin]] += u - begin;
+    }
   }
-  for (int label = 0; label < std::ssize(area); ++label) {
-    if (area[label] == 0) continue;
+  for (const auto& [label, pixels] : area) {
     const int wanted = label == 0 ? view.options.background_features : view.options.body_features;
     result[label] = {wanted, std::max(view.options.min_distance_px,
-                                      kCrowding * std::sqrt(double(area[label]) / std::max(wanted, 1)))};
+                                      kCrowding * std::sqrt(double(pixels) / std::max(wanted, 1)))};
   }
   return result;
 }
 
+// Draws the descriptors of new corners.
 void describe(const FrameView& view, std::vector<PointTrack>& corners) {
   std::vector<SurfacePoint> points;
   for (const auto& corner : corners) points.push_back({corner.pixel, *corner.depth});
@@ -67,11 +70,19 @@ void describe(const FrameView& view, std::vector<PointTrack>& corners) {
 }  // namespace
 
 bool FrameView::place(PointTrack& track, const Eigen::Vector2d& pixel) const {
+  if (!place_roughly(track, pixel)) return false;
+  track.depth = fit_plane_depth(depth, regions.labels, pixel, options.depth);
+  return true;
+}
+
+bool FrameView::place_roughly(PointTrack& track, const Eigen::Vector2d& pixel) const {
   const auto ray = lens.unproject(pixel);
   if (!ray) return false;
   track.pixel = pixel;
   track.undistorted = Eigen::Vector2d(camera.fx * ray->x() + camera.cx, camera.fy * ray->y() + camera.cy);
-  track.depth = fit_plane_depth(depth, regions.labels, pixel, options.depth);
+  PlaneDepthOptions quick = options.depth;
+  quick.half_wide_px = 0;
+  track.depth = fit_plane_depth(depth, regions.labels, pixel, quick);
   return true;
 }
 
@@ -118,9 +129,8 @@ void FeatureTracker::State::follow_all(const FrameView& view, const FlowImage& i
     std::vector<PointTrack> kept;
     for (auto& track : body.tracks) {
       const auto& pixel = found[i++];
-      const bool placed = pixel && view.place(track, *pixel);
-      const bool on_mask = placed && view.regions.label(*pixel) == label &&
-                           view.regions.margin(*pixel) >= options.keep_margin_px;
+      const bool placed = pixel && view.place_roughly(track, *pixel);
+      const bool on_mask = placed && view.regions.label(*pixel) == label && view.regions.is_inside(*pixel);
       track.missed = on_mask ? 0 : track.missed + 1;
       if (placed && track.missed <= options.max_missed && view.belongs(label, track))
         kept.push_back(std::move(track));
@@ -148,8 +158,7 @@ void FeatureTracker::State::find_corners(const FrameView& view) {
   for (const auto& corner : fast_corners(view.gray, options.fast_threshold)) {
     const int label = view.regions.label(corner.pixel);
     Demand& demand = wanted[label];
-    if (demand.wanted <= 0 || view.regions.margin(corner.pixel) < options.start_margin_px ||
-        !spacing.is_free(corner.pixel))
+    if (demand.wanted <= 0 || !spacing.is_free(corner.pixel) || !view.regions.is_well_inside(corner.pixel))
       continue;
     PointTrack track;
     if (!view.place(track, corner.pixel) || (!view.depth.empty() && !track.depth) ||
@@ -215,7 +224,7 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
                                       const cv::Mat& masks, const BodyEnvelope& envelope) {
   State& s = *state_;
   FrameView view{s.lens, s.camera, s.options, envelope, gray_of(image), depth, {}};
-  view.regions = make_regions(masks, view.gray.size());
+  view.regions = make_regions(masks, view.gray.size(), s.options.keep_margin_px, s.options.start_margin_px);
   view.frame = frame.frame;
   view.step_ns = frame.stamp_ns - s.last_stamp_ns;
   view.seed = s.seed;

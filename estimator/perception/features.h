@@ -23,8 +23,8 @@ struct FeatureOptions {
   int background_features = 220;      // wanted on what no mask covers
   int fast_threshold = 8;             // grey levels, four sigma of usual image noise
   double min_distance_px = 5;         // between features
-  double start_margin_px = 4;         // of a new feature to the next pixel of another label
-  double keep_margin_px = 1.5;        // of a feature that is being tracked: masks jitter by a pixel
+  int start_margin_px = 4;            // of a new feature to the next pixel of another label
+  int keep_margin_px = 2;             // of a feature that is being tracked: masks jitter by a pixel
   int max_missed = 2;                 // frames that a feature may spend off its mask
   double max_prediction_gap_s = 0.2;  // after a longer gap nothing is known of the motion
   double max_anchor_warp = 1.6;       // scale or shear of a patch, either way; then a new anchor is taken

@@ -24,6 +24,8 @@ struct FrameView {
 
   /// Puts a track at a pixel and measures its depth there; false where the lens has no ray.
   bool place(PointTrack& track, const Eigen::Vector2d& pixel) const;
+  /// The same with a quick look at the depth, for a place that is not the last.
+  bool place_roughly(PointTrack& track, const Eigen::Vector2d& pixel) const;
   /// Whether the envelope has no objection.
   bool belongs(int label, const PointTrack& track) const;
   int most_tracks(int label) const;  ///< of a body's gallery

@@ -70,14 +70,22 @@ std::optional<Template> make_template(const PatchAnchor& anchor, const Eigen::Ma
 
 // The image's window about a pixel without its mean; false where it reaches over the border.
 bool window(const cv::Mat& gray, const Eigen::Vector2d& pixel, int half, std::vector<double>& values) {
-  values.clear();
+  const int u = static_cast<int>(std::floor(pixel.x())), v = static_cast<int>(std::floor(pixel.y()));
+  if (u < half || v < half || u + half + 1 >= gray.cols || v + half + 1 >= gray.rows) return false;
+  const double a = pixel.x() - u, b = pixel.y() - v;  // the same for all of them
+  const double w00 = (1 - a) * (1 - b), w01 = a * (1 - b), w10 = (1 - a) * b, w11 = a * b;
+  const int side = 2 * half + 1;
+  values.resize(side * side);
   double mean = 0;
-  for (int y = -half; y <= half; ++y)
-    for (int x = -half; x <= half; ++x) {
-      values.push_back(level(gray, pixel.x() + x, pixel.y() + y));
-      if (values.back() < 0) return false;
-      mean += values.back();
+  for (int y = 0; y < side; ++y) {
+    const std::uint8_t* top = gray.ptr<std::uint8_t>(v - half + y) + u - half;
+    const std::uint8_t* bottom = gray.ptr<std::uint8_t>(v - half + y + 1) + u - half;
+    double* out = &values[y * side];
+    for (int x = 0; x < side; ++x) {
+      out[x] = w00 * top[x] + w01 * top[x + 1] + w10 * bottom[x] + w11 * bottom[x + 1];
+      mean += out[x];
     }
+  }
   mean /= static_cast<double>(values.size());
   for (double& value : values) value -= mean;
   return true;

@@ -2,55 +2,70 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 namespace uniquadric {
 namespace {
 
-constexpr int kRounds = 3;  // of fit and rejection
-constexpr double kMadToSigma = 1.4826;
+constexpr int kMostHalf = 10;  // of a window
+constexpr int kRounds = 3;     // of fit and rejection
+constexpr float kMadToSigma = 1.4826F;
 constexpr double kCutVariance =
     1.03;                       // a normal distribution cut at three sigma has lost this of its variance
 constexpr int kMinSamples = 8;  // three unknowns and a spread that means something
 
-struct Sample {
-  Eigen::Vector2d offset;  // from the pixel
-  double inverse_depth;
+// Inverse depths of a window, at offsets from its middle pixel; arrays, so that loops over them are quick.
+struct Samples {
+  static constexpr int kMost = (2 * kMostHalf + 1) * (2 * kMostHalf + 1);
+  int count = 0;
+  std::array<float, kMost> x, y, w;
+  void add(int dx, int dy, float inverse_depth) {
+    x[count] = static_cast<float>(dx);
+    y[count] = static_cast<float>(dy);
+    w[count++] = inverse_depth;
+  }
 };
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+struct Middle {
+  int u, v, label;
+};
+
+int label_at(const cv::Mat& labels, int u, int v) {
+  return labels.empty() ? 0 : labels.at<std::uint16_t>(v, u);
 }
 
-std::vector<Sample> samples_about(const cv::Mat& depth, const cv::Mat& labels, const Eigen::Vector2d& pixel,
-                                  int half) {
-  const int cu = static_cast<int>(std::lround(pixel.x())), cv = static_cast<int>(std::lround(pixel.y()));
-  if (cu < 0 || cv < 0 || cu >= depth.cols || cv >= depth.rows) return {};
-  const auto label_at = [&](int u, int v) { return labels.empty() ? 0 : labels.at<std::uint16_t>(v, u); };
-  const int label = label_at(cu, cv);
-  std::vector<Sample> samples;
-  samples.reserve((2 * half + 1) * (2 * half + 1));
-  for (int v = std::max(cv - half, 0); v <= std::min(cv + half, depth.rows - 1); ++v)
-    for (int u = std::max(cu - half, 0); u <= std::min(cu + half, depth.cols - 1); ++u) {
-      const float z = depth.at<float>(v, u);
-      if (z > 0 && label_at(u, v) == label) samples.push_back({Eigen::Vector2d(u, v) - pixel, 1.0 / z});
+// Median depth of the pixels beside the middle; 0 when there are few.
+float depth_in_the_middle(const cv::Mat& depth, const cv::Mat& labels, const Middle& m) {
+  std::array<float, 9> values;
+  int count = 0;
+  for (int v = std::max(m.v - 1, 0); v <= std::min(m.v + 1, depth.rows - 1); ++v)
+    for (int u = std::max(m.u - 1, 0); u <= std::min(m.u + 1, depth.cols - 1); ++u)
+      if (depth.at<float>(v, u) > 0 && label_at(labels, u, v) == m.label)
+        values[count++] = depth.at<float>(v, u);
+  if (count < 4) return 0;
+  std::sort(values.begin(), values.begin() + count);
+  return values[count / 2];
+}
+
+// What lies within a jump of the middle's depth: the surface that the feature is on, when an edge runs
+// through the window.
+void gather(const cv::Mat& depth, const cv::Mat& labels, const Middle& m, double max_jump, int half_narrow,
+            int half, Samples& narrow, Samples& wide) {
+  const float z0 = depth_in_the_middle(depth, labels, m);
+  const float nearest = z0 / static_cast<float>(1 + max_jump),
+              farthest = z0 / static_cast<float>(1 - max_jump);
+  if (!(z0 > 0)) return;
+  for (int v = std::max(m.v - half, 0); v <= std::min(m.v + half, depth.rows - 1); ++v) {
+    const float* row = depth.ptr<float>(v);
+    for (int u = std::max(m.u - half, 0); u <= std::min(m.u + half, depth.cols - 1); ++u) {
+      const float z = row[u];
+      if (z < nearest || z > farthest || label_at(labels, u, v) != m.label) continue;
+      wide.add(u - m.u, v - m.v, 1 / z);
+      if (std::max(std::abs(u - m.u), std::abs(v - m.v)) <= half_narrow) narrow.add(u - m.u, v - m.v, 1 / z);
     }
-  return samples;
-}
-
-// Leaves what lies within a jump of the median of the samples beside the pixel: the surface that the feature
-// is on, when an edge runs through the window.
-void keep_near_surface(std::vector<Sample>& samples, double max_jump) {
-  std::vector<double> central;
-  for (const auto& s : samples)
-    if (s.offset.cwiseAbs().maxCoeff() < 2) central.push_back(s.inverse_depth);
-  if (central.size() < 4) return samples.clear();
-  const double middle = median(central);
-  std::erase_if(samples, [&](const Sample& s) { return std::abs(s.inverse_depth / middle - 1) > max_jump; });
+  }
 }
 
 struct Fit {
@@ -58,46 +73,77 @@ struct Fit {
   Eigen::Matrix3d inverse_normal_matrix;
 };
 
-std::optional<Fit> least_squares(const std::vector<Sample>& samples) {
-  Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  for (const auto& s : samples) {
-    const Eigen::Vector3d row(1, s.offset.x(), s.offset.y());
-    N += row * row.transpose();
-    b += row * s.inverse_depth;
+std::optional<Fit> least_squares(const Samples& s) {
+  // Single precision holds these sums: offsets are whole numbers, depths are known to a thousandth.
+  float sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+  double sw = 0, sxw = 0, syw = 0;
+  for (int i = 0; i < s.count; ++i) {
+    sx += s.x[i];
+    sy += s.y[i];
+    sxx += s.x[i] * s.x[i];
+    sxy += s.x[i] * s.y[i];
+    syy += s.y[i] * s.y[i];
+    sw += s.w[i];
+    sxw += static_cast<double>(s.x[i]) * s.w[i];
+    syw += static_cast<double>(s.y[i]) * s.w[i];
   }
+  Eigen::Matrix3d N;
+  N << s.count, sx, sy, sx, sxx, sxy, sy, sxy, syy;
   const Eigen::LDLT<Eigen::Matrix3d> solver(N);
   if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 1e-3)) return std::nullopt;
-  return Fit{solver.solve(b), solver.solve(Eigen::Matrix3d::Identity())};
+  return Fit{solver.solve(Eigen::Vector3d(sw, sxw, syw)), solver.solve(Eigen::Matrix3d::Identity())};
 }
 
-double residual(const Sample& s, const Eigen::Vector3d& plane) {
-  return s.inverse_depth - plane[0] - plane.tail<2>().dot(s.offset);
+void residuals(const Samples& s, const Eigen::Vector3d& plane, std::array<float, Samples::kMost>& r) {
+  const float w0 = static_cast<float>(plane[0]), gx = static_cast<float>(plane[1]),
+              gy = static_cast<float>(plane[2]);
+  for (int i = 0; i < s.count; ++i) r[i] = std::abs(s.w[i] - w0 - gx * s.x[i] - gy * s.y[i]);
 }
 
-// The plane of a window's samples in inverse depth, by rejection of outliers.
-std::optional<PlaneDepth> robust_plane(std::vector<Sample> samples, int half,
+double mean_square(const std::array<float, Samples::kMost>& r, int count, int unknowns) {
+  double sum = 0;
+  for (int i = 0; i < count; ++i) sum += static_cast<double>(r[i]) * r[i];
+  return sum / std::max(count - unknowns, 1);
+}
+
+void keep_below(Samples& s, const std::array<float, Samples::kMost>& r, float limit) {
+  int kept = 0;
+  for (int i = 0; i < s.count; ++i) {
+    s.x[kept] = s.x[i];
+    s.y[kept] = s.y[i];
+    s.w[kept] = s.w[i];
+    kept += r[i] <= limit;
+  }
+  s.count = kept;
+}
+
+// The plane of a window's samples in inverse depth, without its outliers, at `offset` from the middle.
+std::optional<PlaneDepth> robust_plane(Samples& samples, int half, const Eigen::Vector2d& offset,
                                        const PlaneDepthOptions& options) {
   const double side = 2 * half + 1;
-  const std::size_t needed = std::max<std::size_t>(kMinSamples, std::lround(options.min_share * side * side));
-  std::vector<double> spread;
+  const int needed = std::max(kMinSamples, static_cast<int>(std::lround(options.min_share * side * side)));
+  std::array<float, Samples::kMost> r, sorted;
   std::optional<Fit> fit;
   for (int round = 0; round < kRounds; ++round) {
-    if (samples.size() < needed) return std::nullopt;
+    if (samples.count < needed) return std::nullopt;
     fit = least_squares(samples);
-    if (!fit || round + 1 == kRounds) break;
-    spread.clear();
-    for (const auto& s : samples) spread.push_back(std::abs(residual(s, fit->plane)));
-    const double limit = std::max(options.outlier_sigmas * kMadToSigma * median(spread), 1e-9);
-    std::erase_if(samples, [&](const Sample& s) { return std::abs(residual(s, fit->plane)) > limit; });
+    if (!fit) return std::nullopt;
+    residuals(samples, fit->plane, r);
+    if (round + 1 == kRounds) break;
+    float sigma = static_cast<float>(std::sqrt(mean_square(r, samples.count, 3)));
+    if (round == 0) {  // an edge in the window would blow up the mean
+      std::copy_n(r.begin(), samples.count, sorted.begin());
+      std::nth_element(sorted.begin(), sorted.begin() + samples.count / 2, sorted.begin() + samples.count);
+      sigma = kMadToSigma * sorted[samples.count / 2];
+    }
+    keep_below(samples, r, std::max(static_cast<float>(options.outlier_sigmas) * sigma, 1e-7F));
   }
-  if (!fit || !(fit->plane[0] > 0)) return std::nullopt;
-  double sum = 0;
-  for (const auto& s : samples) sum += std::pow(residual(s, fit->plane), 2);
-  const double variance = kCutVariance * sum / static_cast<double>(samples.size() - 3);
-  const double z = 1 / fit->plane[0];
+  const Eigen::Vector3d at(1, offset.x(), offset.y());
+  const double inverse_depth = at.dot(fit->plane);
+  if (!(inverse_depth > 0)) return std::nullopt;
+  const double variance = kCutVariance * mean_square(r, samples.count, 3), z = 1 / inverse_depth;
   const Eigen::Matrix3d& C = fit->inverse_normal_matrix;
-  return PlaneDepth{z, std::hypot(std::sqrt(variance * C(0, 0)) * z * z, options.min_sigma * z),
+  return PlaneDepth{z, std::hypot(std::sqrt(variance * at.dot(C * at)) * z * z, options.min_sigma * z),
                     fit->plane.tail<2>(), std::sqrt(variance * std::max(C(1, 1), C(2, 2)))};
 }
 
@@ -105,15 +151,19 @@ std::optional<PlaneDepth> robust_plane(std::vector<Sample> samples, int half,
 
 std::optional<PlaneDepth> fit_plane_depth(const cv::Mat& depth, const cv::Mat& labels,
                                           const Eigen::Vector2d& pixel, const PlaneDepthOptions& options) {
-  if (depth.empty()) return std::nullopt;
-  auto samples = samples_about(depth, labels, pixel, std::max(options.half_window_px, options.half_wide_px));
-  keep_near_surface(samples, options.max_jump);
-  std::vector<Sample> inner;
-  for (const auto& s : samples)
-    if (s.offset.cwiseAbs().maxCoeff() < options.half_window_px + 1) inner.push_back(s);
-  auto narrow = robust_plane(std::move(inner), options.half_window_px, options);
-  if (!narrow || options.half_wide_px <= options.half_window_px) return narrow;
-  const auto wide = robust_plane(std::move(samples), options.half_wide_px, options);
+  Middle middle{static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())), 0};
+  if (depth.empty() || middle.u < 0 || middle.v < 0 || middle.u >= depth.cols || middle.v >= depth.rows)
+    return std::nullopt;
+  middle.label = label_at(labels, middle.u, middle.v);
+  const int half_narrow = std::min(options.half_window_px, kMostHalf);
+  const int half_wide = std::min(options.half_wide_px, kMostHalf);
+  Samples inner, outer;
+  gather(depth, labels, middle, options.max_jump, half_narrow, std::max(half_narrow, half_wide), inner,
+         outer);
+  const Eigen::Vector2d offset = pixel - Eigen::Vector2d(middle.u, middle.v);
+  auto narrow = robust_plane(inner, half_narrow, offset, options);
+  if (!narrow || half_wide <= half_narrow) return narrow;
+  const auto wide = robust_plane(outer, half_wide, offset, options);
   if (!wide) return narrow;
   const double difference = std::abs(wide->depth_m - narrow->depth_m);
   if (difference <= options.agreement_sigmas * narrow->sigma_m) return wide;

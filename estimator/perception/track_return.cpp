@@ -42,8 +42,8 @@ std::optional<Eigen::Vector2d> expected_pixel(const FrameView& view, const Track
   const Eigen::Vector3d normal = body.camera_from_map->rotation * lost.landmark->surface().normal;
   if (-normal.dot(p.normalized()) < kMinFacing) return std::nullopt;
   const auto pixel = view.lens.project(p);
-  if (!pixel || view.regions.label(*pixel) != body.label ||
-      view.regions.margin(*pixel) < view.options.start_margin_px || !spacing.is_free(*pixel))
+  if (!pixel || view.regions.label(*pixel) != body.label || !view.regions.is_well_inside(*pixel) ||
+      !spacing.is_free(*pixel))
     return std::nullopt;
   return pixel;
 }

@@ -78,8 +78,8 @@ TEST(TrackReturn, TheBackgroundIsRecognisedAfterBlackFrames) {
   std::set<std::int64_t> ids;
   for (int i = 0; i < 4; ++i) {
     const auto frame = world.frame(i, false);
-    for (const auto& f : tracker.track(frame_at(i), frame.gray, frame.depth, frame.masks).background)
-      ids.insert(f.track);
+    const auto seen = tracker.track(frame_at(i), frame.gray, frame.depth, frame.masks);
+    for (const auto& f : seen.background) ids.insert(f.track);
   }
   const cv::Mat black = cv::Mat::zeros(240, 320, CV_8UC1), nothing = cv::Mat::zeros(240, 320, CV_32FC1);
   for (int i = 4; i < 7; ++i) EXPECT_TRUE(tracker.track(frame_at(i), black, nothing, {}).background.empty());
@@ -97,8 +97,8 @@ TEST(TrackReturn, AnotherBodyIsNotRecognised) {
   std::set<std::int64_t> ids;
   for (int i = 0; i < 5; ++i) {
     const auto frame = world.frame(i, true);
-    for (const auto& f : tracker.track(frame_at(i), frame.gray, frame.depth, frame.masks).bodies.at(3))
-      ids.insert(f.track);
+    const auto seen = tracker.track(frame_at(i), frame.gray, frame.depth, frame.masks);
+    for (const auto& f : seen.bodies.at(3)) ids.insert(f.track);
   }
   const auto empty = world.frame(5, false);
   for (int i = 5; i < 10; ++i) tracker.track(frame_at(i), empty.gray, empty.depth, empty.masks);
@@ -106,8 +106,8 @@ TEST(TrackReturn, AnotherBodyIsNotRecognised) {
   int old = 0;
   for (int i = 10; i < 13; ++i) {
     const auto frame = world.frame(i, true);
-    for (const auto& f : tracker.track(frame_at(i), frame.gray, frame.depth, frame.masks).bodies.at(3))
-      old += ids.contains(f.track);
+    const auto seen = tracker.track(frame_at(i), frame.gray, frame.depth, frame.masks);
+    for (const auto& f : seen.bodies.at(3)) old += ids.contains(f.track);
   }
   EXPECT_EQ(old, 0);
 }

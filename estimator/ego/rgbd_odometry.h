@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/geometry/camera.h"
+#include "core/sequence/sequence.h"
+#include "core/sequence/trajectory.h"
+#include "estimator/ego/bundle_adjustment.h"
+#include "estimator/ego/loop_closure.h"
+#include "estimator/ego/world_frame.h"
+#include "estimator/perception/features.h"
+#include "estimator/perception/rigid_motion.h"
+
+namespace uniquadric {
+
+/// All numbers are ours.
+struct EgoOptions {
+  EgoOptions() {
+    pose.pixel_gate = 2;
+    pose.min_inliers = 12;
+    pose.min_share = 0.3;
+    pose.pixel_sigma = 0.15;
+    loop.motion = pose;
+    loop.motion.min_share = 0.5;
+  }
+  RigidMotionOptions pose;           // of a frame, by points of the map
+  double keyframe_min_share = 0.75;  // of the last keyframe's points still seen; below, a new one
+  double keyframe_shift = 0.05;      // of the camera since the last keyframe, share of the median depth
+  double keyframe_turn_rad = 0.1;
+  int keyframe_max_gap = 15;     // frames
+  int window_keyframes = 8;      // that move in the local bundle adjustment
+  bool final_adjustment = true;  // of all keyframes, when the trajectory is asked for
+  int final_iterations = 20;
+  BundleOptions bundle;
+  LoopOptions loop;
+  UprightOptions upright;
+};
+
+/// Visual odometry with depth: each frame's pose by the points of the map that its features are (RANSAC with
+/// the motion prior, robust least squares), keyframes, local bundle adjustment, and a pose graph where old
+/// points come back. The world has its origin at the first camera and z up, by the floor where the first
+/// frames show one, else by the camera's own up.
+class RgbdOdometry {
+ public:
+  RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed);
+  ~RgbdOdometry();
+
+  /// Frames in their order. `depth` and `masks` as in FeatureTracker::track; only to find the floor.
+  void track(const SequenceFrame& frame, const TrackedFeatures& features, const cv::Mat& depth,
+             const cv::Mat& masks);
+
+  /// world_from_camera at the last frame, as known then; nothing when the camera is lost.
+  std::optional<Pose> pose() const;
+
+  /// world_from_camera of all frames but those where the camera was lost, with all that is known now.
+  Trajectory trajectory() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,220 @@
+#include "estimator/ego/rgbd_odometry.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+namespace uniquadric {
+namespace {
+
+// Points on the walls of a room, and a camera that walks a circle in it and looks outwards.
+struct Walk {
+  Camera camera;
+  std::vector<Eigen::Vector3d> points;
+  double pixel_sigma = 0, depth_share = 0;
+  double radius_m = 0.8, turn_rad = 0.04;  // a frame
+
+  explicit Walk(std::uint64_t seed) {
+    RandomStream random(seed, "walk");
+    for (int i = 0; i < 1500; ++i) {
+      Eigen::Vector3d p(random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-1.5, 1.5));
+      p[random.below(2)] = random.below(2) ? 3 : -3;
+      points.push_back(p);
+    }
+  }
+
+  Pose world_from_camera(int i) const {
+    const double a = turn_rad * i;
+    Eigen::Matrix3d R;  // columns: right, down, forward
+    R.col(2) = Eigen::Vector3d(std::cos(a), std::sin(a), 0.1 * std::sin(3 * a)).normalized();
+    R.col(0) = R.col(2).cross(Eigen::Vector3d::UnitZ()).normalized();
+    R.col(1) = R.col(2).cross(R.col(0));
+    return {Eigen::Quaterniond(R), {radius_m * std::cos(a), radius_m * std::sin(a), 0.05 * std::sin(2 * a)}};
+  }
+
+  SequenceFrame frame(int i) const {
+    SequenceFrame frame;
+    frame.frame = i;
+    frame.stamp_ns = i * 33'333'333LL;
+    return frame;
+  }
+
+  TrackedFeatures see(int i) const {
+    TrackedFeatures seen;
+    RandomStream random(5, "see", i);
+    const Pose camera_from_world = world_from_camera(i).inverse();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Eigen::Vector3d p = camera_from_world * points[k];
+      const auto pixel = camera.project(p);
+      if (!pixel || !camera.contains(*pixel) || p.z() < 0.3) continue;
+      Feature f;
+      f.track = std::int64_t(k);
+      f.pixel = *pixel + pixel_sigma * Eigen::Vector2d(random.normal(), random.normal());
+      f.depth_m = p.z() * (1 + depth_share * random.normal());
+      f.depth_sigma_m = p.z() * std::max(depth_share, 1e-3);
+      seen.background.push_back(f);
+    }
+    return seen;
+  }
+};
+
+struct Errors {
+  double worst_m = 0, worst_rad = 0;
+  int poses = 0;
+};
+
+// Relative to the first pose: the world's own frame is another matter.
+Errors errors_of(const Walk& walk, const Trajectory& trajectory) {
+  Errors errors;
+  std::map<std::int64_t, int> frames;
+  for (int i = 0; i < 1000; ++i) frames[walk.frame(i).stamp_ns] = i;
+  const int first = frames.at(trajectory.at(0).stamp_ns);
+  for (const auto& [stamp, pose] : trajectory) {
+    const Pose estimate = relative_pose(trajectory[0].pose, pose);
+    const Pose truth = relative_pose(walk.world_from_camera(first), walk.world_from_camera(frames.at(stamp)));
+    errors.worst_m = std::max(errors.worst_m, (estimate.translation - truth.translation).norm());
+    errors.worst_rad =
+        std::max(errors.worst_rad, log_so3(estimate.rotation.conjugate() * truth.rotation).norm());
+    ++errors.poses;
+  }
+  return errors;
+}
+
+TEST(RgbdOdometry, IsExactOnPerfectFeatures) {
+  const Walk walk(1);
+  RgbdOdometry odometry(walk.camera, {}, 1);
+  for (int i = 0; i < 60; ++i) odometry.track(walk.frame(i), walk.see(i), {}, {});
+  const Errors errors = errors_of(walk, odometry.trajectory());
+  EXPECT_EQ(errors.poses, 60);
+  EXPECT_LT(errors.worst_m, 1e-6);
+  EXPECT_LT(errors.worst_rad, 1e-6);
+}
+
+TEST(RgbdOdometry, StaysWithinItsNoise) {
+  Walk walk(2);
+  walk.pixel_sigma = 0.15;
+  walk.depth_share = 0.001;
+  RgbdOdometry odometry(walk.camera, {}, 1);
+  for (int i = 0; i < 90; ++i) odometry.track(walk.frame(i), walk.see(i), {}, {});
+  const Errors errors = errors_of(walk, odometry.trajectory());
+  EXPECT_EQ(errors.poses, 90);
+  EXPECT_LT(errors.worst_m, 0.01);  // of a path of 2.9 m
+  EXPECT_LT(errors.worst_rad, 0.004);
+}
+
+// Once around: the points of the beginning come back, and the end fits them.
+TEST(RgbdOdometry, AFullCircleCloses) {
+  Walk walk(3);
+  walk.pixel_sigma = 0.15;
+  walk.depth_share = 0.002;
+  RgbdOdometry odometry(walk.camera, {}, 1);
+  const int frames = int(2 * M_PI / walk.turn_rad) + 10;
+  for (int i = 0; i < frames; ++i) odometry.track(walk.frame(i), walk.see(i), {}, {});
+  const Trajectory trajectory = odometry.trajectory();
+  ASSERT_EQ(std::ssize(trajectory), frames);
+  const Pose estimate = relative_pose(trajectory.front().pose, trajectory.back().pose);
+  const Pose truth = relative_pose(walk.world_from_camera(0), walk.world_from_camera(frames - 1));
+  EXPECT_LT((estimate.translation - truth.translation).norm(), 0.004);
+}
+
+// The path is bent as if the odometry had drifted, a random step a keyframe: old points that come back
+// straighten it.
+TEST(RgbdOdometry, ALoopMendsADrift) {
+  const Walk walk(4);
+  const int frames = int(2 * M_PI / walk.turn_rad) + 3, last = frames - 1;
+  double middle_before = 0, middle_after = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    RandomStream random(9, "drift", trial);
+    const auto step = [&](double size) -> Eigen::Vector3d {
+      return size * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    };
+    EgoMap map;
+    Pose drifted = walk.world_from_camera(0).inverse();
+    const auto go_on = [&](int from, int to) {  // a step of the true motion with an error of its own
+      const Pose motion = walk.world_from_camera(to).inverse() * walk.world_from_camera(from);
+      drifted = Pose{exp_so3(step(0.002)), step(0.003)} * motion * drifted;
+    };
+    for (int i = 0; i < last; i += 4) {
+      Keyframe keyframe{i, drifted, walk.see(i).background};
+      if (i > frames / 2)  // tracks that were lost have new ids
+        for (auto& f : keyframe.features) f.track += 10'000;
+      add_keyframe(map, walk.camera, keyframe);
+      go_on(i, std::min(i + 4, last));
+    }
+    const auto seen = walk.see(last).background;  // under their first ids
+    const LoopOptions options = EgoOptions{}.loop;
+    const auto loop = find_loop(map, walk.camera, seen, drifted, options, random);
+    ASSERT_TRUE(loop);
+    EXPECT_FALSE(find_loop(map, walk.camera, seen, loop->camera_from_world, options, random));
+    auto features = seen;
+    for (auto& f : features) f.track += 10'000;
+    features.insert(features.end(), seen.begin(), seen.end());
+    add_keyframe(map, walk.camera, {last, drifted, features});
+    const auto error = [&](std::size_t k) {
+      const Keyframe& keyframe = map.keyframes[k];
+      return log_se3(keyframe.camera_from_world * walk.world_from_camera(int(keyframe.frame))).norm();
+    };
+    const std::size_t end = map.keyframes.size() - 1;
+    const double end_before = error(end);
+    middle_before += error(end / 2);
+    close_loop(map, *loop, options);
+    EXPECT_LT(error(end), 0.5 * end_before);
+    middle_after += error(end / 2);
+  }
+  // Half of a random walk whose end is known has half the variance of one whose end is not.
+  EXPECT_LT(middle_after, 0.85 * middle_before);
+}
+
+TEST(RgbdOdometry, IsLostWithoutFeaturesAndFindsBack) {
+  const Walk walk(5);
+  RgbdOdometry odometry(walk.camera, {}, 1);
+  EXPECT_FALSE(odometry.pose());
+  EXPECT_TRUE(odometry.trajectory().empty());
+  odometry.track(walk.frame(0), {}, {}, {});
+  TrackedFeatures flat = walk.see(0);
+  for (auto& f : flat.background) f.depth_m = f.depth_sigma_m = 0;
+  odometry.track(walk.frame(1), flat, {}, {});
+  EXPECT_FALSE(odometry.pose());
+  for (int i = 2; i < 8; ++i) odometry.track(walk.frame(i), walk.see(i), {}, {});
+  EXPECT_TRUE(odometry.pose());
+  TrackedFeatures one = walk.see(8);
+  one.background.resize(1);
+  odometry.track(walk.frame(8), one, {}, {});
+  EXPECT_FALSE(odometry.pose());
+  odometry.track(walk.frame(9), {}, {}, {});
+  EXPECT_FALSE(odometry.pose());
+  odometry.track(walk.frame(10), walk.see(10), {}, {});
+  ASSERT_TRUE(odometry.pose());
+  const Errors errors = errors_of(walk, odometry.trajectory());
+  EXPECT_EQ(errors.poses, 7);
+  EXPECT_LT(errors.worst_m, 1e-6);
+}
+
+TEST(RgbdOdometry, TheSameFrameTwiceIsTheSamePlace) {
+  const Walk walk(6);
+  RgbdOdometry odometry(walk.camera, {}, 1);
+  odometry.track(walk.frame(0), walk.see(0), {}, {});
+  odometry.track(walk.frame(1), walk.see(0), {}, {});
+  const Trajectory trajectory = odometry.trajectory();
+  ASSERT_EQ(trajectory.size(), 2u);
+  EXPECT_LT(log_se3(relative_pose(trajectory[0].pose, trajectory[1].pose)).norm(), 1e-9);
+}
+
+// Points that move otherwise than the rest do not move the camera.
+TEST(RgbdOdometry, IgnoresWhatMovesOnItsOwn) {
+  const Walk walk(7);
+  RgbdOdometry odometry(walk.camera, {}, 1);
+  for (int i = 0; i < 20; ++i) {
+    TrackedFeatures seen = walk.see(i);
+    for (auto& f : seen.background)
+      if (f.track % 4 == 0) f.pixel.x() += 1.5 * i;
+    odometry.track(walk.frame(i), seen, {}, {});
+  }
+  const Errors errors = errors_of(walk, odometry.trajectory());
+  EXPECT_EQ(errors.poses, 20);
+  EXPECT_LT(errors.worst_m, 0.002);
+}
+
+}  // namespace
+}  // namespace uniquadric
