@@ -1,6 +1,7 @@
 #include "estimator/variant.h"
 
 #include "estimator/option_io.h"
+#include "estimator/perception/aot_options.h"
 
 namespace uniquadric {
 namespace {
@@ -73,8 +74,14 @@ template <typename Io>
 void visit(Io& io, SilhouetteOptions& o) {
   io.number("directions", o.directions, 4, 360);
   io.number("min_pixels", o.min_pixels, 1, 1'000'000);
+  io.number("min_share", o.min_share, 0.0, 1.0);
+  io.number("outline_noise_px", o.outline_noise_px, 0.0, 100.0);
+  io.positive("outline_length_px", o.outline_length_px);
   io.number("border_px", o.border_px, 0.0, 100.0);
+  io.number("touch_px", o.touch_px, 0.0, 100.0);
+  io.number("cut_share", o.cut_share, 0.0, 1.0);
   io.positive("occluder_jump", o.occluder_jump);
+  io.number("occluder_reach_px", o.occluder_reach_px, 1, 100);
 }
 
 template <typename Io>
@@ -83,6 +90,7 @@ void visit(Io& io, PerceptionOptions& o) {
     inner.choice("source", o.ego, Choices<EgoSource>{{"given", EgoSource::given}});
   });
   io.section("segmentation", [&](auto& inner) { visit(inner, o.segmentation); });
+  io.section("aot", [&](auto& inner) { visit(inner, o.aot); });
   io.section("features", [&](auto& inner) { visit(inner, o.features); });
   io.section("silhouettes", [&](auto& inner) { visit(inner, o.silhouettes); });
   io.section("points", [&](auto& inner) { visit(inner, o.points); });

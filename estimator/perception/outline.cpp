@@ -13,22 +13,6 @@ double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Ve
   return (a.x() - o.x()) * (b.y() - o.y()) - (a.y() - o.y()) * (b.x() - o.x());
 }
 
-std::map<int, cv::Rect> boxes_of_ids(const cv::Mat& masks) {
-  std::map<int, cv::Rect> boxes;
-  for (int v = 0; v < masks.rows; ++v) {
-    const auto* row = masks.ptr<std::uint16_t>(v);
-    for (int u = 0; u < masks.cols;) {
-      const int id = row[u], begin = u;
-      while (u < masks.cols && row[u] == id) ++u;
-      if (id == 0) continue;
-      const cv::Rect run(begin, v, u - begin, 1);
-      const auto [entry, is_new] = boxes.try_emplace(id, run);
-      if (!is_new) entry->second |= run;
-    }
-  }
-  return boxes;
-}
-
 // Erases the parts of a mask that are small beside its largest; returns the pixels left.
 int erase_specks(cv::Mat& mask, double min_share) {
   cv::Mat labels, statistics, centroids;
@@ -46,9 +30,25 @@ int erase_specks(cv::Mat& mask, double min_share) {
 
 }  // namespace
 
+std::map<int, cv::Rect> id_boxes(const cv::Mat& masks) {
+  std::map<int, cv::Rect> boxes;
+  for (int v = 0; v < masks.rows; ++v) {
+    const auto* row = masks.ptr<std::uint16_t>(v);
+    for (int u = 0; u < masks.cols;) {
+      const int id = row[u], begin = u;
+      while (u < masks.cols && row[u] == id) ++u;
+      if (id == 0) continue;
+      const cv::Rect run(begin, v, u - begin, 1);
+      const auto [entry, is_new] = boxes.try_emplace(id, run);
+      if (!is_new) entry->second |= run;
+    }
+  }
+  return boxes;
+}
+
 std::map<int, MaskRegion> mask_regions(const cv::Mat& masks, int min_pixels, double min_share) {
   std::map<int, MaskRegion> regions;
-  for (const auto& [id, box] : boxes_of_ids(masks)) {
+  for (const auto& [id, box] : id_boxes(masks)) {
     MaskRegion region{box, masks(box) == id, 0};
     region.area_px = erase_specks(region.mask, min_share);
     if (region.area_px >= min_pixels) regions.emplace(id, std::move(region));

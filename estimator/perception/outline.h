@@ -22,6 +22,9 @@ struct MaskRegion {
   int area_px = 0;
 };
 
+/// The upright box of each id (CV_16UC1, 0 none).
+std::map<int, cv::Rect> id_boxes(const cv::Mat& masks);
+
 /// The region of each id (CV_16UC1, 0 none) whose parts have `min_pixels` together. Parts (8-neighbours)
 /// smaller than `min_share` of the id's largest one are specks and left out.
 std::map<int, MaskRegion> mask_regions(const cv::Mat& masks, int min_pixels, double min_share);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/sequence/sequence.h"
+#include "estimator/perception/aot.h"
 #include "estimator/perception/features.h"
 #include "estimator/perception/perception.h"
 #include "estimator/perception/segmentation.h"
@@ -24,6 +25,7 @@ enum class EgoSource {
 struct PerceptionOptions {
   EgoSource ego = EgoSource::given;
   SegmentationOptions segmentation;
+  AotOptions aot;
   FeatureOptions features;
   SilhouetteOptions silhouettes;
   PointOptions points;

@@ -62,12 +62,11 @@ cv::Mat keep_selected(cv::Mat masks, const std::set<int>& selected) {
 
 // Where two objects claim a pixel the smaller box has it: it is more likely the one in front.
 cv::Mat masks_of_boxes(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
-                       const cv::Mat& depth, std::uint64_t seed) {
+                       const cv::Mat& rgb, const cv::Mat& depth, std::uint64_t seed) {
   auto boxes = segmenter.prompts[frame.frame];
   if (boxes.empty()) return {};
   std::stable_sort(boxes.begin(), boxes.end(),
                    [](const auto& a, const auto& b) { return a.width * a.height > b.width * b.height; });
-  const cv::Mat rgb = read_rgb(sequence, frame);
   cv::Mat masks = cv::Mat::zeros(rgb.size(), CV_16UC1);
   for (const auto& box : boxes) {
     RandomStream random(seed, "grabcut_depth", frame.frame, box.id);
@@ -92,12 +91,19 @@ Segmenter make_segmenter(const Sequence& sequence, const SegmentationOptions& op
 }
 
 cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
-                const cv::Mat& depth, std::uint64_t seed) {
+                const cv::Mat& rgb, const cv::Mat& depth, std::uint64_t seed) {
   if (segmenter.source == MaskSource::grabcut_depth)
-    return masks_of_boxes(segmenter, sequence, frame, depth, seed);
+    return masks_of_boxes(segmenter, sequence, frame, rgb, depth, seed);
   if (frame.masks.empty()) return {};
   cv::Mat masks = read_masks(sequence, frame);
   return segmenter.selected ? keep_selected(std::move(masks), *segmenter.selected) : masks;
+}
+
+cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
+                const cv::Mat& depth, std::uint64_t seed) {
+  const bool needs_rgb =
+      segmenter.source == MaskSource::grabcut_depth && !segmenter.prompts[frame.frame].empty();
+  return segment(segmenter, sequence, frame, needs_rgb ? read_rgb(sequence, frame) : cv::Mat(), depth, seed);
 }
 
 }  // namespace uniquadric

@@ -41,6 +41,9 @@ Segmenter make_segmenter(const Sequence& sequence, const SegmentationOptions& op
 /// Object ids of a frame's pixels (CV_16UC1, 0 background); an empty image where there is nothing to go by. A
 /// mask counts for its own frame, whenever it arrived. `depth` is the frame's (CV_32FC1, metres).
 cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
+                const cv::Mat& rgb, const cv::Mat& depth, std::uint64_t seed);
+/// The same; reads the frame's colours where they are needed.
+cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
                 const cv::Mat& depth, std::uint64_t seed);
 
 }  // namespace uniquadric

@@ -33,9 +33,35 @@ bool is_free(const Outline& outline, const Eigen::Vector2d& normal, double offse
   return cut <= outline.options.cut_share * touched;
 }
 
+// Length of the hull beside its tangent, weighted by exp(-gap / scale): in closed form for each edge, along
+// which the gap grows evenly.
+double touching_length(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& normal,
+                       double offset_px, double scale_px) {
+  double length = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Eigen::Vector2d &a = hull[i], &b = hull[(i + 1) % hull.size()];
+    const double gap_a = (offset_px - normal.dot(a)) / scale_px,
+                 gap_b = (offset_px - normal.dot(b)) / scale_px;
+    const double change = gap_b - gap_a;
+    const double weight =
+        std::abs(change) < 1e-6 ? std::exp(-gap_a) : (std::exp(-gap_a) - std::exp(-gap_b)) / change;
+    length += weight * (b - a).norm();
+  }
+  return length;
+}
+
+// By how much the noise of an outline is expected to push a tangent outwards.
+double noise_bias(const Outline& outline, const Eigen::Vector2d& normal, double offset_px) {
+  constexpr double kGrowth = 0.75, kDecay = 1.5;  // fitted to drawn shapes, see the header
+  const double sigma = outline.options.outline_noise_px;
+  if (!(sigma > 0)) return 0;
+  const double length = touching_length(outline.hull, normal, offset_px, sigma / kDecay);
+  return kGrowth * sigma * std::log1p(length / outline.options.outline_length_px);
+}
+
 SupportLine tangent(const Outline& outline, const Eigen::Vector2d& normal) {
   const double offset_px = support_offset(outline.hull, normal);
-  return {normal, offset_px, is_free(outline, normal, offset_px)};
+  return {normal, offset_px - noise_bias(outline, normal, offset_px), is_free(outline, normal, offset_px)};
 }
 
 // Fills the rectangle from tangents at right angles, the first `angle_rad` from the x axis.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "evaluation/association/hungarian.h"
+#include "core/base/hungarian.h"
 
 namespace uniquadric {
 namespace {

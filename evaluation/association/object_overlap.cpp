@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "evaluation/association/hungarian.h"
+#include "core/base/hungarian.h"
 #include "evaluation/iou/ellipsoid_iou.h"
 
 namespace uniquadric {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "evaluation/association/hungarian.h"
+#include "core/base/hungarian.h"
 
 namespace uniquadric {
 namespace {

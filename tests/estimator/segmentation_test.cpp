@@ -7,6 +7,7 @@
 #include "box_scene.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "drawn_world.h"
 #include "estimator/perception/support_planes.h"
 #include "tests/support/temp_folder.h"
 
@@ -25,10 +26,6 @@ BoxPrompt box_around(const cv::Mat& mask) {
         left = std::min(left, u), right = std::max(right, u), top = std::min(top, v),
         bottom = std::max(bottom, v);
   return {1, left - 3.0, top - 3.0, right - left + 7.0, bottom - top + 7.0};
-}
-
-double mask_iou(const cv::Mat& a, const cv::Mat& b) {
-  return static_cast<double>(cv::countNonZero(a & b)) / cv::countNonZero(a | b);
 }
 
 TEST(GrabcutDepth, CutsABoxOffTheFloorItStandsOn) {

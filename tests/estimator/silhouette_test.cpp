@@ -8,6 +8,8 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
+#include "core/base/random.h"
+
 namespace uniquadric {
 namespace {
 
@@ -251,6 +253,56 @@ TEST(Silhouette, NothingAndNextToNothing) {
   EXPECT_NEAR(line.rot_bbox.semi_minor, 0.5, 1e-9);
   masks.setTo(9);  // the whole image: every line is its border
   for (const SupportLine& side : only(masks).support) EXPECT_FALSE(side.free);
+}
+
+// Smooth noise of unit variance with autocorrelation exp(-r^2 / (2 length^2)), from random plane waves whose
+// wave vectors have that function's spectrum.
+class SmoothNoise {
+ public:
+  SmoothNoise(double length_px, std::uint32_t element) {
+    RandomStream random(3, "smooth_noise", 0, element);
+    for (int i = 0; i < kWaves; ++i)
+      waves_.push_back(
+          {{random.normal() / length_px, random.normal() / length_px}, random.uniform(0, 2 * kPi)});
+  }
+  double operator()(const Eigen::Vector2d& p) const {
+    double sum = 0;
+    for (const auto& [wave, phase] : waves_) sum += std::cos(wave.dot(p) + phase);
+    return std::sqrt(2.0 / kWaves) * sum;
+  }
+
+ private:
+  static constexpr int kWaves = 48;
+  std::vector<std::pair<Eigen::Vector2d, double>> waves_;
+};
+
+// Mean error of the four sides of a noisy rectangle's RotBbox.
+double mean_side_error_px(const SilhouetteOptions& options) {
+  constexpr int kTrials = 12;
+  double sum = 0;
+  for (int i = 0; i < kTrials; ++i) {
+    const double angle = 0.27 * i, half_x = 50.3, half_y = 30.6;
+    const Eigen::Vector2d center(160.2, 120.7), x(std::cos(angle), std::sin(angle)), y(-x.y(), x.x());
+    const SmoothNoise noise(15, i);
+    cv::Mat masks = empty_masks();
+    draw(masks, 1, [&](const Eigen::Vector2d& p) {
+      const double dx = std::abs(x.dot(p - center)) - half_x, dy = std::abs(y.dot(p - center)) - half_y;
+      const double outside = std::max(dx, dy);
+      return outside < -6 || (outside < 6 && outside <= noise(p));  // six sigma
+    });
+    const Silhouette silhouette = only(masks, {}, options);
+    sum += silhouette.rot_bbox.semi_major - half_x + silhouette.rot_bbox.semi_minor - half_y;
+  }
+  return sum / (2 * kTrials);
+}
+
+// The outermost of a noisy side lies outside of it by more than a sigma of 1 px; the expected part of that is
+// taken off.
+TEST(Silhouette, TheBiasOfNoisySidesIsTakenOff) {
+  SilhouetteOptions noisy;
+  noisy.outline_noise_px = 1;
+  EXPECT_GT(mean_side_error_px({}), 1.0);
+  EXPECT_LT(std::abs(mean_side_error_px(noisy)), 0.4);
 }
 
 }  // namespace

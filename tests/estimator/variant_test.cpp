@@ -26,7 +26,8 @@ std::string other_value(const std::string& key, const std::string& value) {
       {"true", "false"},           {"false", "true"},         {"automatic", "sequence"},
       {"surface", "corner"},       {"blend_best", "literal"}, {"previous", "world"},
       {"tangent", "vector"},       {"hull", "bbox"},          {"hard", "soft"},
-      {"single_frame", "windows"}, {"causal", "final"}};
+      {"single_frame", "windows"}, {"causal", "final"},       {"virtual", "threads"},
+      {"sequence", "fixed"},       {"ultrafast", "fast"}};
   if (value.empty()) return "";
   if (key == "fit") return "pca";
   if (key == "exponents") return "3";

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "evaluation/align/alignment.h"
 #include "evaluation/align/symmetry.h"
-#include "evaluation/association/hungarian.h"
+#include "core/base/hungarian.h"
 #include "evaluation/association/stamps.h"
 #include "evaluation/statistics/statistics.h"
 #include "evaluation/trajectory/trajectory_error.h"

@@ -1,4 +1,4 @@
-#include "evaluation/association/hungarian.h"
+#include "core/base/hungarian.h"
 
 #include <limits>
 

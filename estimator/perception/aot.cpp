@@ -1,0 +1,171 @@
+#include "estimator/perception/aot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <set>
+
+#include "estimator/perception/outline.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kSpeckShare = 0.02;  // of the largest part; others may be the body behind a pole
+
+// The masks of those ids that `keeps`.
+cv::Mat select_ids(const cv::Mat& masks, const std::function<bool(int)>& keeps) {
+  std::vector<char> is_kept(1 << 16, -1);  // unknown
+  cv::Mat selected = masks.clone();
+  for (auto& id : cv::Mat_<std::uint16_t>(selected)) {
+    if (id == 0) continue;
+    char& kept = is_kept[id];
+    if (kept < 0) kept = keeps(id);
+    if (!kept) id = 0;
+  }
+  return selected;
+}
+
+// The ids whose masks overlap with `iou` or more in both images.
+std::set<int> ids_that_agree(const cv::Mat& a, const cv::Mat& b, double iou) {
+  struct Counts {
+    int both = 0, either = 0;
+  };
+  std::map<int, Counts> counts;
+  for (int v = 0; v < a.rows; ++v) {
+    const auto *row_a = a.ptr<std::uint16_t>(v), *row_b = b.ptr<std::uint16_t>(v);
+    for (int u = 0; u < a.cols; ++u) {
+      if ((row_a[u] | row_b[u]) == 0) continue;
+      if (row_a[u] == row_b[u]) ++counts[row_a[u]].both;
+      if (row_a[u]) ++counts[row_a[u]].either;
+      if (row_b[u] && row_b[u] != row_a[u]) ++counts[row_b[u]].either;
+    }
+  }
+  std::set<int> ids;
+  for (const auto& [id, c] : counts)
+    if (c.both >= iou * c.either) ids.insert(id);
+  return ids;
+}
+
+cv::Mat relabelled(const std::vector<Detection>& detections, const std::map<int, int>& ids, cv::Size size) {
+  cv::Mat masks = cv::Mat::zeros(size, CV_16UC1);
+  for (const auto& detection : detections)
+    if (const auto id = ids.find(detection.label); id != ids.end())
+      masks(detection.region).setTo(id->second, detection.mask);
+  return masks;
+}
+
+}  // namespace
+
+AsyncObjectTracker::AsyncObjectTracker(const Camera& camera, SlowSegmenter segmenter,
+                                       const AotOptions& options)
+    : camera_(camera),
+      options_(options),
+      clock_(options.clock == AotClock::threads ? make_thread_clock(std::move(segmenter))
+                                                : make_virtual_clock(std::move(segmenter))),
+      tracker_(std::make_unique<FlowTracker>(options.flow)),
+      book_(options.association) {}
+
+std::vector<Detection> AsyncObjectTracker::detect(const Seen& seen, const cv::Mat& masks) const {
+  std::vector<Detection> detections;
+  if (masks.empty()) return detections;
+  for (const auto& [label, region] : mask_regions(masks, options_.min_pixels, kSpeckShare))
+    detections.push_back({label, region.box, region.mask,
+                          appearance_of(region.mask, region.box, seen.image.rgb, seen.image.depth, camera_)});
+  return detections;
+}
+
+// Backward association: the result is named at its own frame.
+void AsyncObjectTracker::associate(const SegmenterResult& result, AotFrame& out) {
+  const auto seen =
+      std::find_if(seen_.begin(), seen_.end(), [&](const Seen& s) { return s.frame.frame == result.frame; });
+  if (seen == seen_.end()) return;
+  const std::int64_t stamp_ns = seen->frame.stamp_ns;
+  const auto detections = detect(*seen, result.masks);
+  const auto ids = options_.trust_ids ? book_.trust(detections, stamp_ns)
+                                      : book_.associate(detections, seen->masks, stamp_ns);
+  const cv::Mat named = relabelled(detections, ids, seen->masks.size());
+  const cv::Mat masks =
+      fit_to_depth_edges(named, seen->image.depth, expected_depth(named, *seen), options_.edges);
+  tracker_->learn(masks, seen->image);
+  jump(masks, seen - seen_.begin());
+  out.arrived.push_back({result.frame, masks});
+}
+
+// The depth of a frame where what was tracked and what was segmented agree on the body.
+cv::Mat AsyncObjectTracker::expected_depth(const cv::Mat& named, const Seen& seen) {
+  if (seen.image.depth.empty()) return {};
+  cv::Mat expected = cv::Mat::zeros(named.size(), CV_32FC1);
+  seen.image.depth.copyTo(expected, (named == seen.masks) & (named != 0));
+  return expected;
+}
+
+// Jump track: masks of an earlier frame are carried to the newest and take the place of what was tracked
+// there, but for bodies whose masks agreed then. Bodies that the result does not show stay for a while: it
+// may have missed them.
+void AsyncObjectTracker::jump(const cv::Mat& masks, std::size_t index) {
+  const std::set<int> agreeing = ids_that_agree(masks, seen_[index].masks, options_.jump_iou);
+  const auto& tracks = book_.tracks();
+  const auto stays = [&](int id) {
+    const auto track = tracks.find(id);
+    if (track == tracks.end()) return false;
+    return agreeing.contains(id) ||
+           (track->second.missing > 0 && track->second.missing < options_.max_missing);
+  };
+  const cv::Mat anew = select_ids(masks, [&](int id) { return !agreeing.contains(id); });
+  cv::Mat newest = select_ids(seen_.back().masks, stays);
+  cv::Mat carried = anew;
+  if (cv::countNonZero(anew) > 0)
+    for (std::size_t next = index + 1; next < seen_.size(); ++next)
+      carried = carry(carried, seen_[next - 1], seen_[next]);
+  carried.copyTo(newest, carried != 0);
+  seen_.back().masks = newest;
+}
+
+cv::Mat AsyncObjectTracker::carry(const cv::Mat& masks, const Seen& from, const Seen& to) const {
+  const CarriedMasks carried = tracker_->carry(masks, from.image, to.image);
+  const cv::Mat fitted =
+      fit_to_depth_edges(carried.masks, to.image.depth, carried.expected_depth, options_.edges);
+  cv::Mat clean = cv::Mat::zeros(masks.size(), CV_16UC1);
+  for (const auto& [id, region] : mask_regions(fitted, options_.min_pixels, kSpeckShare))
+    clean(region.box).setTo(id, region.mask);
+  return clean;
+}
+
+AotFrame AsyncObjectTracker::track(const SequenceFrame& frame, const cv::Mat& rgb, const cv::Mat& depth) {
+  AotFrame out;
+  Stopwatch watch(frame.frame, out.times);
+  seen_.push_back({frame, {frame.frame, rgb, depth, {}, {}}, cv::Mat::zeros(rgb.size(), CV_16UC1)});
+  Seen& newest = seen_.back();
+  const Seen* previous = seen_.size() > 1 ? &seen_[seen_.size() - 2] : nullptr;
+  tracker_->prepare(newest.image, previous ? &previous->image : nullptr);
+  watch.stop("mask_flow");
+  if (previous) newest.masks = carry(previous->masks, *previous, newest);
+  watch.stop("mask_tracker");
+  const auto results = clock_->step(frame, rgb, depth);
+  watch.stop("segmenter");
+  for (const auto& result : results) associate(result, out);
+  watch.stop("association");
+  out.masks = newest.masks.clone();
+  while (seen_.size() > 1 && seen_.front().frame.frame < clock_->oldest_pending()) seen_.pop_front();
+  return out;
+}
+
+SlowSegmenter slow_segmenter(const Sequence& sequence, Segmenter segmenter, const AotOptions& options,
+                             std::uint64_t seed) {
+  const bool is_simulated = segmenter.source == MaskSource::sequence;
+  const auto fixed_ns = static_cast<std::int64_t>(std::llround(options.latency_s * 1e9));
+  const bool is_fixed = !is_simulated || options.latency == AotLatency::fixed;
+  SlowSegmenter slow;
+  slow.latency_ns = [=](const SequenceFrame& frame) -> std::optional<std::int64_t> {
+    if (is_simulated && frame.masks.empty()) return std::nullopt;
+    return is_fixed ? fixed_ns : frame.masks_arrival_ns - frame.stamp_ns;
+  };
+  slow.segment = [&sequence, segmenter = std::move(segmenter), seed](
+                     const SequenceFrame& frame, const cv::Mat& rgb, const cv::Mat& depth) {
+    return segment(segmenter, sequence, frame, rgb, depth, seed);
+  };
+  return slow;
+}
+
+}  // namespace uniquadric

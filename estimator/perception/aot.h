@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "core/sequence/sequence.h"
+#include "estimator/perception/flow_tracker.h"
+#include "estimator/perception/mask_edges.h"
+#include "estimator/perception/segmentation.h"
+#include "estimator/perception/segmenter_clock.h"
+#include "estimator/perception/track_association.h"
+#include "estimator/stopwatch.h"
+
+namespace uniquadric {
+
+enum class AotClock {
+  virtual_time,  ///< of the frames' stamps; deterministic
+  threads,       ///< the machine's: what arrives when depends on its speed
+};
+
+/// How long the segmenter takes.
+enum class AotLatency {
+  sequence,  ///< what the sequence says (masks.txt) of the simulated segmenter
+  fixed,     ///< latency_s
+};
+
+/// The asynchronous object tracker.
+struct AotOptions {
+  AotClock clock = AotClock::virtual_time;
+  AotLatency latency = AotLatency::sequence;
+  double latency_s =
+      0.1;  // ours: of AotLatency::fixed, and of segmenters whose latency the sequence does not say
+  FlowTrackerOptions flow;
+  MaskEdgeOptions edges;
+  AssociationOptions association;
+  bool trust_ids = false;  // ours: the segmenter's own ids are the tracks'; only a simulated one has any
+  int min_pixels = 50;     // ours: smaller masks are not kept
+  double jump_iou =
+      0.985;            // ours: a body whose new mask agrees so well with the tracked one is not carried anew
+  int max_missing = 2;  // ours: results without a body after which its carried mask is given up: one in a
+                        // hundred is missed by chance
+};
+
+/// What is known when a frame has been taken.
+struct AotFrame {
+  cv::Mat masks;  ///< CV_16UC1 track ids, 0 none: of this frame, carried from the last segmented ones
+  /// A segmenter's result that arrived with this frame, of its own, earlier frame, named by track ids.
+  struct Arrived {
+    std::int64_t frame = 0;
+    cv::Mat masks;
+  };
+  std::vector<Arrived> arrived;
+  std::vector<StageTime> times;  ///< mask_flow, mask_tracker, segmenter, association
+};
+
+/// The paper's Asynchronous Object Tracker: a slow segmenter looks at keyframes, a mask tracker carries masks
+/// every frame. When the result for keyframe k arrives at frame n, *backward association* names its masks by
+/// the tracker's masks of frame k, and *jump track* carries them from k to n at once.
+class AsyncObjectTracker {
+ public:
+  AsyncObjectTracker(const Camera& camera, SlowSegmenter segmenter, const AotOptions& options);
+
+  /// Takes the next frame; frames come in order. `rgb` CV_8UC3, `depth` CV_32FC1 [m], 0 none; may be empty.
+  /// The images are kept for a while: they must not be written to.
+  AotFrame track(const SequenceFrame& frame, const cv::Mat& rgb, const cv::Mat& depth);
+
+ private:
+  struct Seen {
+    SequenceFrame frame;
+    TrackedImage image;
+    cv::Mat masks;  // as they were tracked
+  };
+  std::vector<Detection> detect(const Seen& seen, const cv::Mat& masks) const;
+  static cv::Mat expected_depth(const cv::Mat& named, const Seen& seen);
+  void associate(const SegmenterResult& result, AotFrame& out);
+  void jump(const cv::Mat& masks, std::size_t index);
+  cv::Mat carry(const cv::Mat& masks, const Seen& from, const Seen& to) const;
+
+  Camera camera_;
+  AotOptions options_;
+  std::unique_ptr<SegmenterClock> clock_;
+  std::unique_ptr<MaskTracker> tracker_;
+  TrackBook book_;
+  std::deque<Seen> seen_;  // from the oldest frame whose result may still come to the newest
+};
+
+/// A segmenter of a sequence as the tracker runs it. `sequence` must stay alive.
+SlowSegmenter slow_segmenter(const Sequence& sequence, Segmenter segmenter, const AotOptions& options,
+                             std::uint64_t seed);
+
+}  // namespace uniquadric

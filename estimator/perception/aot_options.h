@@ -1,0 +1,56 @@
+#pragma once
+
+#include "estimator/option_io.h"
+#include "estimator/perception/aot.h"
+
+namespace uniquadric {
+
+/// Names the options' keys, for reading and writing (option_io.h).
+template <typename Io>
+void visit(Io& io, FlowTrackerOptions& o) {
+  using Preset = FlowOptions::Preset;
+  io.choice(
+      "preset", o.flow.preset,
+      Choices<Preset>{{"ultrafast", Preset::ultrafast}, {"fast", Preset::fast}, {"medium", Preset::medium}});
+  io.number("downscale", o.flow.downscale, 1, 8);
+  io.positive("depth_tolerance", o.depth_tolerance);
+}
+
+template <typename Io>
+void visit(Io& io, MaskEdgeOptions& o) {
+  io.number("reach_px", o.reach_px, 0, 50);
+  io.positive("jump", o.jump);
+  io.positive("body_depth", o.body_depth);
+}
+
+template <typename Io>
+void visit(Io& io, AssociationOptions& o) {
+  io.number("min_iou", o.min_iou, 0.0, 1.0);
+  io.number("min_fragment", o.min_fragment, 0.0, 1.0);
+  io.positive("max_depth_step", o.max_depth_step);
+  io.number("min_similarity", o.min_similarity, 0.0, 1.0);
+  io.number("sure_similarity", o.sure_similarity, 0.0, 1.0);
+  io.positive("max_area_ratio", o.max_area_ratio);
+  io.number("reach_m", o.reach_m, 0.0);
+  io.number("reach_mps", o.reach_mps, 0.0);
+  io.number("patience_s", o.patience_s, 0.0);
+  io.number("hold_s", o.hold_s, 0.0);
+}
+
+template <typename Io>
+void visit(Io& io, AotOptions& o) {
+  io.choice("clock", o.clock,
+            Choices<AotClock>{{"virtual", AotClock::virtual_time}, {"threads", AotClock::threads}});
+  io.choice("latency", o.latency,
+            Choices<AotLatency>{{"sequence", AotLatency::sequence}, {"fixed", AotLatency::fixed}});
+  io.number("latency_s", o.latency_s, 0.0, 60.0);
+  io.flag("trust_ids", o.trust_ids);
+  io.number("min_pixels", o.min_pixels, 1);
+  io.number("jump_iou", o.jump_iou, 0.0, 1.0);
+  io.number("max_missing", o.max_missing, 1);
+  io.section("flow", [&](auto& inner) { visit(inner, o.flow); });
+  io.section("edges", [&](auto& inner) { visit(inner, o.edges); });
+  io.section("association", [&](auto& inner) { visit(inner, o.association); });
+}
+
+}  // namespace uniquadric

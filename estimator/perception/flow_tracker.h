@@ -1,0 +1,28 @@
+#pragma once
+
+#include "estimator/perception/dense_flow.h"
+#include "estimator/perception/mask_tracker.h"
+
+namespace uniquadric {
+
+/// How the flow tracker carries masks.
+struct FlowTrackerOptions {
+  FlowOptions flow;
+  double depth_tolerance =
+      0.05;  // ours: relative; ten sigma of depth noise, no body turns as much in a frame
+};
+
+/// Carries masks by dense flow. Pixels whose depth has not moved with the body's are left out: background
+/// that the flow took along.
+class FlowTracker : public MaskTracker {
+ public:
+  explicit FlowTracker(const FlowTrackerOptions& options) : options_(options) {}
+  void prepare(TrackedImage& image, const TrackedImage* previous) const override;
+  void learn(const cv::Mat& /*masks*/, const TrackedImage& /*image*/) override {}
+  CarriedMasks carry(const cv::Mat& masks, const TrackedImage& from, const TrackedImage& to) const override;
+
+ private:
+  FlowTrackerOptions options_;
+};
+
+}  // namespace uniquadric

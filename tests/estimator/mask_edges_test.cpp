@@ -1,0 +1,86 @@
+#include "estimator/perception/mask_edges.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/random.h"
+#include "drawn_world.h"
+
+namespace uniquadric {
+namespace {
+
+const Sprite kBox{4, 21, {50, 60, 180}, {70, 50}, 2, [](std::int64_t) { return Eigen::Vector2d(100, 80); }};
+
+cv::Mat shifted(const cv::Mat& masks, int dx, int dy) {
+  cv::Mat moved;
+  const cv::Matx23d by(1, 0, dx, 0, 1, dy);
+  cv::warpAffine(masks, moved, by, masks.size(), cv::INTER_NEAREST);
+  return moved;
+}
+
+TEST(MaskEdges, AMaskMovesOntoTheDepthEdgesNearIt) {
+  const DrawnFrame drawn = draw_world({kBox}, 0);
+  int cases = 0;
+  for (const auto& [dx, dy] : {std::pair(3, 0), {-3, 2}, {0, -4}, {4, 4}}) {
+    const cv::Mat fitted = fit_to_depth_edges(shifted(drawn.masks, dx, dy), drawn.depth, {}, {});
+    EXPECT_EQ(cv::countNonZero(fitted != drawn.masks), 0) << dx << " " << dy;
+    ++cases;
+  }
+  EXPECT_EQ(cases, 4);
+}
+
+TEST(MaskEdges, NoiseAndHolesOfDepthDoLittleHarm) {
+  const DrawnFrame drawn = draw_world({kBox}, 0);
+  RandomStream random(1, "depth");
+  cv::Mat depth = drawn.depth.clone();
+  for (auto& z : cv::Mat_<float>(depth))
+    z = random.uniform() < 0.1 ? 0.0F : z * static_cast<float>(1 + 0.005 * random.normal());
+  const cv::Mat fitted = fit_to_depth_edges(shifted(drawn.masks, 3, -2), depth, {}, {});
+  EXPECT_GT(mask_iou(fitted != 0, drawn.masks != 0), 0.99);
+}
+
+TEST(MaskEdges, WithoutAStepOfDepthAMaskStaysAsItIs) {
+  const DrawnFrame drawn = draw_world({kBox}, 0);
+  const cv::Mat moved = shifted(drawn.masks, 3, 0);
+  const cv::Mat flat(drawn.depth.size(), CV_32FC1, cv::Scalar(2));
+  EXPECT_EQ(cv::countNonZero(fit_to_depth_edges(moved, flat, {}, {}) != moved), 0);
+  EXPECT_EQ(
+      cv::countNonZero(fit_to_depth_edges(moved, cv::Mat::zeros(flat.size(), CV_32FC1), {}, {}) != moved), 0);
+  EXPECT_EQ(cv::countNonZero(fit_to_depth_edges(moved, {}, {}, {}) != moved), 0);
+  MaskEdgeOptions off;
+  off.reach_px = 0;
+  EXPECT_EQ(cv::countNonZero(fit_to_depth_edges(moved, drawn.depth, {}, off) != moved), 0);
+}
+
+// Where two masks claim a pixel it goes to the body of its depth.
+TEST(MaskEdges, NeighboursPartAtTheStepBetweenThem) {
+  Sprite front = kBox;
+  front.id = 5;
+  front.depth_m = 1.7;
+  front.corner_px = [](std::int64_t) { return Eigen::Vector2d(140, 70); };
+  const DrawnFrame drawn = draw_world({kBox, front}, 0);
+  cv::Mat moved = drawn.masks.clone();
+  const cv::Mat shift = shifted(drawn.masks == 5, 3, 1);
+  moved.setTo(4, moved == 5);
+  moved.setTo(5, shift);
+  const cv::Mat fitted = fit_to_depth_edges(moved, drawn.depth, {}, {});
+  EXPECT_GT(mask_iou(fitted == 5, drawn.masks == 5), 0.99);
+  EXPECT_GT(mask_iou(fitted == 4, drawn.masks == 4), 0.97);
+}
+
+// A strip of five pixels has no inside four pixels from its outline: its expected depth tells it.
+TEST(MaskEdges, AThinBodyIsFoundByItsExpectedDepth) {
+  Sprite strip = kBox;
+  strip.size = {90, 5};
+  const DrawnFrame drawn = draw_world({strip}, 0);
+  const cv::Mat moved = shifted(drawn.masks, 2, 3);
+  cv::Mat expected = cv::Mat::zeros(moved.size(), CV_32FC1);
+  expected.setTo(2.03, moved == 4);
+  EXPECT_LT(mask_iou(moved != 0, drawn.masks != 0), 0.4);
+  EXPECT_GT(mask_iou(fit_to_depth_edges(moved, drawn.depth, expected, {}) != 0, drawn.masks != 0), 0.98);
+}
+
+}  // namespace
+}  // namespace uniquadric
