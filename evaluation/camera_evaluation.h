@@ -22,7 +22,7 @@ struct CameraEvaluation {
   std::optional<Drift> drift;
 };
 
-/// Pairs of nearest stamps (evo's rule), no alignment: truth and estimate share the world frame. RPE runs
+/// Pairs of nearest stamps (evo's rule); truth and estimate share the world frame. RPE runs
 /// over consecutive poses of the truth; a step with an end that has no estimate is left out. Fewer than 3
 /// pairs leave all figures empty; the caller refuses them.
 CameraEvaluation evaluate_camera(const Trajectory& truth, const Trajectory& estimate,

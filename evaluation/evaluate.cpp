@@ -92,16 +92,21 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const bool is_simulation =
       !fs::exists(truth_folder / "camera.tum") && fs::is_directory(truth_folder / "truth");
   const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
-  const Tracks truth = read_tracks(truth_path), estimate = read_tracks(estimate_folder);
+  const Tracks truth = read_tracks(truth_path), original = read_tracks(estimate_folder);
+  const std::string run_config = read_run_config(estimate_folder);
+  const AlignmentKind kind =
+      options.alignment.value_or(camera_was_given(run_config) ? AlignmentKind::none : AlignmentKind::poses);
+  const WorldAlignment alignment = align_world(kind, truth, original, kMaxDifferenceNs);
+  const Tracks estimate = in_true_world(alignment, original);
   Evaluation evaluation =
       compare(truth, estimate, read_shapes(truth_path), read_visibility_of(truth_path), options);
+  evaluation.alignment = alignment;
   if (evaluation.camera.pairs < kMinPairs)
     throw InputError(
         estimate_folder / "camera.tum",
         fmt::format("{} of {} poses lie within 0.01 s of the truth's {}, at least {} are needed",
                     evaluation.camera.pairs, estimate.camera.size(), truth.camera.size(), kMinPairs));
   evaluation.timing_ms = read_timing(estimate_folder);
-  const std::string run_config = read_run_config(estimate_folder);
   PendingFolder pending(out, options.force);
   write_text(pending.path() / "evaluation.json", evaluation_json(evaluation, options, run_config));
   write_text(pending.path() / "frames.csv", frames_csv(evaluation.objects));

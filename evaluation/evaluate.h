@@ -2,14 +2,18 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
-#include "core/sequence/tracks.h"
+#include "evaluation/align/alignment.h"
 
 namespace uniquadric {
 
 struct EvaluateOptions {
   int iou_samples = 100'000;  ///< Monte Carlo samples of the 3D IoU
   std::uint64_t seed = 0;     ///< of those samples
+  /// of the estimate's world with the truth's; nothing: `none` where the estimate was given its camera poses,
+  /// else `poses`
+  std::optional<AlignmentKind> alignment;
   bool quiet = false;
   bool force = false;  ///< replace an existing output folder
 };

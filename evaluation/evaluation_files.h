@@ -10,11 +10,13 @@
 #include "evaluation/camera_evaluation.h"
 #include "evaluation/evaluate.h"
 #include "evaluation/object_evaluation.h"
+#include "evaluation/world_alignment.h"
 
 namespace uniquadric {
 
 /// Everything that one comparison of truth and estimate yields.
 struct Evaluation {
+  WorldAlignment alignment;
   CameraEvaluation camera;
   std::vector<ObjectEvaluation> objects;
   std::vector<int> unmatched_ids;  ///< estimated tracks that belong to no truth object

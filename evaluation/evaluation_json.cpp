@@ -124,10 +124,22 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
   return result;
 }
 
+json to_json(const WorldAlignment& alignment) {
+  const auto& [scale, pose] = alignment.truth_from_estimate;
+  const Eigen::Vector3d& t = pose.translation;
+  const Eigen::Quaterniond& q = pose.rotation;
+  json result = {{"kind", to_string(alignment.kind)},
+                 {"truth_from_estimate",
+                  {{"position_m", {t.x(), t.y(), t.z()}},
+                   {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+                   {"scale", scale}}}};
+  if (alignment.kind == AlignmentKind::poses) result["lever_m"] = alignment.lever_m;
+  return result;
+}
+
 json to_json(const CameraEvaluation& camera) {
-  return {{"alignment", "none"},           {"frames", camera.truth_poses}, {"pairs", camera.pairs},
-          {"coverage", camera.coverage},   {"ape", to_json(camera.ape)},   {"rpe", to_json(camera.rpe)},
-          {"drift", to_json(camera.drift)}};
+  return {{"frames", camera.truth_poses}, {"pairs", camera.pairs},      {"coverage", camera.coverage},
+          {"ape", to_json(camera.ape)},   {"rpe", to_json(camera.rpe)}, {"drift", to_json(camera.drift)}};
 }
 
 json tracking_json(const Evaluation& evaluation) {
@@ -149,6 +161,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
   const json run_config = json::parse(run_config_json);
   json root = {{"schema", kSchema},
                {"program", kProgram},
+               {"alignment", to_json(evaluation.alignment)},
                {"camera", to_json(evaluation.camera)},
                {"tracking", tracking_json(evaluation)}};
   root["config"] = {{"estimate", run_config},

@@ -72,4 +72,11 @@ std::string read_run_config(const fs::path& estimate) {
   return (fs::exists(file) ? to_json(ConfigNode::load(file)) : json()).dump();
 }
 
+bool camera_was_given(const std::string& run_config_json) {
+  const json config = json::parse(run_config_json);
+  if (!config.is_object()) return false;
+  const json ego = config.value(json::json_pointer("/variant/ego"), json());
+  return ego == "given" || (ego.is_object() && ego.value("source", json()) == "given");
+}
+
 }  // namespace uniquadric

@@ -133,10 +133,17 @@ void add_evaluate(CLI::App& app, Common& common) {
   sub->add_option("--samples", options.iou_samples, "of the Monte Carlo 3D IoU")
       ->check(whole_number(1, kMaxCount));
   sub->add_option("--seed", options.seed, "of those samples")->check(whole_number());
+  static std::string alignment = "auto";
+  sub->add_option(
+         "--align", alignment,
+         "the estimate's world with the truth's, by the camera; auto: none where its poses were given, "
+         "else poses")
+      ->check(CLI::IsMember({"auto", "none", "first", "se3", "sim3", "scale", "posyaw", "poses"}));
   add_force(sub, common);
   sub->callback([&common] {
     options.quiet = common.quiet;
     options.force = common.force;
+    options.alignment = parse_alignment_kind(alignment);
     evaluate(truth, estimate_folder, options, out);
   });
 }

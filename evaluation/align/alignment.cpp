@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.h"
 
@@ -53,6 +54,23 @@ Alignment umeyama(const Moments& m, bool with_scale) {
   return result;
 }
 
+// Minimises sum |R x + t - y|^2 + lever^2 / 2 |R R_x - R_y|_F^2; |.|_F^2 of a turn by a small angle is twice
+// its square.
+Alignment fit_poses(const std::vector<Pose>& reference, const std::vector<Pose>& estimate, double lever_m) {
+  if (reference.empty()) throw InputError("alignment needs at least one pair of poses");
+  Eigen::Matrix3Xd x = positions(estimate), y = positions(reference);
+  const Eigen::Vector3d x_mean = x.rowwise().mean(), y_mean = y.rowwise().mean();
+  Eigen::Matrix3d agreement = (y.colwise() - y_mean) * (x.colwise() - x_mean).transpose();
+  for (std::size_t i = 0; i < reference.size(); ++i)
+    agreement +=
+        lever_m * lever_m / 2 * (reference[i].rotation * estimate[i].rotation.conjugate()).toRotationMatrix();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(agreement, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d U = svd.matrixU(), V = svd.matrixV();
+  const Eigen::Vector3d signs(1, 1, U.determinant() * V.determinant() < 0 ? -1 : 1);
+  const Eigen::Quaterniond R(Eigen::Matrix3d(U * signs.asDiagonal() * V.transpose()));
+  return {1, {R.normalized(), y_mean - R.normalized() * x_mean}};
+}
+
 Alignment yaw_and_position(const Moments& m) {
   const double sine = m.covariance(1, 0) - m.covariance(0, 1);
   const double cosine = m.covariance(0, 0) + m.covariance(1, 1);
@@ -65,14 +83,32 @@ Alignment yaw_and_position(const Moments& m) {
   return result;
 }
 
+constexpr std::pair<AlignmentKind, const char*> kNames[] = {
+    {AlignmentKind::none, "none"},  {AlignmentKind::first, "first"}, {AlignmentKind::se3, "se3"},
+    {AlignmentKind::sim3, "sim3"},  {AlignmentKind::scale, "scale"}, {AlignmentKind::posyaw, "posyaw"},
+    {AlignmentKind::poses, "poses"}};
+
 }  // namespace
+
+const char* to_string(AlignmentKind kind) {
+  for (const auto& [known, name] : kNames)
+    if (known == kind) return name;
+  return "";
+}
+
+std::optional<AlignmentKind> parse_alignment_kind(std::string_view text) {
+  for (const auto& [kind, name] : kNames)
+    if (text == name) return kind;
+  return std::nullopt;
+}
 
 Pose Alignment::operator*(const Pose& pose) const {
   const auto& [rotation, translation] = reference_from_estimate;
   return {rotation * pose.rotation, scale * (rotation * pose.translation) + translation};
 }
 
-Alignment align(AlignmentKind kind, const std::vector<Pose>& reference, const std::vector<Pose>& estimate) {
+Alignment align(AlignmentKind kind, const std::vector<Pose>& reference, const std::vector<Pose>& estimate,
+                double lever_m) {
   assert(reference.size() == estimate.size());
   switch (kind) {
     case AlignmentKind::none:
@@ -88,6 +124,8 @@ Alignment align(AlignmentKind kind, const std::vector<Pose>& reference, const st
       return {umeyama(Moments(reference, estimate), true).scale, {}};
     case AlignmentKind::posyaw:
       return yaw_and_position(Moments(reference, estimate));
+    case AlignmentKind::poses:
+      return fit_poses(reference, estimate, lever_m);
   }
   return {};
 }

@@ -114,6 +114,8 @@ CellEvaluation read_cell_evaluation(const fs::path& folder) {
   CellEvaluation evaluation;
   if (const auto program = root.find("program"); program != root.end() && program->is_string())
     evaluation.program = program->get<std::string>();
+  if (const auto kind = root.value(json::json_pointer("/alignment/kind"), json()); kind.is_string())
+    evaluation.alignment = kind.get<std::string>();
   const std::vector<NamedObject> names = read_names(file, root);
   for (std::size_t i = 0; i < names.size(); ++i)
     evaluation.subjects.push_back(

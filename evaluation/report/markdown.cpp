@@ -77,6 +77,8 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
   text += table(summary) + failures(results) + "\n## How it was made\n";
   if (!results.command.empty()) text += fmt::format("- command: `{}`\n", results.command);
   text += fmt::format("- program: {} (report: {})\n", fmt::join(programs_of(results), ", "), kProgram);
+  if (const auto alignments = alignments_of(results); !alignments.empty())
+    text += fmt::format("- alignment of the estimates' worlds: {}\n", fmt::join(alignments, ", "));
   text += fmt::format("- seeds: {}\n", fmt::join(seeds_of(results), ", "));
   if (!results.hardware.empty()) text += fmt::format("- hardware: {}\n", results.hardware);
   text += "\n## What the figures mean\n";

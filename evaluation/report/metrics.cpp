@@ -14,8 +14,7 @@ constexpr bool kLower = true, kHigher = false;
 constexpr Metric kMetrics[] = {
     {"ape_translation_rmse_m", "APE.t", "m", kLower, kObject | kCamera, "/ape/translation_m/rmse",
      "Absolute pose error, translation: root mean square over frames of the distance between the estimated "
-     "and "
-     "the true centre, in the world frame, without alignment."},
+     "and the true centre, in the world frame; no alignment of the object's own."},
     {"ape_rotation_rmse_rad", "APE.r", "rad", kLower, kObject | kCamera, "/ape/rotation_rad/rmse",
      "Absolute pose error, rotation: root mean square of the angle of R_est^T R_true, after one body-frame "
      "rotation per track taken from the true shape's own symmetries: box rotations that keep the semi-axes "

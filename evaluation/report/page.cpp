@@ -60,6 +60,16 @@ std::string page_html(const Results& results, const std::vector<SummaryRow>& sum
                                         {"script", scripts}});
 }
 
+std::vector<std::string> alignments_of(const Results& results) {
+  std::vector<std::string> list;
+  for (const Cell& cell : results.cells) {
+    if (!cell.evaluation || cell.evaluation->alignment.empty()) continue;
+    const std::string entry = cell.variant + ": " + cell.evaluation->alignment;
+    if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
+  }
+  return list;
+}
+
 std::vector<std::string> programs_of(const Results& results) {
   std::vector<std::string> programs;
   for (const Cell& cell : results.cells)

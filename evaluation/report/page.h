@@ -35,6 +35,10 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
 /// `total` evenly spaced down to `count` (first and last kept), as indices. Asserts 0 <= count <= total.
 std::vector<std::size_t> evenly_spaced(std::size_t total, std::size_t count);
 
+/// How the worlds of each variant's estimates were aligned with the truth's, "VARIANT: KIND", each distinct
+/// and in order; nothing of evaluations that do not say.
+std::vector<std::string> alignments_of(const Results& results);
+
 /// The programs (name and version) that made the evaluations, and the seeds, each distinct and in order.
 std::vector<std::string> programs_of(const Results& results);
 std::vector<std::uint64_t> seeds_of(const Results& results);

@@ -100,6 +100,7 @@ json cell_json(const Cell& cell, int digits) {
           {"status", to_string(cell.status)},
           {"folder", cell.folder.generic_string()},
           {"message", cell.message},
+          {"alignment", cell.evaluation ? cell.evaluation->alignment : ""},
           {"series", series}};
 }
 
@@ -117,6 +118,7 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
                      {"report_program", kProgram},
                      {"programs", programs_of(results)},
                      {"seeds", seeds_of(results)},
+                     {"alignments", alignments_of(results)},
                      {"config", results.config},
                      {"command", results.command},
                      {"hardware", results.hardware},

@@ -25,6 +25,7 @@ struct ObjectSeries {
 /// What `evaluate` wrote for one run.
 struct CellEvaluation {
   std::string program;                   ///< that evaluated, with version; empty where absent
+  std::string alignment;                 ///< of the estimate's world; empty where absent
   std::vector<SubjectFigures> subjects;  ///< objects in their order, then `camera`, then `all`
   std::vector<ObjectSeries> series;      ///< objects in order of their ids
 };

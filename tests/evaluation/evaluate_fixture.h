@@ -22,7 +22,7 @@ inline constexpr std::int64_t kPeriodNs = 33'333'333;
 inline constexpr double kRounding = 1e-7;  // rotations written to text and read back, near zero
 
 inline Pose camera_pose(int i) {
-  return {exp_so3({0, 0.002 * i, 0.01}), Eigen::Vector3d(0.01 * i, 0.1, -0.2)};
+  return {exp_so3({0, 0.002 * i, 0.01}), Eigen::Vector3d(0.01 * i, 0.1, -0.2 + 0.0005 * i * i)};
 }
 inline Pose object_pose(int id, int i) {
   return {exp_so3({0.3 * id, 0.02 * i, 0.4}), Eigen::Vector3d(0.8 * id - 1.5, 0.01 * i, 3)};

@@ -157,7 +157,8 @@ TEST(Alignment, RecoversWhatItIsFor) {
   const std::vector<std::pair<AlignmentKind, Alignment>> cases = {
       {AlignmentKind::se3, {1, move}},    {AlignmentKind::sim3, {2.5, move}},
       {AlignmentKind::posyaw, {1, yaw}},  {AlignmentKind::first, {1, move}},
-      {AlignmentKind::none, {1, Pose{}}}, {AlignmentKind::scale, {0.4, Pose{}}}};
+      {AlignmentKind::none, {1, Pose{}}}, {AlignmentKind::scale, {0.4, Pose{}}},
+      {AlignmentKind::poses, {1, move}}};
   for (const auto& [kind, transform] : cases) {
     std::vector<Pose> reference;
     for (const Pose& pose : estimate) reference.push_back(transform * pose);
@@ -168,7 +169,7 @@ TEST(Alignment, RecoversWhatItIsFor) {
       ASSERT_NEAR(error.rotation_rad, 0, 1e-11) << static_cast<int>(kind);
     }
   }
-  EXPECT_EQ(cases.size(), 6u);
+  EXPECT_EQ(cases.size(), 7u);
 }
 
 TEST(Alignment, LeastSquaresIsAMinimum) {
@@ -191,6 +192,32 @@ TEST(Alignment, LeastSquaresIsAMinimum) {
     }
 }
 
+TEST(Alignment, PosesAreLeastSquaresOfPositionsAndOrientations) {
+  constexpr double kLever_m = 3;
+  RandomStream random(7, "poses");
+  auto estimate = random_poses(20, 8), reference = estimate;
+  for (Pose& pose : reference)
+    pose = {exp_so3(random_vector(random, 0.2)) * pose.rotation,
+            pose.translation + random_vector(random, 0.3)};
+  const Alignment best = align(AlignmentKind::poses, reference, estimate, kLever_m);
+  const auto cost = [&](const Alignment& a) {
+    double sum = 0;
+    for (std::size_t i = 0; i < estimate.size(); ++i) {
+      const Pose moved = a * estimate[i];
+      sum += (moved.translation - reference[i].translation).squaredNorm();
+      sum += kLever_m * kLever_m / 2 *
+             (moved.rotation.toRotationMatrix() - reference[i].rotation.toRotationMatrix()).squaredNorm();
+    }
+    return sum;
+  };
+  for (int k = 0; k < 6; ++k)
+    for (const double step : {-1e-3, 1e-3}) {
+      Vector6d twist = Vector6d::Zero();
+      twist[k] = step;
+      EXPECT_GT(cost({1, exp_se3(twist) * best.reference_from_estimate}), cost(best)) << k;
+    }
+}
+
 TEST(Alignment, RefusesWhatLeavesItOpen) {
   std::vector<Pose> line;
   for (int i = 0; i < 5; ++i) line.push_back({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, i)});
@@ -202,6 +229,9 @@ TEST(Alignment, RefusesWhatLeavesItOpen) {
   line.resize(7, line.back());
   EXPECT_THROW(align(AlignmentKind::posyaw, line, line), InputError);
   EXPECT_THROW(align(AlignmentKind::se3, {line[0], line[1]}, {line[0], line[1]}), InputError);
+  EXPECT_NO_THROW(align(AlignmentKind::poses, line, line));  // orientations fix it
+  for (const auto kind : {AlignmentKind::first, AlignmentKind::poses})
+    EXPECT_THROW(align(kind, {}, {}), InputError);
 }
 
 TEST(Symmetry, CubeRotationsAreAGroupOf24) {

@@ -103,6 +103,24 @@ TEST(Overlay, OutlinesStandWhereTheSpheresProject) {
   EXPECT_FALSE(is_green(pixel(0)) || is_orange(pixel(0)));
 }
 
+TEST(Overlay, TheEstimatesWorldDoesNotMatter) {
+  const GreyRecording recording(4, 3);
+  Tracks tracks = read_tracks(recording.estimate);
+  for (auto& state : tracks.objects[0].states)
+    state.ellipsoid.semi_axes_m = {0.5, 0.3, 0.2};  // a circle's rectangle would turn with the rounding
+  write_estimate(recording.estimate, tracks);
+  write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, false);
+  const cv::Mat before = recording.first();
+  const Pose move = {exp_so3({0.4, -2.1, 0.9}), Eigen::Vector3d(5, -3, 2)};
+  for (auto& pose : tracks.camera) pose.pose = move * pose.pose;
+  for (auto& state : tracks.objects[0].states)
+    state.ellipsoid.world_from_object = move * state.ellipsoid.world_from_object;
+  write_estimate(recording.estimate, tracks);
+  write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
+  EXPECT_LT(cv::norm(recording.first(), before, cv::NORM_INF), 40);  // rounding at the lines' edges
+  EXPECT_GT(count(recording.first(), is_orange), 100);
+}
+
 TEST(Overlay, NoOutlineWithoutAnEllipse) {
   int cases = 0;
   for (const double z_m : {-4.0, 0.0, 0.3}) {  // behind; the camera inside; across the principal plane

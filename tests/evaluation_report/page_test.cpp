@@ -144,6 +144,18 @@ TEST(Page, PicturesAreTheFilesAndFitTheirBudget) {
   EXPECT_EQ(json::parse(page_images(results, {.image_bytes = 10}))[0].at("frames").size(), 0u);
 }
 
+TEST(Page, SaysHowWorldsWereAligned) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 5});
+  write_report(folder.path());
+  const json data = script_json(read_text(folder.path() / "report.html"), "data");
+  EXPECT_EQ(data["alignments"], json::array({"single_frame_obb: poses", "rotbbox: poses"}));
+  EXPECT_EQ(data["cells"][0]["alignment"], "poses");
+  EXPECT_NE(read_text(folder.path() / "report.md")
+                .find("alignment of the estimates' worlds: single_frame_obb: poses, rotbbox: poses\n"),
+            std::string::npos);
+}
+
 TEST(Page, EvenlySpacedKeepsBothEnds) {
   EXPECT_EQ(evenly_spaced(10, 4), (std::vector<std::size_t>{0, 3, 6, 9}));
   EXPECT_EQ(evenly_spaced(3, 3), (std::vector<std::size_t>{0, 1, 2}));

@@ -20,6 +20,7 @@ function draw_failures() {
 }
 
 function draw_definitions() {
+  by_id("alignments").textContent = data.alignments.length ? data.alignments.join(", ") : "not recorded";
   const present = data.metrics.filter((m) => data.summary.some((row) => m.name in row.spread));
   by_id("metric-list").replaceChildren(...present.flatMap((m) => [
     el("dt", {}, m.label, el("small", {}, `${m.unit ? `${m.unit}, ` : ""}${m.better} is better`)),
