@@ -17,13 +17,14 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kMaxDifferenceNs = 10'000'000;  // SPEC 6: |dt| <= 0.01 s, evo's default
 constexpr double kAnyOverlap = 0;  // an id counts as switched however little the tracks overlap
 
-// Kinds of mesh by object id; empty where the folder does not say (an estimate taken as truth).
-std::map<int, std::string> read_shapes(const fs::path& truth) {
-  std::map<int, std::string> shapes;
+// What the truth says of its objects, by id; empty where the folder does not say (an estimate taken as
+// truth).
+std::map<int, ObjectDescription> read_descriptions(const fs::path& truth) {
+  std::map<int, ObjectDescription> descriptions;
   if (fs::exists(truth / "objects.yaml"))
     for (const ObjectDescription& object : read_objects_yaml(truth / "objects.yaml"))
-      shapes[object.id] = object.shape;
-  return shapes;
+      descriptions[object.id] = object;
+  return descriptions;
 }
 
 // For each truth state the index of the track's state in the same frame.
@@ -55,8 +56,9 @@ std::vector<std::vector<bool>> hidden_frames(const Tracks& truth, const ObjectOv
   return hidden;
 }
 
-Evaluation compare(const Tracks& truth, const Tracks& estimate, const std::map<int, std::string>& shapes,
-                   const VisibilityTable& visibility, const EvaluateOptions& options) {
+Evaluation compare(const Tracks& truth, const Tracks& estimate,
+                   const std::map<int, ObjectDescription>& descriptions, const VisibilityTable& visibility,
+                   const EvaluateOptions& options) {
   Evaluation result;
   result.camera = evaluate_camera(truth.camera, estimate.camera, kMaxDifferenceNs);
   const BallSamples samples(options.iou_samples, options.seed);
@@ -72,10 +74,10 @@ Evaluation compare(const Tracks& truth, const Tracks& estimate, const std::map<i
     const ObjectTrack& object = truth.objects[g];
     const ObjectTrack* track = matches[g] ? &estimate.objects[*matches[g]] : nullptr;
     if (matches[g]) used[*matches[g]] = true;
-    const auto shape = shapes.find(object.id);
-    result.objects.push_back(evaluate_object(object, shape == shapes.end() ? "" : shape->second, track,
-                                             states_of_match(overlaps, g, object.states.size(), matches[g]),
-                                             context));
+    const auto description = descriptions.find(object.id);
+    result.objects.push_back(
+        evaluate_object(object, description == descriptions.end() ? ObjectDescription{} : description->second,
+                        track, states_of_match(overlaps, g, object.states.size(), matches[g]), context));
     result.objects.back().id_switches = switches[g];
   }
   for (std::size_t e = 0; e < used.size(); ++e)
@@ -99,7 +101,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const WorldAlignment alignment = align_world(kind, truth, original, kMaxDifferenceNs);
   const Tracks estimate = in_true_world(alignment, original);
   Evaluation evaluation =
-      compare(truth, estimate, read_shapes(truth_path), read_visibility_of(truth_path), options);
+      compare(truth, estimate, read_descriptions(truth_path), read_visibility_of(truth_path), options);
   evaluation.alignment = alignment;
   if (evaluation.camera.pairs < kMinPairs)
     throw InputError(

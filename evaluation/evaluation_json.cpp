@@ -77,18 +77,6 @@ json semi_axes_errors(const ObjectEvaluation& object) {
   return errors;
 }
 
-const char* to_string(BodySymmetry symmetry) {
-  switch (symmetry) {
-    case BodySymmetry::box:
-      return "box";
-    case BodySymmetry::revolution:
-      return "revolution";
-    case BodySymmetry::ball:
-      return "ball";
-  }
-  return "";
-}
-
 json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
   const auto figure = [&](std::optional<double> ObjectFrame::*member) {
     return over_frames(object, [member](const ObjectFrame& frame) { return frame.*member; });
@@ -104,7 +92,7 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"longest_gap_s", or_null(object.presence.longest_gap_s)},
                  {"id_switches", object.id_switches},
                  {"relabel_flips", object.relabel_flips},
-                 {"symmetry", to_string(object.symmetry)},
+                 {"symmetry", to_string(object.symmetry.kind)},
                  {"ape", pose_errors(object, &ObjectFrame::ape)},
                  {"rpe", pose_errors(object, &ObjectFrame::rpe)},
                  {"motion_error", pose_errors(object, &ObjectFrame::motion)},

@@ -10,6 +10,7 @@
 #include <ostream>
 
 #include "core/base/error.h"
+#include "core/geometry/box_symmetry.h"
 #include "evaluation/align/symmetry.h"
 #include "evaluation/image_overlap.h"
 #include "evaluation/iou/ellipsoid_iou.h"
@@ -75,7 +76,7 @@ json answer_iou2d(const MetricLine& line) {
 
 json answer_pose(const MetricLine& line) {
   const Ellipsoid truth = line.ellipsoid("gt"), estimate = line.ellipsoid("est");
-  const Ellipsoid renamed = relabelled(estimate, best_relabelling({estimate}, {truth}));
+  const Ellipsoid renamed = relabel_axes(estimate, best_relabelling({estimate}, {truth}));
   const PoseError error = absolute_error(truth.world_from_object, estimate.world_from_object);
   const Eigen::Vector3d axes = renamed.semi_axes_m - truth.semi_axes_m;
   return {{"translation_error_m", error.translation_m},

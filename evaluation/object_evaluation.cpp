@@ -2,14 +2,12 @@
 
 #include <cassert>
 
+#include "evaluation/align/symmetry.h"
 #include "evaluation/image_overlap.h"
 #include "evaluation/iou/ellipsoid_iou.h"
 
 namespace uniquadric {
 namespace {
-
-constexpr std::size_t kFitFrames =
-    10;  // SPEC 6: a free body rotation is fitted on the first 10 matched frames
 
 // The matched frames of one object, in order: what its axes' names are decided on.
 struct Matched {
@@ -27,41 +25,6 @@ Matched collect_matched(const ObjectTrack& truth, const ObjectTrack* track,
     matched.estimate.push_back(track->states[*states[k]].ellipsoid);
   }
   return matched;
-}
-
-Eigen::Matrix3d fit_symmetry(BodySymmetry symmetry, const std::vector<Ellipsoid>& estimate,
-                             const std::vector<Ellipsoid>& truth) {
-  const std::size_t count = symmetry == BodySymmetry::box ? truth.size() : std::min(truth.size(), kFitFrames);
-  std::vector<Eigen::Matrix3d> from, to;
-  for (std::size_t i = 0; i < count; ++i) {
-    from.push_back(estimate[i].world_from_object.rotation.toRotationMatrix());
-    to.push_back(truth[i].world_from_object.rotation.toRotationMatrix());
-  }
-  const Eigen::Vector3d& axes = truth.front().semi_axes_m;
-  return best_symmetry_rotation(symmetry, axes, classify_axes(axes).unique_axis, from, to);
-}
-
-Ellipsoid turned(const Ellipsoid& ellipsoid, BodySymmetry symmetry, const Eigen::Matrix3d& rotation) {
-  if (symmetry == BodySymmetry::box) return relabelled(ellipsoid, rotation);
-  if (rotation == Eigen::Matrix3d::Identity()) return ellipsoid;
-  Ellipsoid result = ellipsoid;  // the semi-axes keep their names: the shape is the same after any such turn
-  result.world_from_object.rotation = ellipsoid.world_from_object.rotation * Eigen::Quaterniond(rotation);
-  return result;
-}
-
-// Renames the track's axes once, then turns its body frame within the true shape's symmetry.
-std::vector<Ellipsoid> settle_axes(const Matched& matched, ObjectEvaluation& result) {
-  std::vector<Ellipsoid> settled;
-  if (matched.truth.empty()) return settled;
-  const Eigen::Matrix3d names = best_relabelling(matched.estimate, matched.truth);
-  for (std::size_t i = 0; i < matched.truth.size(); ++i) {
-    const bool flipped = best_relabelling({matched.estimate[i]}, {matched.truth[i]}) != names;
-    result.relabel_flips += flipped ? 1 : 0;
-    settled.push_back(relabelled(matched.estimate[i], names));
-  }
-  const Eigen::Matrix3d rotation = fit_symmetry(result.symmetry, settled, matched.truth);
-  for (Ellipsoid& ellipsoid : settled) ellipsoid = turned(ellipsoid, result.symmetry, rotation);
-  return settled;
 }
 
 void fill_single_frame(const Ellipsoid& truth, const Ellipsoid& original, const Ellipsoid& settled,
@@ -114,17 +77,8 @@ std::optional<Drift> object_drift(const ObjectTrack& truth, const std::vector<Ob
 
 }  // namespace
 
-BodySymmetry body_symmetry(const std::string& shape, const Eigen::Vector3d& semi_axes_m) {
-  const bool round = shape == "ball" || shape == "ellipsoid" || shape == "cylinder";
-  const AxesClass axes = classify_axes(semi_axes_m).kind;
-  if (!round || axes == AxesClass::triaxial) return BodySymmetry::box;
-  // A cylinder as high as it is wide turns freely about its own axis alone, but which axis that is cannot be
-  // told from its extents: it counts as a box, whose symmetries hold for it.
-  if (axes == AxesClass::sphere) return shape == "cylinder" ? BodySymmetry::box : BodySymmetry::ball;
-  return BodySymmetry::revolution;
-}
-
-ObjectEvaluation evaluate_object(const ObjectTrack& truth, const std::string& shape, const ObjectTrack* track,
+ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescription& description,
+                                 const ObjectTrack* track,
                                  const std::vector<std::optional<std::size_t>>& matched_states,
                                  const ObjectContext& context) {
   assert(matched_states.size() == truth.states.size());
@@ -144,16 +98,18 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const std::string& sh
     }
   }
   if (result.frames.empty()) return result;
-  result.symmetry = body_symmetry(shape, result.frames.front().true_semi_axes_m);
+  result.symmetry =
+      shape_symmetry(description.shape, description.symmetry, result.frames.front().true_semi_axes_m);
   const Matched matched = collect_matched(truth, track, matched_states);
-  const std::vector<Ellipsoid> settled = settle_axes(matched, result);
-  for (std::size_t i = 0; i < settled.size(); ++i) {
+  const SettledTrack settled = settle_axes(result.symmetry, matched.estimate, matched.truth);
+  result.relabel_flips = settled.relabel_flips;
+  for (std::size_t i = 0; i < settled.estimate.size(); ++i) {
     ObjectFrame& frame = result.frames[matched.frame[i]];
-    fill_single_frame(matched.truth[i], matched.estimate[i], settled[i], context, frame);
+    fill_single_frame(matched.truth[i], matched.estimate[i], settled.estimate[i], context, frame);
     fill_image_overlap(matched.truth[i], matched.estimate[i], context, frame);
   }
   fill_relative(truth, result.frames);
-  result.matched_frames = settled.size();
+  result.matched_frames = settled.estimate.size();
   result.presence = object_presence(result.frames);
   result.drift = object_drift(truth, result.frames);
   return result;

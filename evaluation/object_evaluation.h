@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "core/sequence/calibration.h"
 #include "core/sequence/tracks.h"
-#include "evaluation/align/symmetry.h"
+#include "evaluation/align/shape_symmetry.h"
 #include "evaluation/iou/monte_carlo.h"
 #include "evaluation/object_frame.h"
 #include "evaluation/object_presence.h"
@@ -22,14 +23,10 @@ struct ObjectEvaluation {
   std::size_t matched_frames = 0;
   ObjectPresence presence;
   int id_switches = 0;
-  BodySymmetry symmetry = BodySymmetry::box;
+  ShapeSymmetry symmetry;
   int relabel_flips = 0;  ///< matched frames that by themselves would name the axes otherwise than the track
   std::optional<Drift> drift;
 };
-
-/// Symmetry that a kind of mesh (objects.yaml's `shape`) and its semi-axes leave: bodies known to be round
-/// are balls where the axes are equal and bodies of revolution where two are; everything else is box-like.
-BodySymmetry body_symmetry(const std::string& shape, const Eigen::Vector3d& semi_axes_m);
 
 /// What all objects' evaluation shares.
 struct ObjectContext {
@@ -40,9 +37,11 @@ struct ObjectContext {
   std::int64_t max_difference_ns = 10'000'000;
 };
 
-/// Compares a truth object with the track it was matched to. `matched_states[k]` is the index of the track's
-/// state at the truth's state k. `track` null: never found. Fills everything except `id_switches`.
-ObjectEvaluation evaluate_object(const ObjectTrack& truth, const std::string& shape, const ObjectTrack* track,
+/// Compares a truth object with the track it was matched to; of `description` shape and symmetry count.
+/// `matched_states[k]` is the index of the track's state at the truth's state k. `track` null: never found.
+/// Fills everything except `id_switches`.
+ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescription& description,
+                                 const ObjectTrack* track,
                                  const std::vector<std::optional<std::size_t>>& matched_states,
                                  const ObjectContext& context);
 

@@ -71,7 +71,7 @@ void write_truth_files(const Scene& scene, std::int64_t frames, const fs::path& 
   std::vector<ObjectDescription> descriptions;
   for (const Body& body : scene.objects) {
     write_tum(folder / "objects" / fmt::format("{}.tum", body.id), sample(scene, body.motion, frames));
-    descriptions.push_back({body.id, body.name, body.semi_axes_m, body.shape, body.mesh_file});
+    descriptions.push_back({body.id, body.name, body.semi_axes_m, body.shape, body.mesh_file, body.symmetry});
   }
   write_objects_yaml(folder / "objects.yaml", descriptions);
   write_occupancy_map(folder / "map.bt", scene.world, scene.map_resolution_m);

@@ -5,8 +5,9 @@
 #include <cassert>
 
 namespace uniquadric {
+namespace {
 
-std::array<Eigen::Matrix3d, 24> proper_box_rotations() {
+std::array<Eigen::Matrix3d, 24> make_box_rotations() {
   std::array<Eigen::Matrix3d, 24> rotations;
   std::size_t count = 0;
   std::array<int, 3> axis = {0, 1, 2};
@@ -21,15 +22,22 @@ std::array<Eigen::Matrix3d, 24> proper_box_rotations() {
   return rotations;
 }
 
+}  // namespace
+
+const std::array<Eigen::Matrix3d, 24>& box_rotations() {
+  static const std::array<Eigen::Matrix3d, 24> rotations = make_box_rotations();
+  return rotations;
+}
+
 Eigen::Matrix3d nearest_box_rotation(const Eigen::Matrix3d& R, const Eigen::Matrix3d& reference) {
-  static const auto kRotations = proper_box_rotations();
   const Eigen::Matrix3d towards = reference.transpose() * R;
   const auto trace = [&](const Eigen::Matrix3d& P) { return (towards * P).trace(); };  // 1 + 2 cos(angle)
-  return *std::max_element(kRotations.begin(), kRotations.end(),
+  return *std::max_element(box_rotations().begin(), box_rotations().end(),
                            [&](const auto& a, const auto& b) { return trace(a) < trace(b); });
 }
 
 Ellipsoid relabel_axes(const Ellipsoid& ellipsoid, const Eigen::Matrix3d& P) {
+  if (P == Eigen::Matrix3d::Identity()) return ellipsoid;
   Ellipsoid result = ellipsoid;
   result.world_from_object.rotation =
       (ellipsoid.world_from_object.rotation * Eigen::Quaterniond(P)).normalized();

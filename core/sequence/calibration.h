@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/geometry/body_symmetry.h"
 #include "core/geometry/camera.h"
 #include "core/geometry/pose.h"
 
@@ -19,6 +21,7 @@ struct ObjectDescription {
   Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();  ///< half the extents of the mesh's tight box
   std::string shape;                                      ///< kind of mesh: box, ball, ...; `mesh` for a file
   std::string mesh;                                       ///< file name of a mesh that was loaded, else empty
+  std::optional<BodySymmetry> symmetry{};                 ///< as stated; nothing: as shape and semi-axes say
 };
 
 /// truth/objects.yaml. Reading throws InputError with file and line; objects come in order of their ids.

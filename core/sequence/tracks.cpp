@@ -169,10 +169,16 @@ std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
     object.semi_axes_m = node.get<Eigen::Vector3d>("semi_axes_m");
     object.shape = node.get<std::string>("shape", "");
     object.mesh = node.get<std::string>("mesh", "");
+    if (const auto symmetry = node.find("symmetry")) {
+      object.symmetry = parse_body_symmetry(symmetry->as<std::string>());
+      if (!object.symmetry) symmetry->fail("expected box, revolution, sphere or none");
+    }
     node.refuse_unknown_keys();
     if (object.id <= 0) node.at("id").fail("expected an integer greater than 0");
     if (!ids.insert(object.id).second) node.at("id").fail(fmt::format("{} stands twice", object.id));
     if (!(object.semi_axes_m.minCoeff() > 0)) node.at("semi_axes_m").fail("expected numbers greater than 0");
+    if (object.symmetry && !allows(object.semi_axes_m, *object.symmetry))
+      node.at("symmetry").fail("does not go with these semi-axes: equal ones are within 5 %");
     objects.push_back(object);
   }
   root.refuse_unknown_keys();
@@ -184,9 +190,11 @@ void write_objects_yaml(const fs::path& path, const std::vector<ObjectDescriptio
   std::string text = fmt::format("schema: {}\nobjects:{}\n", kTracksSchema, objects.empty() ? " []" : "");
   for (const auto& object : objects) {
     const auto& a = object.semi_axes_m;
-    text += fmt::format("  - {{id: {}, name: {}, semi_axes_m: [{}, {}, {}], shape: {}, mesh: {}}}\n",
-                        object.id, yaml_quoted(object.name), a.x(), a.y(), a.z(), yaml_quoted(object.shape),
+    text += fmt::format("  - {{id: {}, name: {}, semi_axes_m: [{}, {}, {}], shape: {}, mesh: {}", object.id,
+                        yaml_quoted(object.name), a.x(), a.y(), a.z(), yaml_quoted(object.shape),
                         yaml_quoted(object.mesh));
+    if (object.symmetry) text += fmt::format(", symmetry: {}", to_string(*object.symmetry));
+    text += "}\n";
   }
   write_text(path, text);
 }

@@ -1,13 +1,15 @@
 #include "evaluation/align/symmetry.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "core/geometry/body_symmetry.h"
+#include "core/geometry/box_symmetry.h"
 
 namespace uniquadric {
 namespace {
@@ -15,58 +17,8 @@ namespace {
 // A candidate must beat the identity by this share of the greatest possible agreement, or it is rounding.
 constexpr double kRounding = 1e-12;
 
-bool equal_axes(double a, double b) {
-  return std::abs(a - b) <= kEqualAxes * std::max(a, b);
-}
-
 Eigen::Matrix3d shape_matrix(const Ellipsoid& e) {
   return e.world_from_object.rotation.toRotationMatrix() * e.semi_axes_m.asDiagonal();
-}
-
-std::array<Eigen::Matrix3d, 24> make_cube_rotations() {
-  std::array<Eigen::Matrix3d, 24> rotations;
-  std::size_t count = 0;
-  std::array<int, 3> order = {0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
-      for (int i = 0; i < 3; ++i) P(order[i], i) = (signs >> i & 1) != 0 ? -1 : 1;
-      if (P.determinant() > 0) rotations[count++] = P;
-    }
-  } while (std::next_permutation(order.begin(), order.end()));
-  assert(count == rotations.size());
-  return rotations;
-}
-
-// Turn about `axis` that makes tr(B^T M) greatest.
-Eigen::Matrix3d best_turn(const Eigen::Matrix3d& M, int axis) {
-  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-  const double angle = std::atan2(M(j, i) - M(i, j), M(i, i) + M(j, j));
-  return Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(axis)).toRotationMatrix();
-}
-
-Eigen::Matrix3d best_rotation(const Eigen::Matrix3d& M) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d U = svd.matrixU(), V = svd.matrixV();
-  return U * Eigen::Vector3d(1, 1, U.determinant() * V.determinant()).asDiagonal() * V.transpose();
-}
-
-std::vector<Eigen::Matrix3d> symmetry_candidates(BodySymmetry symmetry, const Eigen::Vector3d& semi_axes_m,
-                                                 int axis, const Eigen::Matrix3d& M) {
-  if (symmetry == BodySymmetry::ball) return {best_rotation(M)};
-  if (symmetry == BodySymmetry::revolution) {
-    const Eigen::Matrix3d flip =
-        Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::Unit((axis + 1) % 3)).toRotationMatrix();
-    return {best_turn(M, axis), flip * best_turn(flip.transpose() * M, axis)};
-  }
-  std::vector<Eigen::Matrix3d> kept;
-  for (const Eigen::Matrix3d& P : cube_rotations()) {
-    const Eigen::Vector3d renamed = P.cwiseAbs().transpose() * semi_axes_m;
-    if (equal_axes(renamed.x(), semi_axes_m.x()) && equal_axes(renamed.y(), semi_axes_m.y()) &&
-        equal_axes(renamed.z(), semi_axes_m.z()))
-      kept.push_back(P);
-  }
-  return kept;
 }
 
 }  // namespace
@@ -87,19 +39,6 @@ AxesSymmetry classify_axes(const Eigen::Vector3d& a) {
   return result;
 }
 
-const std::array<Eigen::Matrix3d, 24>& cube_rotations() {
-  static const std::array<Eigen::Matrix3d, 24> rotations = make_cube_rotations();
-  return rotations;
-}
-
-Ellipsoid relabelled(const Ellipsoid& ellipsoid, const Eigen::Matrix3d& axes) {
-  if (axes == Eigen::Matrix3d::Identity()) return ellipsoid;
-  Ellipsoid result = ellipsoid;
-  result.world_from_object.rotation = ellipsoid.world_from_object.rotation * Eigen::Quaterniond(axes);
-  result.semi_axes_m = axes.cwiseAbs().transpose() * ellipsoid.semi_axes_m;
-  return result;
-}
-
 Eigen::Matrix3d best_relabelling(const std::vector<Ellipsoid>& estimate,
                                  const std::vector<Ellipsoid>& truth) {
   assert(estimate.size() == truth.size());
@@ -109,7 +48,7 @@ Eigen::Matrix3d best_relabelling(const std::vector<Ellipsoid>& estimate,
     sum += shape_matrix(truth[i]).transpose() * shape_matrix(estimate[i]);
   Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
   double most = sum.trace() + kRounding * sum.norm();
-  for (const Eigen::Matrix3d& P : cube_rotations()) {
+  for (const Eigen::Matrix3d& P : box_rotations()) {
     const double agreement = (sum * P).trace();
     if (!(agreement > most)) continue;
     most = agreement;
@@ -145,23 +84,6 @@ double shape_distance_m(const Ellipsoid& estimate, const Ellipsoid& truth) {
   // |L_g|^2 + |L_e|^2 - 2 tr(S) = |L_g U - L_e V|^2 (U, V the singular vectors): no cancellation.
   const double squared = (Lg * svd.matrixU() - Le * svd.matrixV()).squaredNorm();
   return std::sqrt(between.squaredNorm() + squared / 3);
-}
-
-Eigen::Matrix3d best_symmetry_rotation(BodySymmetry symmetry, const Eigen::Vector3d& true_semi_axes_m,
-                                       int axis, const std::vector<Eigen::Matrix3d>& estimate,
-                                       const std::vector<Eigen::Matrix3d>& truth) {
-  assert(estimate.size() == truth.size());
-  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();  // sum |R_e B - R_g|^2 = const - 2 tr(B^T M)
-  for (std::size_t i = 0; i < estimate.size(); ++i) M += estimate[i].transpose() * truth[i];
-  Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
-  double most = M.trace() + kRounding * 3 * static_cast<double>(estimate.size());
-  for (const Eigen::Matrix3d& B : symmetry_candidates(symmetry, true_semi_axes_m, axis, M)) {
-    const double agreement = B.cwiseProduct(M).sum();
-    if (!(agreement > most)) continue;
-    most = agreement;
-    best = B;
-  }
-  return best;
 }
 
 }  // namespace uniquadric

@@ -67,6 +67,15 @@ Body read_body(const ConfigNode& node, std::uint64_t default_seed, std::vector<f
   return body;
 }
 
+std::optional<BodySymmetry> read_symmetry(const ConfigNode& object, const Eigen::Vector3d& semi_axes_m) {
+  const auto node = object.find("symmetry");
+  if (!node) return std::nullopt;
+  const auto symmetry = parse_body_symmetry(node->as<std::string>());
+  if (!symmetry) node->fail("expected box, revolution, sphere or none");
+  if (!allows(semi_axes_m, *symmetry)) node->fail("does not go with the extents: equal ones are within 5 %");
+  return symmetry;
+}
+
 }  // namespace
 
 fs::path resolve_path(const ConfigNode& node) {
@@ -105,6 +114,7 @@ Body read_object(const ConfigNode& node, std::vector<fs::path>& files) {
   body.id = id;
   if (body.shape == "room" || body.shape == "street" || body.shape == "track" || body.shape == "plane")
     node.at("primitive").fail("is for the world, not for objects");
+  body.symmetry = read_symmetry(node, body.semi_axes_m);
   body.motion = read_motion(node.at("motion"), Mover::body);
   node.refuse_unknown_keys();
   return body;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/config.h"
+#include "core/geometry/body_symmetry.h"
 #include "core/geometry/camera.h"
 #include "core/sequence/imu.h"
 #include "simulator/scene/mesh.h"
@@ -24,6 +25,7 @@ struct Body {
   std::vector<Mesh> meshes;
   Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();  ///< half the extents of the tight box
   Motion motion;                                          ///< world_from_object
+  std::optional<BodySymmetry> symmetry;                   ///< as the scene states it
 };
 
 /// Depth noise (SENSORS: Noise). Depth is z along the optical axis.

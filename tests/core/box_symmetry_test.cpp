@@ -16,7 +16,7 @@ Eigen::Matrix3d random_rotation(RandomStream& random) {
 }
 
 TEST(BoxSymmetry, TheTwentyFourAreDistinctRotationsThatFormAGroup) {
-  const auto rotations = proper_box_rotations();
+  const auto& rotations = box_rotations();
   const auto key = [](const Eigen::Matrix3d& P) { return std::vector<double>(P.data(), P.data() + 9); };
   std::set<std::vector<double>> set;
   for (const auto& P : rotations) {
@@ -33,7 +33,7 @@ TEST(BoxSymmetry, TheTwentyFourAreDistinctRotationsThatFormAGroup) {
 TEST(BoxSymmetry, NearestUndoesAnyRenamingOfTheAxes) {
   RandomStream random(1, "box_symmetry");
   int cases = 0;
-  for (const auto& P : proper_box_rotations()) {
+  for (const auto& P : box_rotations()) {
     const Eigen::Matrix3d reference = random_rotation(random);
     const Eigen::Matrix3d close = reference * exp_so3({0.2, -0.1, 0.3}).toRotationMatrix();
     const Eigen::Matrix3d found = nearest_box_rotation(close * P, reference);
@@ -47,7 +47,7 @@ TEST(BoxSymmetry, RelabellingKeepsTheBody) {
   RandomStream random(2, "box_symmetry");
   const Ellipsoid ellipsoid{{Eigen::Quaterniond(random_rotation(random)), {1, 2, 3}}, {0.1, 0.2, 0.5}};
   const Eigen::Matrix4d expected = dual_quadric(ellipsoid.world_from_object, ellipsoid.semi_axes_m);
-  for (const auto& P : proper_box_rotations()) {
+  for (const auto& P : box_rotations()) {
     const Ellipsoid other = relabel_axes(ellipsoid, P);
     EXPECT_LT((dual_quadric(other.world_from_object, other.semi_axes_m) - expected).norm(), kRounding);
   }

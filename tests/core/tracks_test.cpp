@@ -116,5 +116,21 @@ TEST(Tracks, DescriptionsWithBadAxesOrIdsAreRefused) {
             ":4: objects[1].semi_axes_m[1]: expected a finite number");
 }
 
+TEST(Tracks, ObjectDescriptionsReadBack) {
+  const TempFolder temp;
+  const std::vector<ObjectDescription> written = {
+      {1, "can", {0.1, 0.1, 0.2}, "mesh", "a/can.obj", BodySymmetry::revolution},
+      {2, "it's odd", {1.0 / 3, 0.1, 0.2}, "", "", std::nullopt}};
+  write_objects_yaml(temp.path() / "objects.yaml", written);
+  const auto read = read_objects_yaml(temp.path() / "objects.yaml");
+  ASSERT_EQ(read.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read[i].id, written[i].id);
+    EXPECT_EQ(read[i].semi_axes_m, written[i].semi_axes_m);
+    EXPECT_EQ(read[i].mesh, written[i].mesh);
+    EXPECT_EQ(read[i].symmetry, written[i].symmetry);
+  }
+}
+
 }  // namespace
 }  // namespace uniquadric

@@ -101,7 +101,7 @@ TEST_F(Evaluate, RenamedAxesAreUndoneByTheTrueSymmetry) {
     for (const char* axis : {"x", "y", "z"})
       EXPECT_NEAR(object["semi_axes_error_m"][axis]["max"], 0, kRounding);
   }
-  EXPECT_EQ(result["objects"][2]["symmetry"], "ball");
+  EXPECT_EQ(result["objects"][2]["symmetry"], "sphere");
 }
 
 TEST_F(Evaluate, LostObjectsAndMissingFramesAreCounted) {

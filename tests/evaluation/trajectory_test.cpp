@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/geometry/box_symmetry.h"
 #include "evaluation/align/alignment.h"
 #include "evaluation/align/symmetry.h"
 #include "core/base/hungarian.h"
@@ -234,22 +235,12 @@ TEST(Alignment, RefusesWhatLeavesItOpen) {
     EXPECT_THROW(align(kind, {}, {}), InputError);
 }
 
-TEST(Symmetry, CubeRotationsAreAGroupOf24) {
-  int products = 0;
-  for (const auto& P : cube_rotations())
-    for (const auto& Q : cube_rotations())
-      products += std::count(cube_rotations().begin(), cube_rotations().end(), Eigen::Matrix3d(P * Q)) == 1;
-  EXPECT_EQ(products, 24 * 24);
-  for (const auto& P : cube_rotations()) EXPECT_EQ(P.determinant(), 1);
-  EXPECT_EQ(cube_rotations()[0], Eigen::Matrix3d::Identity());
-}
-
 TEST(Symmetry, RenamedAxesAreUndone) {
   RandomStream random(7, "names");
   const Ellipsoid truth = body(random_rotation(random), {0.3, 0.2, 0.1});
-  for (const auto& P : cube_rotations()) {
-    const Ellipsoid renamed = relabelled(truth, P);
-    const Ellipsoid back = relabelled(renamed, best_relabelling({renamed}, {truth}));
+  for (const auto& P : box_rotations()) {
+    const Ellipsoid renamed = relabel_axes(truth, P);
+    const Ellipsoid back = relabel_axes(renamed, best_relabelling({renamed}, {truth}));
     EXPECT_EQ(back.semi_axes_m, truth.semi_axes_m);
     EXPECT_NEAR(absolute_error(back.world_from_object, truth.world_from_object).rotation_rad, 0, kRounding);
     EXPECT_NEAR(shape_distance_m(renamed, truth), 0, 1e-9);
@@ -265,26 +256,6 @@ TEST(Symmetry, RotationErrorByClassOfTheTrueAxes) {
   EXPECT_NEAR(*symmetric_rotation_error(body(x * z, {1, 1, 2}), body(none, {1, 1, 2})), 0.2, kRounding);
   EXPECT_NEAR(*symmetric_rotation_error(body(flip, {1, 2, 3}), body(none, {1, 2, 3})), 0.1, kRounding);
   EXPECT_NEAR(*symmetric_rotation_error(body(z, {1, 2, 3}), body(none, {1, 2, 3})), 1, kRounding);
-}
-
-TEST(Symmetry, BodyRotationComesFromTheTrueShapeAlone) {
-  const auto truth = random_poses(8, 8);
-  const auto fit = [&](BodySymmetry symmetry, const Eigen::Vector3d& axes, const Pose& body_turn) {
-    std::vector<Eigen::Matrix3d> from, to;
-    for (const Pose& pose : truth) {
-      from.push_back((pose * body_turn).rotation.toRotationMatrix());
-      to.push_back(pose.rotation.toRotationMatrix());
-    }
-    const Eigen::Matrix3d B = best_symmetry_rotation(symmetry, axes, 2, from, to);
-    return rotation_angle(to[0].transpose() * from[0] * B);
-  };
-  const Pose quarter = turn_z(pi / 2), odd = turn_z(1), skew = random_poses(1, 9)[0];
-  EXPECT_NEAR(fit(BodySymmetry::box, {1, 1.03, 1}, quarter), 0, kRounding);
-  EXPECT_NEAR(fit(BodySymmetry::box, {1, 2, 3}, quarter), pi / 2, kRounding);  // a real error stays
-  EXPECT_NEAR(fit(BodySymmetry::box, {1, 1, 1}, odd), pi / 2 - 1, kRounding);  // to the nearest name
-  EXPECT_NEAR(fit(BodySymmetry::revolution, {1, 1, 2}, odd), 0, kRounding);
-  EXPECT_GT(fit(BodySymmetry::revolution, {1, 1, 2}, skew), 0.1);
-  EXPECT_NEAR(fit(BodySymmetry::ball, {1, 1, 1}, skew), 0, 1e-7);
 }
 
 TEST(Symmetry, ShapeDistanceClosedForms) {

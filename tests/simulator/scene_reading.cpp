@@ -81,6 +81,14 @@ TEST(SceneFile, SaysWhatTheSceneHolds) {
   EXPECT_LT((block.motion.at(0) * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, 1, 1)).norm(), 1e-15);
 }
 
+TEST(SceneFile, StatesAnObjectsSymmetry) {
+  const ScratchFolder folder("scene_symmetry");
+  EXPECT_FALSE(load_scene(folder.write("scene.yaml", kScene)).objects[1].symmetry);
+  const Scene scene = load_scene(
+      folder.write("scene.yaml", replaced(kScene, "segments: 4", "segments: 4\n    symmetry: none")));
+  EXPECT_EQ(scene.objects[1].symmetry, BodySymmetry::none);
+}
+
 TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
   struct Fault {
     std::string from, to, message;
@@ -142,6 +150,10 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
       {"rpy_deg: [0, 0, 90]", "quaternion_xyzw: [0, 0, 0, 2]",
        ":22: objects[0].motion.quaternion_xyzw: norm is 2"},
       {"segments: 4", "sections: 4", ":27: unknown key 'objects[1].sections'"},
+      {"segments: 4", "symmetry: round",
+       ":27: objects[1].symmetry: expected box, revolution, sphere or none"},
+      {"size_m: [0.4, 0.2, 0.1]", "size_m: [0.4, 0.2, 0.1]\n    symmetry: revolution",
+       ":21: objects[0].symmetry: does not go with the extents"},
       {"  motion: {kind: line, velocity_mps: [0.1, 0, 0], start: {position_m: [0, 1, 0.1]}, "
        "rolling_radius_m: 0.1}",
        "  visible: true", ": objects[1]: missing key 'motion'"},
@@ -155,7 +167,7 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
     EXPECT_EQ(message.find('\n'), message.npos) << message;
     refused += message != "accepted";
   }
-  EXPECT_EQ(refused, 40);
+  EXPECT_EQ(refused, 42);
   EXPECT_NE(refusal(folder.path() / "absent.yaml").find("cannot be read"), std::string::npos);
 }
 
