@@ -66,6 +66,14 @@ json monte_carlo(const ObjectEvaluation& object, const EvaluateOptions& options)
   return {{"mean", sum / n}, {"stderr", error / n}, {"samples", options.iou_samples}, {"seed", options.seed}};
 }
 
+// Of the frames after the object's start.
+json after_start(const ObjectEvaluation& object, std::optional<double> ObjectFrame::*member) {
+  std::vector<double> values;
+  for (std::size_t k = first_frame_after_start(object.frames); k < object.frames.size(); ++k)
+    if (const auto value = object.frames[k].*member) values.push_back(*value);
+  return to_json(statistics(values));
+}
+
 json semi_axes_errors(const ObjectEvaluation& object) {
   json errors;
   for (int i = 0; i < 3; ++i)
@@ -101,6 +109,9 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"iou3d_monte_carlo", monte_carlo(object, options)},
                  {"iou2d", figure(&ObjectFrame::iou2d)},
                  {"iou2d_ellipse", figure(&ObjectFrame::iou2d_ellipse)},
+                 {"iou3d_after_3s", after_start(object, &ObjectFrame::iou3d)},
+                 {"iou2d_after_3s", after_start(object, &ObjectFrame::iou2d)},
+                 {"semi_axes_change_occluded_max", or_null(semi_axes_change_occluded(object.frames))},
                  {"d_shape_m", figure(&ObjectFrame::d_shape_m)},
                  {"semi_axes_error_m", semi_axes_errors(object)}};
   if (object.matched_frames < kMinPairs) {

@@ -95,6 +95,7 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
         seen != context.visibility.end()) {
       frame.visible_fraction = seen->second.visible_fraction;
       frame.visible = is_visible(seen->second);
+      frame.occluded = is_occluded(seen->second);
     }
   }
   if (result.frames.empty()) return result;
@@ -105,6 +106,8 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
   result.relabel_flips = settled.relabel_flips;
   for (std::size_t i = 0; i < settled.estimate.size(); ++i) {
     ObjectFrame& frame = result.frames[matched.frame[i]];
+    if (track->states[*matched_states[matched.frame[i]]].status == ObjectStatus::occluded)
+      frame.occluded = true;
     fill_single_frame(matched.truth[i], matched.estimate[i], settled.estimate[i], context, frame);
     fill_image_overlap(matched.truth[i], matched.estimate[i], context, frame);
   }

@@ -16,6 +16,7 @@ struct ObjectFrame {
   Eigen::Vector3d true_semi_axes_m;
   std::optional<double> visible_fraction;  ///< of the true silhouette; empty where the truth does not say
   bool visible = true;                     ///< is_visible, or not known
+  bool occluded = false;                   ///< is_occluded, or the estimate says so
   std::optional<Ellipsoid> estimate;  ///< axes renamed, body frame turned within the true shape's symmetry
   std::optional<PoseError> ape;       ///< of `estimate`
   std::optional<double> ape_rotation_naive_rad;  ///< of the estimate as it came

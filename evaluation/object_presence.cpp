@@ -1,6 +1,7 @@
 #include "evaluation/object_presence.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace uniquadric {
 namespace {
@@ -32,6 +33,34 @@ double longest_gap_s(const std::vector<ObjectFrame>& frames) {
 
 bool is_visible(const ObjectVisibility& visibility) {
   return visibility.visible_fraction >= kVisibleFraction && visibility.visible_px >= kVisible_px;
+}
+
+bool is_occluded(const ObjectVisibility& visibility) {
+  return visibility.visible_fraction < kOccludedFraction;
+}
+
+std::optional<double> semi_axes_change_occluded(const std::vector<ObjectFrame>& frames) {
+  std::optional<double> greatest;
+  std::optional<Eigen::Vector3d> before_m;
+  for (const ObjectFrame& frame : frames) {
+    if (!frame.estimate) continue;
+    const Eigen::Vector3d& a = frame.estimate->semi_axes_m;
+    if (!frame.occluded)
+      before_m = a;
+    else if (before_m)
+      greatest =
+          std::max(greatest.value_or(0), (a - *before_m).cwiseQuotient(*before_m).cwiseAbs().maxCoeff());
+  }
+  return greatest;
+}
+
+std::size_t first_frame_after_start(const std::vector<ObjectFrame>& frames) {
+  const auto begin = frames.begin(), end = frames.end();
+  const auto first = std::find_if(begin, end, [](const ObjectFrame& f) { return f.estimate.has_value(); });
+  if (first == end) return frames.size();
+  const std::int64_t from_ns = first->stamp_ns + std::llround(kStart_s * 1e9);
+  const auto after = std::find_if(first, end, [&](const ObjectFrame& f) { return f.stamp_ns >= from_ns; });
+  return static_cast<std::size_t>(after - begin);
 }
 
 ObjectPresence object_presence(const std::vector<ObjectFrame>& frames) {

@@ -18,6 +18,11 @@ inline constexpr std::int64_t kVisible_px = 50;
 /// Whether there is enough of the object to be seen.
 bool is_visible(const ObjectVisibility& visibility);
 
+/// An object counts as occluded where less than half of its silhouette is seen.
+/// ours: by then a mask says little of the size.
+inline constexpr double kOccludedFraction = 0.5;
+bool is_occluded(const ObjectVisibility& visibility);
+
 /// How long an object was followed. Frames in which it is not visible neither hit nor miss.
 struct ObjectPresence {
   std::size_t visible_frames = 0;
@@ -28,5 +33,15 @@ struct ObjectPresence {
   std::optional<double> longest_gap_s;
 };
 ObjectPresence object_presence(const std::vector<ObjectFrame>& frames);
+
+/// The greatest relative change |a - a_before| / a_before of a semi-axis during an occlusion, over all runs
+/// of estimated frames that are occluded; a_before is that of the last estimated frame before the run.
+/// Nothing where no occluded frame has an estimate and one before it.
+std::optional<double> semi_axes_change_occluded(const std::vector<ObjectFrame>& frames);
+
+/// Figures after the start leave out this time from an object's first estimated frame.
+inline constexpr double kStart_s = 3;
+/// The first frame from then on; the number of frames where there is none, or no estimate.
+std::size_t first_frame_after_start(const std::vector<ObjectFrame>& frames);
 
 }  // namespace uniquadric

@@ -46,6 +46,14 @@ constexpr Metric kMetrics[] = {
      "Vatti clipper as in the paper. It jumps for near circles, whose rectangle has no preferred angle."},
     {"iou2d_ellipse_mean", "IoU 2D ellipse", "", kHigher, kObject, "/iou2d_ellipse/mean",
      "The same ratio for the projected outlines themselves."},
+    {"iou3d_after_3s_mean", "IoU 3D after 3 s", "", kHigher, kObject, "/iou3d_after_3s/mean",
+     "IoU 3D over the frames from 3 s after the object's first state."},
+    {"iou2d_after_3s_mean", "IoU 2D after 3 s", "", kHigher, kObject, "/iou2d_after_3s/mean",
+     "IoU 2D over the frames from 3 s after the object's first state."},
+    {"semi_axes_change_occluded_max", "size change occluded", "", kLower, kObject,
+     "/semi_axes_change_occluded_max",
+     "Greatest relative change of a semi-axis from the last frame before an occlusion to any frame within. "
+     "Occluded is what shows less than half of its silhouette, or what the estimate calls so."},
     {"d_shape_mean_m", "d shape", "m", kLower, kObject, "/d_shape_m/mean",
      "Distance between two ellipsoids as bodies, in metres: sqrt(|dc|^2 + BW^2 / 3), BW the "
      "Bures-Wasserstein "

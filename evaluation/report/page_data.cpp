@@ -24,7 +24,8 @@ constexpr const char* kPlotted[] = {"ape_translation_m",
                                     "true_semi_axis_y_m",
                                     "true_semi_axis_z_m",
                                     "rpe_translation_m",
-                                    "rpe_rotation_rad"};
+                                    "rpe_rotation_rad",
+                                    "visible_fraction"};
 
 json metrics_json() {
   json list = json::array();

@@ -46,16 +46,16 @@ class Evaluate : public testing::Test {
   fs::path truth() const { return root_ / "scene" / "truth"; }
   fs::path estimate() const { return root_ / "estimate"; }
 
-  void write_truth() {
+  void write_truth(std::int64_t period_ns = kPeriodNs) {
     fs::create_directories(truth() / "objects");
     Trajectory camera;
-    for (int i = 0; i < kFrames; ++i) camera.push_back({i * kPeriodNs, camera_pose(i)});
+    for (int i = 0; i < kFrames; ++i) camera.push_back({i * period_ns, camera_pose(i)});
     write_tum(truth() / "camera.tum", camera);
     write_camera_yaml(truth() / "camera.yaml", Camera{});
     write_objects_yaml(truth() / "objects.yaml", kObjects);
     for (const auto& object : kObjects) {
       Trajectory poses;
-      for (int i = 0; i < kFrames; ++i) poses.push_back({i * kPeriodNs, object_pose(object.id, i)});
+      for (int i = 0; i < kFrames; ++i) poses.push_back({i * period_ns, object_pose(object.id, i)});
       write_tum(truth() / "objects" / (std::to_string(object.id) + ".tum"), poses);
     }
   }

@@ -112,17 +112,69 @@ TEST_F(Presence, FramesCsvSaysWhatWasVisible) {
       [&](int line, const auto& fields) {
         const std::size_t n = fields.size();
         if (line == 1) {
-          EXPECT_EQ(fields[n - 2], "visible_fraction");
-          EXPECT_EQ(fields[n - 1], "visible");
-        } else if (fields[n - 1] == "0") {
+          EXPECT_EQ(fields[n - 3], "visible_fraction");
+          EXPECT_EQ(fields[n - 2], "visible");
+          EXPECT_EQ(fields[n - 1], "occluded");
+        } else if (fields[n - 2] == "0") {
           EXPECT_EQ(fields[0], "3");
           EXPECT_EQ(fields[2], "1");
-          EXPECT_EQ(fields[n - 2], "0.04");
+          EXPECT_EQ(fields[n - 3], "0.04");
+          EXPECT_EQ(fields[n - 1], "1");
           ++hidden;
         }
       },
       ',');
   EXPECT_EQ(hidden, 1);
+}
+
+// Axes by hand: 0.30 before both occlusions; the first makes them 0.27 and 0.312 (10 % and 4 %), the second,
+// which only the estimate calls one, 0.36 of a 0.40 that they had become (10 % again, but for y: 0.30 of 0.20
+// is 50 %).
+TEST_F(Presence, SizesAreHeldAgainstThoseBeforeTheOcclusion) {
+  write_visibility([](int frame) { return frame >= 5 && frame < 8 ? View{499, 1000} : View{500, 1000}; });
+  const auto change = [&](double y_in_second) {
+    write_changed([&](Tracks& tracks) {
+      auto& states = tracks.objects[0].states;
+      for (auto& state : states) state.ellipsoid.semi_axes_m = {0.3, 0.3, 0.3};
+      states[5].ellipsoid.semi_axes_m.x() = 0.27;
+      states[6].ellipsoid.semi_axes_m.z() = 0.312;
+      for (int i = 12; i < kFrames; ++i) states[i].ellipsoid.semi_axes_m = {0.4, 0.2, 0.3};
+      for (int i = 20; i < 24; ++i) {
+        states[i].status = ObjectStatus::occluded;
+        states[i].ellipsoid.semi_axes_m.y() = y_in_second;
+      }
+    });
+    return run()["objects"][0]["semi_axes_change_occluded_max"].get<double>();
+  };
+  EXPECT_NEAR(change(0.2), 0.1, 1e-12);
+  EXPECT_NEAR(change(0.3), 0.5, 1e-12);
+  EXPECT_TRUE(run()["objects"][1]["semi_axes_change_occluded_max"].is_null());
+}
+
+TEST_F(Presence, WithoutAStateBeforeAnOcclusionThereIsNoChange) {
+  write_visibility([](int frame) { return frame < 8 ? View{100, 1000} : View{}; });
+  write_changed([](Tracks& tracks) { tracks.objects[0].states[3].ellipsoid.semi_axes_m *= 2; });
+  EXPECT_TRUE(run()["objects"][0]["semi_axes_change_occluded_max"].is_null());
+}
+
+TEST_F(Presence, IouAfterTheFirstThreeSeconds) {
+  constexpr std::int64_t kSlow_ns = 250'000'000;  // 4 frames a second
+  write_truth(kSlow_ns);
+  write_changed([](Tracks& tracks) {
+    auto& states = tracks.objects[2].states;  // the ball, at first seen in frame 2
+    states.erase(states.begin(), states.begin() + 2);
+    for (auto& state : states)
+      if (state.frame < 14) state.ellipsoid.semi_axes_m /= 2;  // settles at frame 14, 3 s later
+  });
+  const json result = run();
+  const json& ball = result["objects"][2];
+  EXPECT_NEAR(ball["iou3d"]["mean"], (12 * 0.125 + 16) / 28, 1e-9);
+  EXPECT_EQ(ball["iou3d_after_3s"]["n"], 16);
+  EXPECT_NEAR(ball["iou3d_after_3s"]["mean"], 1, 1e-12);
+  EXPECT_NEAR(ball["iou2d_after_3s"]["mean"], 1, 1e-12);
+  write_truth(kPeriodNs);  // a second is over before
+  write_changed([](Tracks&) {});
+  EXPECT_TRUE(run()["objects"][0]["iou3d_after_3s"].is_null());
 }
 
 TEST_F(Presence, RefusesABrokenVisibilityTable) {

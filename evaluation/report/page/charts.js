@@ -9,6 +9,7 @@ const kPlots = [
   { title: "Semi-axis z", unit: "m", column: "est_semi_axis_z_m", truth: "true_semi_axis_z_m" },
   { title: "RPE translation", unit: "m", column: "rpe_translation_m", error: true },
   { title: "RPE rotation", unit: "rad", column: "rpe_rotation_rad", error: true },
+  { title: "Share of the silhouette that is seen", unit: "", column: "visible_fraction", range: [0, 1] },
 ];
 const chart_state = { scene: null, object: null, variants: new Set(variants), seeds: new Set(data.seeds), log: false, time: null };
 let charts = [];
