@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <vector>
 
 namespace uniquadric {
@@ -15,10 +16,33 @@ constexpr double kTint = 0.35;  // ours: the surface stays visible
 const cv::Vec3b kIdColors[] = {{255, 120, 60}, {220, 60, 200}, {230, 210, 40},
                                {200, 90, 120}, {120, 60, 250}, {255, 200, 160}};
 
+constexpr int kShift = 4;  // OpenCV's fixed point: sixteenths of a pixel
+
+// Nothing beyond what the fixed point holds.
+std::optional<cv::Point> fixed_point(const Canvas& canvas, const Eigen::Vector2d& pixel) {
+  const cv::Point2d q = canvas.at(pixel) * (1 << kShift);
+  if (!(std::abs(q.x) < 1e8 && std::abs(q.y) < 1e8)) return std::nullopt;
+  return cv::Point(static_cast<int>(std::lround(q.x)), static_cast<int>(std::lround(q.y)));
+}
+
+// A straight edge in space, in pieces: the lens bends it.
+void draw_edge(Canvas& canvas, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+               const cv::Scalar& color, int line_px) {
+  constexpr int kPieces = 16;
+  constexpr double kNearest_m = 0.05;
+  std::optional<cv::Point> last;
+  for (int i = 0; i <= kPieces; ++i) {
+    const Eigen::Vector3d point = from + (to - from) * i / kPieces;
+    const auto pixel = point.z() < kNearest_m ? std::nullopt : canvas.camera.project(point);
+    const auto here = pixel ? fixed_point(canvas, *pixel) : std::nullopt;
+    if (last && here) cv::line(canvas.image, *last, *here, color, line_px, cv::LINE_AA, kShift);
+    last = here;
+  }
+}
+
 // A closed curve given in the rectified image, drawn where the lens puts it.
 void draw_curve(Canvas& canvas, const std::vector<Eigen::Vector2d>& rectified, const cv::Scalar& color,
                 int line) {
-  constexpr int kShift = 4;  // OpenCV's fixed point: sixteenths of a pixel
   std::vector<cv::Point> points;
   const Camera& camera = canvas.camera;
   for (const Eigen::Vector2d& p : rectified) {
@@ -28,9 +52,9 @@ void draw_curve(Canvas& canvas, const std::vector<Eigen::Vector2d>& rectified, c
       if (!bent) return;
       pixel = *bent;
     }
-    const cv::Point2d q = canvas.at(pixel) * (1 << kShift);
-    if (!(std::abs(q.x) < 1e8 && std::abs(q.y) < 1e8)) return;  // beyond what the fixed point holds
-    points.emplace_back(static_cast<int>(std::lround(q.x)), static_cast<int>(std::lround(q.y)));
+    const auto point = fixed_point(canvas, pixel);
+    if (!point) return;
+    points.push_back(*point);
   }
   cv::polylines(canvas.image, points, true, color, line, cv::LINE_AA, kShift);
 }
@@ -98,6 +122,17 @@ void draw_ellipse(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& colo
 
 void draw_rectangle(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& color, int line_px) {
   draw_curve(canvas, rectangle_points(ellipse), color, line_px);
+}
+
+void draw_box(Canvas& canvas, const Pose& camera_from_object, const Eigen::Vector3d& semi_axes_m,
+              const cv::Scalar& color, int line_px) {
+  const auto corner = [&](int signs) {
+    const Eigen::Vector3d sign(signs & 1 ? 1 : -1, signs & 2 ? 1 : -1, signs & 4 ? 1 : -1);
+    return Eigen::Vector3d(camera_from_object * sign.cwiseProduct(semi_axes_m).eval());
+  };
+  for (int from = 0; from < 8; ++from)
+    for (const int axis : {1, 2, 4})
+      if ((from & axis) == 0) draw_edge(canvas, corner(from), corner(from | axis), color, line_px);
 }
 
 void draw_label(Canvas& canvas, const std::string& text, cv::Point2d at, const cv::Scalar& color) {

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <opencv2/core.hpp>
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 #include <string>
 
 #include "core/geometry/camera.h"
@@ -28,6 +29,11 @@ void tint_masks(Canvas& canvas, const cv::Mat& masks);
 /// Draws an ellipse of the rectified image, or its rotated rectangle, where the lens puts it.
 void draw_ellipse(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& color, int line_px);
 void draw_rectangle(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& color, int line_px);
+
+/// Draws the twelve edges of a box, semi-axes half its sides [m], where the lens puts them; what lies less
+/// than 5 cm before the camera is left out.
+void draw_box(Canvas& canvas, const Pose& camera_from_object, const Eigen::Vector3d& semi_axes_m,
+              const cv::Scalar& color, int line_px);
 
 /// Text centred on a point of the canvas, moved inside where it would stick out.
 void draw_label(Canvas& canvas, const std::string& text, cv::Point2d at, const cv::Scalar& color);

@@ -8,6 +8,7 @@
 #include "core/base/files.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
+#include "evaluation/report/absence.h"
 #include "evaluation/report/drawing.h"
 #include "evaluation/report/jpeg.h"
 #include "evaluation/report/page.h"
@@ -18,35 +19,22 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth_px = 640;
 constexpr int kOutline_px = 2;
-constexpr std::int64_t kSameStamp_ns = 10'000'000;  // SPEC: poses belong together within 0.01 s
-const cv::Scalar kTrueColor(80, 220, 60), kEstimatedColor(0, 140, 255), kTextColor(255, 255, 255);
+constexpr double kNoteHeight_px = 18;
+const cv::Scalar kTrueColor(80, 220, 60), kEstimatedColor(0, 140, 255), kBoxColor(60, 220, 255),
+    kTextColor(255, 255, 255);
 
 enum class Whose { truth, estimate };
 
-const StampedPose* pose_at(const Trajectory& trajectory, std::int64_t stamp_ns) {
-  const StampedPose* nearest = nullptr;
-  for (const StampedPose& pose : trajectory)
-    if (std::abs(pose.stamp_ns - stamp_ns) <= kSameStamp_ns &&
-        (!nearest || std::abs(pose.stamp_ns - stamp_ns) < std::abs(nearest->stamp_ns - stamp_ns)))
-      nearest = &pose;
-  return nearest;
-}
-
-const ObjectState* state_at(const ObjectTrack& track, std::int64_t stamp_ns) {
-  for (const ObjectState& state : track.states)
-    if (std::abs(state.stamp_ns - stamp_ns) <= kSameStamp_ns && state.status != ObjectStatus::lost)
-      return &state;
-  return nullptr;
-}
-
 void draw_object(Canvas& canvas, const ObjectTrack& track, const ObjectState& state,
                  const Pose& camera_from_world, Whose whose) {
-  const EllipseProjection projection = project(
-      canvas.camera, camera_from_world * state.ellipsoid.world_from_object, state.ellipsoid.semi_axes_m);
-  if (projection.status != ProjectionStatus::ok) return;
-  const Ellipse& e = projection.ellipse;
+  const Pose camera_from_object = camera_from_world * state.ellipsoid.world_from_object;
   const bool is_truth = whose == Whose::truth;
   const cv::Scalar& color = is_truth ? kTrueColor : kEstimatedColor;
+  if (!is_truth) draw_box(canvas, camera_from_object, state.ellipsoid.semi_axes_m, kBoxColor, 1);
+  const EllipseProjection projection =
+      project(canvas.camera, camera_from_object, state.ellipsoid.semi_axes_m);
+  if (projection.status != ProjectionStatus::ok) return;
+  const Ellipse& e = projection.ellipse;
   draw_ellipse(canvas, e, color, kOutline_px);
   if (!is_truth) draw_rectangle(canvas, e, color, 1);
   // True names stand above the outline, estimated ones below.
@@ -55,15 +43,28 @@ void draw_object(Canvas& canvas, const ObjectTrack& track, const ObjectState& st
   const cv::Point2d at = is_truth
                              ? canvas.at(e.center - Eigen::Vector2d(0, half_height_px)) + cv::Point2d(0, -6)
                              : canvas.at(e.center + Eigen::Vector2d(0, half_height_px)) + cv::Point2d(0, 16);
-  draw_label(canvas, track.name.empty() ? fmt::format("#{}", track.id) : track.name, at, color);
+  const bool is_occluded = state.status == ObjectStatus::occluded;
+  draw_label(canvas, label_of(track) + (is_occluded ? " (occluded)" : ""), at, color);
 }
 
 void draw_tracks(Canvas& canvas, const Tracks& tracks, std::int64_t stamp_ns, Whose whose) {
-  const StampedPose* camera = pose_at(tracks.camera, stamp_ns);
+  const Pose* camera = camera_pose_at(tracks.camera, stamp_ns);
   if (!camera) return;
   for (const ObjectTrack& track : tracks.objects)
     if (const ObjectState* state = state_at(track, stamp_ns))
-      draw_object(canvas, track, *state, camera->pose.inverse(), whose);
+      draw_object(canvas, track, *state, camera->inverse(), whose);
+}
+
+// One below the other in the upper left corner.
+void draw_notes(Canvas& canvas, const std::vector<std::string>& notes) {
+  constexpr std::size_t kMost = 8;
+  double y_px = 14;  // the first baseline
+  const auto draw = [&](const std::string& text) {
+    draw_label(canvas, text, {0, y_px}, kTextColor);
+    y_px += kNoteHeight_px;
+  };
+  for (std::size_t i = 0; i < std::min(notes.size(), kMost); ++i) draw(notes[i]);
+  if (notes.size() > kMost) draw(fmt::format("... and {} more", notes.size() - kMost));
 }
 
 // The estimate's own masks, else the sequence's; empty where a frame has none.
@@ -85,16 +86,23 @@ void write_overlays(const fs::path& sequence_folder, const fs::path& truth_folde
   const Sequence sequence = open_sequence(sequence_folder);
   const Tracks estimate = read_tracks(estimate_folder);
   const Tracks truth = truth_folder.empty() ? Tracks{} : read_tracks(truth_folder);
+  const fs::path visibility_file = truth_folder / "instances/visibility.csv";
+  const VisibilityTable visibility = !truth_folder.empty() && fs::exists(visibility_file)
+                                         ? read_visibility(visibility_file)
+                                         : VisibilityTable{};
   const std::size_t n = std::min(sequence.frames.size(), static_cast<std::size_t>(std::max(count, 0)));
   PendingFolder folder(out, force);
   for (const std::size_t i : evenly_spaced(sequence.frames.size(), n)) {
     const SequenceFrame& frame = sequence.frames[i];
     Canvas canvas = make_canvas(read_rgb(sequence, frame), sequence.camera, kWidth_px);
-    if (const cv::Mat masks = find_masks(sequence, frame, estimate_folder); !masks.empty())
-      tint_masks(canvas, masks);
+    const cv::Mat masks = find_masks(sequence, frame, estimate_folder);
+    if (!masks.empty()) tint_masks(canvas, masks);
     draw_tracks(canvas, truth, frame.stamp_ns, Whose::truth);
     draw_tracks(canvas, estimate, frame.stamp_ns, Whose::estimate);
-    draw_label(canvas, fmt::format("frame {}", frame.frame), {0, 0}, kTextColor);
+    std::vector<std::string> notes =
+        absence_notes(estimate, masks, frame.frame, frame.stamp_ns, truth, visibility);
+    notes.insert(notes.begin(), fmt::format("frame {}", frame.frame));
+    draw_notes(canvas, notes);
     write_jpeg(folder.path() / fmt::format("{:06}.jpg", frame.frame), canvas.image);
   }
   if (n > 0) write_contact_sheet(folder.path(), folder.path() / "sheet.jpg");

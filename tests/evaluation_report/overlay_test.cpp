@@ -8,6 +8,7 @@
 #include "core/sequence/calibration.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
+#include "evaluation/report/absence.h"
 #include "evaluation/report/drawing.h"
 #include "evaluation/report/jpeg.h"
 #include "tests/support/temp_folder.h"
@@ -133,6 +134,37 @@ TEST(Overlay, NoOutlineWithoutAnEllipse) {
   EXPECT_EQ(cases, 3);
 }
 
+bool is_yellow(const cv::Vec3b& p) {
+  return std::min(p[1], p[2]) > p[0] + kColorMargin && std::abs(p[1] - p[2]) < kColorMargin;
+}
+
+// The estimate's box is drawn where its corners project: 1 m before the camera's axis, its front a square of
+// half a side f a / (z - a).
+TEST(Overlay, TheEstimatedBoxHasItsEdges) {
+  const GreyRecording recording(4, 3);
+  write_overlays(recording.sequence, "", recording.estimate, recording.out, 1, false);
+  const cv::Mat image = recording.first();
+  for (const double z_m : {2.5, 3.5}) {  // front and back face
+    const double half_px = 525 * 0.5 / z_m;
+    for (const double side : {-1.0, 1.0}) {
+      const int across = static_cast<int>(std::lround(319.5 + side * half_px)), off_corner = 239 + 25;
+      EXPECT_TRUE(is_yellow(image.at<cv::Vec3b>(off_corner, across))) << z_m << " " << side;
+    }
+  }
+}
+
+TEST(Drawing, BoxesAreCutBeforeTheCamera) {
+  Canvas canvas = make_canvas(cv::Mat(480, 640, CV_8UC3, cv::Scalar(0, 0, 0)), Camera{}, 640);
+  const auto drawn = [&](double z_m) {
+    canvas.image.setTo(cv::Scalar(0, 0, 0));
+    draw_box(canvas, GreyRecording::at(z_m), {0.2, 0.2, 0.5}, {255, 255, 255}, 1);
+    return count(canvas.image, [](const cv::Vec3b& p) { return p[0] > 100; });
+  };
+  EXPECT_GT(drawn(3), 400);
+  EXPECT_GT(drawn(0.3), 100);  // the camera inside: what is in front of it
+  EXPECT_EQ(drawn(-3), 0);
+}
+
 TEST(Overlay, RecordingsHaveNoTruth) {
   const GreyRecording recording(4, 4);
   write_overlays(recording.sequence, "", recording.estimate, recording.out, 1, false);
@@ -183,6 +215,61 @@ TEST(Overlay, SheetOfNothingIsRefused) {
   const TempFolder folder;
   const auto make = [&] { write_contact_sheet(folder.path(), folder.path() / "sheet.jpg"); };
   EXPECT_NE(input_error(make).find("holds no frames"), std::string::npos);
+}
+
+// Why an object has no outline: each kind of reason once.
+TEST(Absence, EveryReasonHasItsLine) {
+  Tracks estimate, truth;
+  estimate.camera = {{0, {}}, {100'000'000, {}}};
+  const auto track = [](int id, std::initializer_list<std::pair<std::int64_t, ObjectStatus>> states) {
+    ObjectTrack made{id, "", {}};
+    for (const auto& [stamp_ns, status] : states) {
+      ObjectState state;
+      state.stamp_ns = stamp_ns;
+      state.status = status;
+      made.states.push_back(state);
+    }
+    return made;
+  };
+  constexpr auto kActive = ObjectStatus::active;
+  constexpr std::int64_t kLate_ns = 200'000'000;
+  estimate.objects = {track(1, {{0, kActive}, {100'000'000, kActive}, {kLate_ns, kActive}}),
+                      track(2, {{0, kActive}, {100'000'000, ObjectStatus::lost}, {kLate_ns, kActive}}),
+                      track(3, {{0, kActive}, {kLate_ns, kActive}}),
+                      track(4, {{0, kActive}, {kLate_ns, kActive}}),
+                      track(5, {{kLate_ns, kActive}}),
+                      track(6, {{0, kActive}})};
+  truth.objects = {{1, "ball", {}}, {2, "cube", {}}, {3, "car", {}}};
+  const VisibilityTable visibility = {
+      {{1, 1}, {0, 0, 0, false}}, {{1, 2}, {40, 1000, 0.04, false}}, {{1, 3}, {100, 1000, 0.1, false}}};
+  cv::Mat masks(10, 10, CV_16UC1, cv::Scalar(0));
+  masks.row(0).setTo(4);
+  masks.row(1).setTo(9);
+  const std::vector<std::string> expected = {"#2: lost",
+                                             "#3: no mask",
+                                             "#4: no state from a mask of 10 px",
+                                             "#9: never a state; mask of 10 px",
+                                             "ball (truth): out of view",
+                                             "cube (truth): hidden, 4 % seen"};
+  EXPECT_EQ(absence_notes(estimate, masks, 1, 100'000'000, truth, visibility), expected);
+  EXPECT_EQ(
+      absence_notes(estimate, cv::Mat(), 1, 100'000'000, {}, {}),
+      (std::vector<std::string>{"#2: lost", "#3: no masks in this frame", "#4: no masks in this frame"}));
+  EXPECT_EQ(absence_notes(estimate, masks, 0, kLate_ns, {}, {}).at(0), "no camera pose");
+}
+
+TEST(Absence, StandsInThePicture) {
+  const GreyRecording recording(4, 3);
+  const auto corner = [&] {
+    write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
+    return recording.first()(cv::Rect(0, 20, 200, 18)).clone();
+  };
+  write_png(recording.sequence / "mask.png", cv::Mat(480, 640, CV_16UC1, cv::Scalar(0)));
+  const cv::Mat without = corner();
+  Tracks tracks = read_tracks(recording.estimate);
+  tracks.objects[0].states[0].status = ObjectStatus::lost;
+  write_estimate(recording.estimate, tracks);
+  EXPECT_GT(cv::norm(corner(), without, cv::NORM_INF), 100);
 }
 
 TEST(Drawing, OutlineFollowsTheLens) {
