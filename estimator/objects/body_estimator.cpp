@@ -6,14 +6,13 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kRecent = 6;                    // frames that the velocity is taken from
-constexpr double kUnknownAcceleration = 1.0;  // [m/s^2], [rad/s^2]: how the covariance of predictions grows
+constexpr double kPredictionSigma = 0.02;  // [m], [rad] of a prediction over one frame
+constexpr double kAlignedSigma = 0.02;     // [m], [rad] of a pose by outline and depth
+constexpr int kRecent = 6;                 // frames that the velocity is taken from
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
 }
-
-const std::optional<Silhouette> kNoSilhouette;
 
 }  // namespace
 
@@ -34,11 +33,10 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   }
   std::optional<BodyPose> pose;
   if (body) pose = track(frame, *body);
-  if (!pose && body && body->silhouette) {
-    if (++frames_unfound_ >= options_.lifecycle.restart_frames) pose = restart(frame, *body);
-  }
+  const bool by_points = pose.has_value();
+  if (!pose && body && body->silhouette) pose = align(frame, *body);
   if (pose) {
-    frames_unfound_ = 0;
+    frames_unfound_ = by_points || pose->keyframe ? 0 : frames_unfound_ + 1;
     recent_.push_back(
         {frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, pose->covariance});
     if (std::ssize(recent_) > kRecent) recent_.pop_front();
@@ -50,9 +48,11 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   }
   const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
   if (hidden_s > options_.lifecycle.lost_after_s) return std::nullopt;
-  const double drift = kUnknownAcceleration * hidden_s * hidden_s / 2;
-  BodyState state =
-      state_at(frame, predict(frame, body), recent_.back().covariance + drift * drift * Matrix6d::Identity());
+  const PoseSigmas sigmas = prediction_sigmas_at(frame);
+  Matrix6d covariance = recent_.back().covariance;
+  covariance.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
+  covariance.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
+  BodyState state = state_at(frame, predict(frame, body), covariance);
   state.status = ObjectStatus::occluded;
   return state;
 }
@@ -77,18 +77,32 @@ std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const 
   return short_window_.track(frame, body, predict(frame, &body), stale, random);
 }
 
-// The body is in view and none of its points is found again: the pose is the prediction, moved to where the
-// outline and the depth are.
-std::optional<BodyPose> BodyEstimator::restart(const PerceivedFrame& frame, const BodyObservation& body) {
-  const auto center = shape_.center_of(frame, body);
-  if (!center) return std::nullopt;
-  BodyPose pose;
-  pose.world_from_body = predict(frame, nullptr);
+PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) const {
+  const double t = seconds(recent_.back().stamp_ns, frame.stamp_ns);
+  const LifecycleOptions& o = options_.lifecycle;
+  return {kPredictionSigma + o.acceleration_mps2 * t * t / 2,
+          kPredictionSigma + o.angular_acceleration_radps2 * t * t / 2};
+}
+
+// The body is in view and too few of its points are found again: outline and depth place the known shape.
+// When that goes on, the short window starts anew from there.
+std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
   const Pose& offset = shape_.shape().body_from_object;
-  pose.world_from_body.translation = *center - pose.world_from_body.rotation * offset.translation;
-  pose.covariance = Matrix6d::Identity() * 0.01;  // 0.1 m, 0.1 rad: a guess
-  pose.keyframe = true;
-  short_window_.start(frame, body, pose.world_from_body);
+  Pose predicted = predict(frame, &body) * offset;
+  const PoseSigmas sigmas = prediction_sigmas_at(frame);
+  const bool stale = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.search_after_s;
+  if (stale)
+    if (const auto center = shape_.center_of(frame, body)) predicted.translation = *center;
+  const auto camera_from_object =
+      align_to_shape(camera_, *body.silhouette, body.points, shape_.shape(),
+                     frame.world_from_camera->inverse() * predicted, sigmas, stale, options_.alignment);
+  if (!camera_from_object) return std::nullopt;
+  BodyPose pose;
+  pose.world_from_body = *frame.world_from_camera * *camera_from_object * offset.inverse();
+  pose.world_from_body.rotation.normalize();
+  pose.covariance = Matrix6d::Identity() * kAlignedSigma * kAlignedSigma;
+  pose.keyframe = frames_unfound_ + 1 >= options_.lifecycle.restart_frames;
+  if (pose.keyframe) short_window_.start(frame, body, pose.world_from_body);
   return pose;
 }
 

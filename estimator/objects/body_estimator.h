@@ -9,6 +9,7 @@
 #include "core/sequence/tracks.h"
 #include "estimator/objects/shape_estimator.h"
 #include "estimator/perception/perception.h"
+#include "estimator/window/shape_alignment.h"
 #include "estimator/window/short_window.h"
 
 namespace uniquadric {
@@ -16,15 +17,18 @@ namespace uniquadric {
 /// When a body counts as what. All numbers are ours.
 struct LifecycleOptions {
   int confirm_keyframes = 3;     // tentative until its windows agree on so many keyframes
-  int restart_frames = 8;        // in view, but none of its points found again: its short window starts anew
-  double search_after_s = 0.25;  // a prediction older than this is not trusted
-  double lost_after_s = 3;       // of prediction alone
+  int restart_frames = 3;        // in view, but none of its points found again: its short window starts anew
+  double acceleration_mps2 = 2;  // how the prediction's sigma grows: hands, swings, cars
+  double angular_acceleration_radps2 = 3;  // the same
+  double search_after_s = 0.25;            // a prediction older than this is not trusted
+  double lost_after_s = 3;                 // of prediction alone
 };
 
 struct BodyOptions {
   ShortWindowOptions short_window;
   ShapeOptions shape;
   LifecycleOptions lifecycle;
+  ShapeAlignmentOptions alignment;
 };
 
 /// What is known of a body at one frame: where its short window's frame is, and the shape in it.
@@ -55,7 +59,8 @@ class BodyEstimator {
 
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
-  std::optional<BodyPose> restart(const PerceivedFrame& frame, const BodyObservation& body);
+  std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
+  PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame) const;
   Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;
   BodyState state_at(const PerceivedFrame& frame, const Pose& world_from_body,
                      const Matrix6d& covariance) const;

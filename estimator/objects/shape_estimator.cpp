@@ -11,6 +11,7 @@ namespace {
 constexpr double kSphereDepth = 0.6;    // centre of a sphere behind the median of its visible depth, in radii
 constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
 constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
+constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
   std::vector<double> z(points.row(2).begin(), points.row(2).end());
@@ -110,7 +111,7 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
   ShapeSolution best = solve_shape(camera_, views_, points, beliefs, shape_, options_.long_window);
   if (other_start) {
     ShapeSolution other = solve_shape(camera_, views_, points, beliefs, *other_start, options_.long_window);
-    if (other.cost < kClearlyBetter * best.cost) best = std::move(other);
+    if (other.cost < kClearlyBetter * best.cost - kClearGain) best = std::move(other);
   }
   shape_ = best.shape;
 }

@@ -19,9 +19,9 @@ namespace uniquadric {
 namespace {
 
 constexpr double kHuberSigmas = 2;
-constexpr double kMinDepth = 0.1;        // [m] of a body's centre in a view that counts
-constexpr double kFirstExponent = 1.6;   // q where it is to be found: in the middle of its range
-const PoseSigmas kWeakOffset{0.5, 0.5};  // of the offset about its start: holds what nothing else does
+constexpr double kMinDepth = 0.1;         // [m] of a body's centre in a view that counts
+constexpr double kFirstExponent = 1.6;    // q where it is to be found: in the middle of its range
+const PoseSigmas kWeakOffset{0.1, 0.05};  // of the offset about its start: a ball has no axes to be found
 
 // The blocks that Ceres works on.
 struct Blocks {

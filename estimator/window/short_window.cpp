@@ -56,8 +56,11 @@ void ShortWindow::start(const PerceivedFrame& frame, const BodyObservation& body
                         const Pose& world_from_body) {
   keyframes_.clear();
   std::vector<Feature> features;
-  for (const Feature& feature : body.features)
-    if (landmarks_.contains(feature.track) || feature.depth_m > 0) features.push_back(feature);
+  for (const Feature& feature : body.features) {
+    if (feature.depth_m <= 0) continue;
+    landmarks_.erase(feature.track);  // it was no help where the body is now
+    features.push_back(feature);
+  }
   add_keyframe(frame, std::move(features), world_from_body);
 }
 

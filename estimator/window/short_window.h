@@ -58,7 +58,8 @@ class ShortWindow {
  public:
   ShortWindow(const Camera& camera, const ShortWindowOptions& options) : camera_(camera), options_(options) {}
 
-  /// Opens the window with a first keyframe, or opens it again for a body that was lost, its points kept.
+  /// Opens the window with a first keyframe, or opens it again for a body that was lost; points that are not
+  /// in view are kept.
   void start(const PerceivedFrame& frame, const BodyObservation& body, const Pose& world_from_body);
 
   /// The body's pose in this frame, from the points known, and a keyframe where one is due. Nothing when too
