@@ -126,13 +126,19 @@ void visit(Io& io, LongWindowOptions& o) {
       Choices<Outline>{{"bbox", Outline::bbox}, {"rot_bbox", Outline::rot_bbox}, {"hull", Outline::hull}});
   io.number("exponents", o.exponents, 0, 3);
   io.positive("outline_sigma_px", o.outline_sigma_px);
+  io.choice("axis_prior", o.axis_prior,
+            Choices<AxisPrior>{{"none", AxisPrior::none},
+                               {"mean", AxisPrior::mean},
+                               {"inverse_variance", AxisPrior::inverse_variance},
+                               {"renyi", AxisPrior::renyi},
+                               {"literal", AxisPrior::literal},
+                               {"accumulated", AxisPrior::accumulated}});
   io.choice("rigid_prior", o.rigid_prior,
             Choices<RigidPrior>{
                 {"none", RigidPrior::none}, {"soft", RigidPrior::soft}, {"hard", RigidPrior::hard}});
   io.positive("rigid_sigma_m", o.rigid_sigmas.translation_m);
   io.positive("rigid_sigma_rad", o.rigid_sigmas.rotation_rad);
-  io.flag("surface_points", o.surface_points);
-  io.positive("surface_sigma_m", o.surface_sigma_m);
+  io.flag("depth_sides", o.depth_sides);
   io.number("max_iterations", o.max_iterations, 1, kMaxIterations);
 }
 
@@ -160,6 +166,9 @@ void visit(Io& io, Variant& o) {
   io.section("lifecycle", [&](auto& inner) { visit(inner, o.body.lifecycle); });
   io.choice("backend", o.backend,
             Choices<Backend>{{"single_frame", Backend::single_frame}, {"windows", Backend::windows}});
+  io.choice(
+      "parameterisation", o.body.parameterisation,
+      Choices<Parameterisation>{{"object", Parameterisation::object}, {"global", Parameterisation::global}});
   io.choice("output", o.output, Choices<Output>{{"causal", Output::causal}, {"final", Output::final}});
 }
 

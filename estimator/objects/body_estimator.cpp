@@ -32,7 +32,8 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     return state_at(frame, recent_.back().world_from_body, recent_.back().covariance);
   }
   std::optional<BodyPose> pose;
-  if (body) pose = track(frame, *body);
+  const bool is_global = options_.parameterisation == Parameterisation::global;
+  if (body) pose = is_global ? stand_still(frame) : track(frame, *body);
   const bool by_points = pose.has_value();
   if (!pose && body && body->silhouette) pose = align(frame, *body);
   if (pose) {
@@ -42,7 +43,9 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     if (std::ssize(recent_) > kRecent) recent_.pop_front();
     if (pose->keyframe) {
       ++keyframes_;
-      shape_.add_keyframe(short_window_.keyframes(), frame, *body);
+      if (!is_global) shape_.follow(short_window_.keyframes());
+      shape_.add_keyframe({frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, {}},
+                          *body);
     }
     return state_at(frame, pose->world_from_body, pose->covariance);
   }
@@ -64,7 +67,7 @@ bool BodyEstimator::start(const PerceivedFrame& frame, const BodyObservation& bo
   Pose world_from_body;
   world_from_body.translation = *center;
   short_window_.start(frame, body, world_from_body);
-  shape_.add_keyframe(short_window_.keyframes(), frame, body);
+  shape_.add_keyframe(short_window_.keyframes().back(), body);
   recent_.push_back(
       {frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, Matrix6d::Zero()});
   keyframes_ = 1;
@@ -75,6 +78,14 @@ std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const 
   RandomStream random(seed_, "find_pose", frame.frame, id_);
   const bool stale = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.search_after_s;
   return short_window_.track(frame, body, predict(frame, &body), stale, random);
+}
+
+BodyPose BodyEstimator::stand_still(const PerceivedFrame& frame) const {
+  BodyPose pose;
+  pose.world_from_body = recent_.back().world_from_body;
+  pose.covariance.setZero();
+  pose.keyframe = frame.frame % options_.short_window.keyframe_gap == 0;
+  return pose;
 }
 
 PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) const {

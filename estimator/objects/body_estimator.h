@@ -24,7 +24,14 @@ struct LifecycleOptions {
   double lost_after_s = 3;                 // of prediction alone
 };
 
+/// What the quadric is fixed to.
+enum class Parameterisation {
+  object,  ///< the body, which moves: the paper's object-centric quadric (Eq. 10)
+  global,  ///< the world (Eq. 8), as object SLAM has it: right for what stands still
+};
+
 struct BodyOptions {
+  Parameterisation parameterisation = Parameterisation::object;
   ShortWindowOptions short_window;
   ShapeOptions shape;
   LifecycleOptions lifecycle;
@@ -59,6 +66,7 @@ class BodyEstimator {
 
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
+  BodyPose stand_still(const PerceivedFrame& frame) const;
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
   PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame) const;
   Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;

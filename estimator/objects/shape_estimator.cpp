@@ -9,6 +9,7 @@ namespace uniquadric {
 namespace {
 
 constexpr double kSphereDepth = 0.6;    // centre of a sphere behind the median of its visible depth, in radii
+constexpr int kMostAxes = 100;          // single-frame estimates that are fused: bounds memory and time
 constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
 constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
 constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
@@ -17,6 +18,19 @@ double median_depth(const Eigen::Matrix3Xd& points) {
   std::vector<double> z(points.row(2).begin(), points.row(2).end());
   std::nth_element(z.begin(), z.begin() + std::ssize(z) / 2, z.end());
   return z[z.size() / 2];
+}
+
+AxisFusion fusion_rule(AxisPrior prior) {
+  switch (prior) {
+    case AxisPrior::mean:
+      return AxisFusion::mean;
+    case AxisPrior::inverse_variance:
+      return AxisFusion::inverse_variance;
+    case AxisPrior::literal:
+      return AxisFusion::literal;
+    default:
+      return AxisFusion::renyi;
+  }
 }
 
 }  // namespace
@@ -30,7 +44,6 @@ std::optional<Eigen::Vector3d> ShapeEstimator::start(const PerceivedFrame& frame
   const Ellipse& box = body.silhouette->rot_bbox;
   radius_m_ = median_depth(body.points) * std::sqrt(box.semi_major * box.semi_minor) / camera_.fx;
   shape_.semi_axes_m.setConstant(radius_m_);
-  cloud_.reset(radius_m_);
   return center_of(frame, body);
 }
 
@@ -43,23 +56,19 @@ std::optional<Eigen::Vector3d> ShapeEstimator::center_of(const PerceivedFrame& f
   return *frame.world_from_camera * (depth * *ray);
 }
 
-void ShapeEstimator::add_keyframe(const std::deque<BodyKeyframe>& window, const PerceivedFrame& frame,
-                                  const BodyObservation& body) {
-  const BodyKeyframe& newest = window.back();
+void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObservation& body) {
   ++keyframes_;
-  follow_window(window);
-  const Pose body_from_camera = newest.world_from_body.inverse() * newest.world_from_camera;
-  Eigen::Matrix3Xd points(3, body.points.cols());
-  for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) = body_from_camera * body.points.col(i);
-  cloud_.add(points);
+  cloud_.add(body.points, keyframe.world_from_body.inverse() * keyframe.world_from_camera);
   if (body.silhouette) {
-    ShapeView view{newest.frame, newest.world_from_camera, newest.world_from_body, *body.silhouette};
-    (view.silhouette.known_at_frame <= frame.frame ? views_ : waiting_).push_back(std::move(view));
+    ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *body.silhouette};
+    (view.silhouette.known_at_frame <= keyframe.frame ? views_ : waiting_).push_back(std::move(view));
   }
+  const AxisPrior prior = options_.long_window.axis_prior;
+  const bool fuses = prior != AxisPrior::none && prior != AxisPrior::accumulated;
   std::optional<Shape> box;
-  if (keyframes_ <= options_.search_keyframes) box = box_of(newest, body.points);
+  if (fuses || keyframes_ <= options_.search_keyframes) box = box_of(keyframe, body.points);
   if (keyframes_ == 1 && box) shape_ = *box;
-  solve(box);
+  solve(keyframes_ <= options_.search_keyframes ? box : std::nullopt);
 }
 
 void ShapeEstimator::receive(std::int64_t frame) {
@@ -72,8 +81,7 @@ void ShapeEstimator::receive(std::int64_t frame) {
   solve(std::nullopt);
 }
 
-// The views' poses are those that the short window has refined by now.
-void ShapeEstimator::follow_window(const std::deque<BodyKeyframe>& window) {
+void ShapeEstimator::follow(const std::deque<BodyKeyframe>& window) {
   for (std::vector<ShapeView>* views : {&views_, &waiting_})
     for (ShapeView& view : *views)
       for (const BodyKeyframe& keyframe : window)
@@ -81,14 +89,15 @@ void ShapeEstimator::follow_window(const std::deque<BodyKeyframe>& window) {
 }
 
 // Alg. 1 on one keyframe, its axes named as the shape's.
-std::optional<Shape> ShapeEstimator::box_of(const BodyKeyframe& keyframe,
-                                            const Eigen::Matrix3Xd& points) const {
+std::optional<Shape> ShapeEstimator::box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points) {
   RandomStream random(seed_, "obb_ransac", keyframe.frame, id_);
   const Pose body_from_camera = keyframe.world_from_body.inverse() * keyframe.world_from_camera;
   const Eigen::Matrix3d axes_in_camera =
       (body_from_camera.inverse().rotation * shape_.body_from_object.rotation).toRotationMatrix();
   const auto obb = fit_obb_ransac(points, options_.obb, axes_in_camera, random);
   if (!obb) return std::nullopt;
+  axes_.push_back({obb->box.half_extents_m, obb->semi_axes_std_m});
+  if (std::ssize(axes_) > kMostAxes) axes_.pop_front();
   const Ellipsoid box = inscribed_ellipsoid(obb->box);
   Shape shape = shape_;
   shape.body_from_object = body_from_camera * box.world_from_object;
@@ -102,15 +111,41 @@ std::optional<Shape> ShapeEstimator::box_of(const BodyKeyframe& keyframe,
   return shape;
 }
 
+// The sphere's weak one, and the one that the options ask for (Eq. 15).
+std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<AccumulatedBox>& box) const {
+  const Eigen::Vector3d sphere = Eigen::Vector3d::Constant(radius_m_);
+  std::vector<AxisBelief> beliefs = {{sphere, options_.sphere_sigma * sphere}};
+  const AxisPrior prior = options_.long_window.axis_prior;
+  if (prior == AxisPrior::accumulated && box) {
+    AxisBelief belief = beliefs.front();
+    for (int axis = 0; axis < 3; ++axis)
+      if (box->measured(axis)) {
+        belief.semi_axes_m[axis] = box->half_extent_m(axis);
+        belief.sigma_m[axis] = box->half_extent_sigma_m(axis);
+      }
+    beliefs.push_back(belief);
+  } else if (prior != AxisPrior::none && prior != AxisPrior::accumulated) {
+    AxisFusionOptions fusion = options_.fusion;
+    fusion.rule = fusion_rule(prior);
+    const std::vector<AxisEstimate> axes(axes_.begin(), axes_.end());
+    if (const auto fused = fuse_axes(axes, fusion); fused && fused->semi_axes_m.minCoeff() > 0)
+      beliefs.push_back({fused->semi_axes_m, fused->sigma_m});
+  }
+  return beliefs;
+}
+
 void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
   if (views_.empty()) return;
   thin_views(views_, options_.long_window.keyframes);
-  const Eigen::Matrix3Xd points = cloud_.sample();
-  const Eigen::Vector3d sphere = Eigen::Vector3d::Constant(radius_m_);
-  const std::vector<AxisBelief> beliefs = {{sphere, options_.sphere_sigma * sphere}};
-  ShapeSolution best = solve_shape(camera_, views_, points, beliefs, shape_, options_.long_window);
+  const auto solve_from = [&](const Shape& start) {
+    const auto box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
+    const std::vector<BodySide> sides =
+        box ? std::vector<BodySide>(box->sides.begin(), box->sides.end()) : std::vector<BodySide>{};
+    return solve_shape(camera_, views_, sides, axis_beliefs(box), start, options_.long_window);
+  };
+  ShapeSolution best = solve_from(shape_);
   if (other_start) {
-    ShapeSolution other = solve_shape(camera_, views_, points, beliefs, *other_start, options_.long_window);
+    ShapeSolution other = solve_from(*other_start);
     if (other.cost < kClearlyBetter * best.cost - kClearGain) best = std::move(other);
   }
   shape_ = best.shape;

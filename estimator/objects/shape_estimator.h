@@ -4,8 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "estimator/objects/surface_cloud.h"
 #include "estimator/perception/perception.h"
+#include "estimator/shape/accumulated_box.h"
+#include "estimator/shape/accumulated_cloud.h"
+#include "estimator/shape/axis_fusion.h"
 #include "estimator/shape/obb_ransac.h"
 #include "estimator/window/long_window.h"
 #include "estimator/window/short_window.h"
@@ -15,7 +17,8 @@ namespace uniquadric {
 struct ShapeOptions {
   ObbOptions obb;
   LongWindowOptions long_window;
-  SurfaceCloudOptions cloud;
+  CloudOptions cloud;
+  AxisFusionOptions fusion;
   // ours: of each semi-axis about the sphere's radius, relative: a face seen head-on says nothing of the
   // depth behind it; a centimetre of evidence outweighs it
   double sphere_sigma = 0.5;
@@ -31,9 +34,11 @@ class ShapeEstimator {
   /// The sphere of the first outline and depth (Eq. 10): its centre in the world; nothing without depth.
   std::optional<Eigen::Vector3d> start(const PerceivedFrame& frame, const BodyObservation& body);
 
-  /// Takes the newest of the short window's keyframes, whose frame and observation these are, and solves.
-  void add_keyframe(const std::deque<BodyKeyframe>& window, const PerceivedFrame& frame,
-                    const BodyObservation& body);
+  /// Takes a keyframe, of which this is the observation, and solves.
+  void add_keyframe(const BodyKeyframe& keyframe, const BodyObservation& body);
+
+  /// Takes over the poses that the short window has refined.
+  void follow(const std::deque<BodyKeyframe>& window);
 
   /// Takes in silhouettes that are known by now, and solves if there are any.
   void receive(std::int64_t frame);
@@ -44,8 +49,8 @@ class ShapeEstimator {
   const Shape& shape() const { return shape_; }
 
  private:
-  void follow_window(const std::deque<BodyKeyframe>& window);
-  std::optional<Shape> box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points) const;
+  std::vector<AxisBelief> axis_beliefs(const std::optional<AccumulatedBox>& box) const;
+  std::optional<Shape> box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points);
   void solve(const std::optional<Shape>& other_start);
 
   int id_;
@@ -56,7 +61,8 @@ class ShapeEstimator {
   double radius_m_ = 0;  // of the first sphere
   int keyframes_ = 0;
   std::vector<ShapeView> views_, waiting_;
-  SurfaceCloud cloud_;
+  std::deque<AxisEstimate> axes_;  // of single keyframes by Alg. 1
+  AccumulatedCloud cloud_;
 };
 
 }  // namespace uniquadric

@@ -13,18 +13,29 @@ double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Ve
   return (a.x() - o.x()) * (b.y() - o.y()) - (a.y() - o.y()) * (b.x() - o.x());
 }
 
-// Erases the parts of a mask that are small beside its largest; returns the pixels left.
+constexpr int kSpeckPixels = 8;      // a part smaller than this is a speck wherever it lies
+constexpr double kNearShare = 0.35;  // of the largest part's side: nearer parts are the body's, as wheels are
+
+// Erases the parts of a mask that are small beside its largest and lie away from it; returns the pixels left.
 int erase_specks(cv::Mat& mask, double min_share) {
   cv::Mat labels, statistics, centroids;
   const int count = cv::connectedComponentsWithStats(mask, labels, statistics, centroids, 8);
+  if (count <= 2) return count < 2 ? 0 : statistics.at<int>(1, cv::CC_STAT_AREA);
   const auto area = [&](int label) { return statistics.at<int>(label, cv::CC_STAT_AREA); };
-  int largest = 0, kept = 0;
-  for (int label = 1; label < count; ++label) largest = std::max(largest, area(label));
-  for (int label = 1; label < count; ++label)
-    if (area(label) >= min_share * largest)
+  int largest = 1, kept = 0;
+  for (int label = 2; label < count; ++label)
+    if (area(label) > area(largest)) largest = label;
+  cv::Mat distance;
+  cv::distanceTransform(labels != largest, distance, cv::DIST_L2, 3);
+  for (int label = 1; label < count; ++label) {
+    double gap = 0;
+    cv::minMaxLoc(distance, &gap, nullptr, nullptr, nullptr, labels == label);
+    const bool is_near = area(label) >= kSpeckPixels && gap < kNearShare * std::sqrt(area(largest));
+    if (is_near || area(label) >= min_share * area(largest))
       kept += area(label);
     else
       mask.setTo(0, labels == label);
+  }
   return kept;
 }
 

@@ -12,7 +12,6 @@
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/shape_block.h"
 #include "estimator/factors/shape_prior.h"
-#include "estimator/factors/surface_point.h"
 #include "estimator/factors/tangent.h"
 
 namespace uniquadric {
@@ -161,7 +160,7 @@ Vector9d variances_of(ceres::Problem& problem, Blocks& blocks) {
 }  // namespace
 
 ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& views,
-                          const Eigen::Matrix3Xd& surface_points, const std::vector<AxisBelief>& axes,
+                          const std::vector<BodySide>& sides, const std::vector<AxisBelief>& axes,
                           const Shape& start, const LongWindowOptions& options) {
   Blocks blocks = make_blocks(views, start, options);
   ceres::Problem problem;
@@ -171,11 +170,16 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   problem.AddParameterBlock(blocks.exponents.data(), exponents);
   for (std::size_t i = 0; i < views.size(); ++i)
     add_view(problem, camera, views[i], blocks.bodies[i].data(), blocks, options);
-  for (Eigen::Index i = 0; options.surface_points && i < surface_points.cols(); ++i)
-    problem.AddResidualBlock(
-        surface_point_factor(surface_points.col(i), options.surface_sigma_m, exponents).release(),
-        new ceres::CauchyLoss(kHuberSigmas), blocks.offset.data(), blocks.axes.data(),
-        blocks.exponents.data());
+  PoseBlock still = pose_block(Pose{});
+  for (const BodySide& side : sides) {
+    if (!options.depth_sides || !side.seen) continue;
+    TangentOptions tangent;
+    tangent.exponents = exponents;
+    const TangentPlane plane{side.direction, -side.position_m, 1 / side.sigma_m};
+    problem.AddResidualBlock(tangent_factor(plane, tangent).release(), new ceres::CauchyLoss(kHuberSigmas),
+                             still.data(), blocks.offset.data(), blocks.axes.data(), blocks.exponents.data());
+  }
+  if (problem.HasParameterBlock(still.data())) problem.SetParameterBlockConstant(still.data());
   for (const AxisBelief& belief : axes)
     problem.AddResidualBlock(
         axis_prior_factor(belief.semi_axes_m, belief.sigma_m, AxisScale::logarithmic).release(), nullptr,

@@ -11,6 +11,7 @@
 #include "core/sequence/tracks.h"
 #include "estimator/factors/pose_prior.h"
 #include "estimator/perception/perception.h"
+#include "estimator/shape/accumulated_box.h"
 
 namespace uniquadric {
 
@@ -42,12 +43,11 @@ struct LongWindowOptions {
   Outline outline = Outline::hull;
   int exponents =
       1;  // ours: 0 is the ellipsoid (q = 2), 1 the superellipsoid, 3 the one with a top of its own
-  double outline_sigma_px = 1.0;  // ours: of one tangent, README.md
-  AxisPrior axis_prior = AxisPrior::accumulated;
+  double outline_sigma_px = 1.0;           // ours: of one tangent, README.md
+  AxisPrior axis_prior = AxisPrior::none;  // ours: depth_sides say more, where they are seen
   RigidPrior rigid_prior = RigidPrior::hard;
   PoseSigmas rigid_sigmas{0.003, 0.006};  // ours: what short windows reach on the simulated scenes
-  bool surface_points = true;             // ours: depth says where the surface is along the view
-  double surface_sigma_m = 0.01;          // ours: of an averaged point of the cloud against a superellipsoid
+  bool depth_sides = true;                // ours: how far the accumulated depth points reach along the axes
   int max_iterations = 15;
 };
 
@@ -78,9 +78,10 @@ struct ShapeSolution {
   std::vector<Pose> world_from_body;  ///< of the views
 };
 
-/// Solves for the shape from views, surface points (body frame) and priors on the axes, from `start`.
+/// Solves for the shape from views, sides that depth has shown (body frame) and priors on the axes, from
+/// `start`.
 ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& views,
-                          const Eigen::Matrix3Xd& surface_points, const std::vector<AxisBelief>& axes,
+                          const std::vector<BodySide>& sides, const std::vector<AxisBelief>& axes,
                           const Shape& start, const LongWindowOptions& options);
 
 /// Keeps `most` views: the one that looks most like another goes, the older of the two.

@@ -25,11 +25,11 @@ Eigen::Vector3d back_project(const Camera& camera, const Feature& feature) {
                                            (feature.pixel.y() - camera.cy) / camera.fy, 1);
 }
 
-LandmarkSighting sighting_of(const Feature& feature, const Landmark& landmark) {
+LandmarkSighting sighting_of(const Feature& feature, const BodyPoint& landmark) {
   return {landmark.position, landmark.sigma_m, feature.pixel, feature.depth_m, feature.depth_sigma_m};
 }
 
-bool add_prior(ceres::Problem& problem, Landmark& landmark) {
+bool add_prior(ceres::Problem& problem, BodyPoint& landmark) {
   if (landmark.prior_information.trace() < kMinPriorTrace) return false;
   const Eigen::Matrix3d root = landmark.prior_information.llt().matrixU();
   problem.AddResidualBlock(landmark_prior_factor(landmark.prior_position, root).release(), nullptr,
@@ -94,7 +94,7 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
   result.keyframe = keyframe_is_due(frame, solution->camera_from_body, solution->inlier_count);
   std::vector<Feature> kept;
   for (std::size_t i = 0; i < features.size(); ++i) {
-    Landmark& landmark = landmarks_.at(features[i]->track);
+    BodyPoint& landmark = landmarks_.at(features[i]->track);
     if (solution->inliers[i]) {
       landmark.last_frame = frame.frame;
       kept.push_back(*features[i]);
@@ -128,7 +128,7 @@ void ShortWindow::add_keyframe(const PerceivedFrame& frame, std::vector<Feature>
   const Pose body_from_camera = world_from_body.inverse() * *frame.world_from_camera;
   for (const Feature& feature : features) {
     if (landmarks_.contains(feature.track)) continue;
-    Landmark landmark;
+    BodyPoint landmark;
     landmark.position = body_from_camera * back_project(camera_, feature);
     landmark.sigma_m = feature.depth_sigma_m;
     landmark.last_frame = frame.frame;
@@ -150,7 +150,7 @@ void ShortWindow::optimise() {
     problem.AddParameterBlock(pose, 7, pose_manifold().release());
     ordering->AddElementToGroup(pose, 1);
     for (const Feature& feature : keyframe.features) {
-      Landmark& landmark = landmarks_.at(feature.track);
+      BodyPoint& landmark = landmarks_.at(feature.track);
       const auto [entry, is_new] = information.try_emplace(feature.track, 0);
       if (feature.depth_m > 0) entry->second += 1 / (feature.depth_sigma_m * feature.depth_sigma_m);
       if (is_new) {
@@ -175,7 +175,7 @@ void ShortWindow::optimise() {
   ceres::Solve(solver, &problem, &summary);
   for (std::size_t i = 0; i < poses.size(); ++i) keyframes_[i].world_from_body = pose_from_block(poses[i]);
   for (const auto& [track, sum] : information) {
-    Landmark& landmark = landmarks_.at(track);
+    BodyPoint& landmark = landmarks_.at(track);
     const double all = sum + landmark.prior_information.trace() / 3;
     if (all > 0) landmark.sigma_m = std::max(kLeastSigma, 1 / std::sqrt(all));
   }
@@ -211,7 +211,7 @@ void ShortWindow::marginalise_oldest() {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const LinearisedSighting& line = lines[i];
     if (!line.valid) continue;
-    Landmark& landmark = landmarks_.at(oldest.features[i].track);
+    BodyPoint& landmark = landmarks_.at(oldest.features[i].track);
     const Eigen::Matrix3d spread =
         Eigen::Matrix3d::Identity() + line.by_pose * pose_covariance * line.by_pose.transpose();
     const Eigen::Matrix3d weighted = line.by_point.transpose() * spread.inverse();

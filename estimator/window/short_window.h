@@ -28,7 +28,7 @@ struct ShortWindowOptions {
 };
 
 /// A point of the body, fixed in its frame.
-struct Landmark {
+struct BodyPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m]
   double sigma_m = 0;                                  ///< of a coordinate
   /// What keyframes that left the window know of it: information about `prior_position`.
@@ -68,7 +68,7 @@ class ShortWindow {
                                 const Pose& predicted_world_from_body, bool search, RandomStream& random);
 
   const std::deque<BodyKeyframe>& keyframes() const { return keyframes_; }
-  const std::map<std::int64_t, Landmark>& landmarks() const { return landmarks_; }
+  const std::map<std::int64_t, BodyPoint>& landmarks() const { return landmarks_; }
 
  private:
   bool keyframe_is_due(const PerceivedFrame& frame, const Pose& camera_from_body, int seen) const;
@@ -81,7 +81,7 @@ class ShortWindow {
   Camera camera_;
   ShortWindowOptions options_;
   std::deque<BodyKeyframe> keyframes_;
-  std::map<std::int64_t, Landmark> landmarks_;  // by track
+  std::map<std::int64_t, BodyPoint> landmarks_;  // by track
 };
 
 }  // namespace uniquadric

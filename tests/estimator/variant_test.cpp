@@ -27,7 +27,8 @@ std::string other_value(const std::string& key, const std::string& value) {
       {"surface", "corner"},       {"blend_best", "literal"}, {"previous", "world"},
       {"tangent", "vector"},       {"hull", "bbox"},          {"hard", "soft"},
       {"single_frame", "windows"}, {"causal", "final"},       {"virtual", "threads"},
-      {"sequence", "fixed"},       {"ultrafast", "fast"}};
+      {"sequence", "fixed"},       {"ultrafast", "fast"},     {"none", "renyi"},
+      {"object", "global"}};
   if (value.empty()) return "";
   if (key == "fit") return "pca";
   if (key == "exponents") return "3";
