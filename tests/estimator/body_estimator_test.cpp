@@ -39,7 +39,7 @@ Errors run(const SyntheticBody& body, const SyntheticOptions& options, double fr
   for (std::size_t i = 0; i < perception.frames.size(); ++i) {
     const auto& bodies = perception.frames[i].bodies;
     const auto state = estimator.step(perception.frames[i], bodies.empty() ? nullptr : &bodies[0]);
-    if (!state || i < from_s * options.rate_hz) continue;
+    if (!state || static_cast<double>(i) < from_s * options.rate_hz) continue;
     const Pose object = state->world_from_body * state->shape.body_from_object;
     const Ellipsoid& expected = truth.objects[0].states[i].ellipsoid;
     const auto raise = [](double& largest, double value) { largest = std::max(largest, value); };

@@ -10,7 +10,7 @@
 namespace uniquadric {
 namespace fs = std::filesystem;
 
-Eigen::Matrix3Xd box_cloud(const OrientedBox& box, const CloudOptions& options, RandomStream& random) {
+Eigen::Matrix3Xd box_cloud(const OrientedBox& box, const BoxCloudOptions& options, RandomStream& random) {
   std::vector<Eigen::Vector3d> points;
   const Eigen::Vector3d& a = box.half_extents_m;
   for (int k = 0; k < 3; ++k)

@@ -12,7 +12,7 @@
 namespace uniquadric {
 
 /// What of a box is put into a cloud.
-struct CloudOptions {
+struct BoxCloudOptions {
   double spacing_m = 0.01;    ///< mean distance of neighbours
   double noise_m = 0;         ///< sigma along the face's normal
   double outliers = 0;        ///< share added, uniform within 0.5 m of the centre
@@ -20,7 +20,7 @@ struct CloudOptions {
 };
 
 /// Random points on the faces of a box (3 x n, metres).
-Eigen::Matrix3Xd box_cloud(const OrientedBox& box, const CloudOptions& options, RandomStream& random);
+Eigen::Matrix3Xd box_cloud(const OrientedBox& box, const BoxCloudOptions& options, RandomStream& random);
 
 /// A box in a generic pose.
 OrientedBox generic_box(const Eigen::Vector3d& half_extents_m);

@@ -22,7 +22,7 @@ ObbEstimate fit(const Eigen::Matrix3Xd& cloud, const ObbOptions& options, const 
 }
 
 struct Accuracy {
-  CloudOptions cloud;
+  BoxCloudOptions cloud;
   double axes_m, rotation_rad, centre_m;
 };
 
