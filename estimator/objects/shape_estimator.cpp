@@ -8,10 +8,10 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kSphereDepth = 0.6;    // centre of a sphere behind the median of its visible depth, in radii
-constexpr int kMostAxes = 100;          // single-frame estimates that are fused: bounds memory and time
-constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
-constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
+constexpr double kSphereDepth = 0.6;  // centre of a sphere behind the median of its visible depth, in radii
+constexpr int kMostAxes = 100;            // single-frame estimates that are fused: bounds memory and time
+constexpr double kThinnest = 0.5;         // semi-axis that a box starts with at least, in radii of the sphere
+constexpr double kClearlyBetter = 0.9;    // share of the cost below which another start is taken
 constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
@@ -36,7 +36,12 @@ AxisFusion fusion_rule(AxisPrior prior) {
 }  // namespace
 
 ShapeEstimator::ShapeEstimator(int id, const Camera& camera, const ShapeOptions& options, std::uint64_t seed)
-    : id_(id), camera_(camera), options_(options), seed_(seed), cloud_(options.cloud) {}
+    : id_(id),
+      camera_(camera),
+      options_(options),
+      seed_(seed),
+      cloud_(options.cloud),
+      surface_(options.surface) {}
 
 std::optional<Eigen::Vector3d> ShapeEstimator::start(const PerceivedFrame& frame,
                                                      const BodyObservation& body) {
@@ -44,6 +49,7 @@ std::optional<Eigen::Vector3d> ShapeEstimator::start(const PerceivedFrame& frame
   const Ellipse& box = body.silhouette->rot_bbox;
   radius_m_ = median_depth(body.points) * std::sqrt(box.semi_major * box.semi_minor) / camera_.fx;
   shape_.semi_axes_m.setConstant(radius_m_);
+  surface_.reset(radius_m_);
   return center_of(frame, body);
 }
 
@@ -58,7 +64,11 @@ std::optional<Eigen::Vector3d> ShapeEstimator::center_of(const PerceivedFrame& f
 
 void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObservation& body) {
   ++keyframes_;
-  cloud_.add(body.points, keyframe.world_from_body.inverse() * keyframe.world_from_camera);
+  const Pose body_from_camera = keyframe.world_from_body.inverse() * keyframe.world_from_camera;
+  cloud_.add(body.points, body_from_camera);
+  Eigen::Matrix3Xd points(3, body.points.cols());
+  for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) = body_from_camera * body.points.col(i);
+  surface_.add(points);
   if (body.silhouette) {
     ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *body.silhouette};
     (view.silhouette.known_at_frame <= keyframe.frame ? views_ : waiting_).push_back(std::move(view));
@@ -137,11 +147,15 @@ std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<Accumul
 void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
   if (views_.empty()) return;
   thin_views(views_, options_.long_window.keyframes);
+  const LongWindowOptions& window = options_.long_window;
   const auto solve_from = [&](const Shape& start) {
-    const auto box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
-    const std::vector<BodySide> sides =
-        box ? std::vector<BodySide>(box->sides.begin(), box->sides.end()) : std::vector<BodySide>{};
-    return solve_shape(camera_, views_, sides, axis_beliefs(box), start, options_.long_window);
+    std::optional<AccumulatedBox> box;
+    if (window.depth_sides || window.axis_prior == AxisPrior::accumulated)
+      box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
+    DepthEvidence depth;
+    if (window.surface_points) depth.surface_points = surface_.sample();
+    if (window.depth_sides && box) depth.sides.assign(box->sides.begin(), box->sides.end());
+    return solve_shape(camera_, views_, depth, axis_beliefs(box), start, window);
   };
   ShapeSolution best = solve_from(shape_);
   if (other_start) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "estimator/objects/surface_cloud.h"
 #include "estimator/perception/perception.h"
 #include "estimator/shape/accumulated_box.h"
 #include "estimator/shape/accumulated_cloud.h"
@@ -18,6 +19,7 @@ struct ShapeOptions {
   ObbOptions obb;
   LongWindowOptions long_window;
   CloudOptions cloud;
+  SurfaceCloudOptions surface;
   AxisFusionOptions fusion;
   // ours: of each semi-axis about the sphere's radius, relative: a face seen head-on says nothing of the
   // depth behind it; a centimetre of evidence outweighs it
@@ -63,6 +65,7 @@ class ShapeEstimator {
   std::vector<ShapeView> views_, waiting_;
   std::deque<AxisEstimate> axes_;  // of single keyframes by Alg. 1
   AccumulatedCloud cloud_;
+  SurfaceCloud surface_;
 };
 
 }  // namespace uniquadric

@@ -12,15 +12,15 @@
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/shape_block.h"
 #include "estimator/factors/shape_prior.h"
+#include "estimator/factors/surface_point.h"
 #include "estimator/factors/tangent.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr double kHuberSigmas = 2;
-constexpr double kMinDepth = 0.1;         // [m] of a body's centre in a view that counts
-constexpr double kFirstExponent = 1.6;    // q where it is to be found: in the middle of its range
-const PoseSigmas kWeakOffset{0.1, 0.05};  // of the offset about its start: a ball has no axes to be found
+constexpr double kMinDepth = 0.1;       // [m] of a body's centre in a view that counts
+constexpr double kFirstExponent = 1.6;  // q where it is to be found: in the middle of its range
 
 // The blocks that Ceres works on.
 struct Blocks {
@@ -160,8 +160,8 @@ Vector9d variances_of(ceres::Problem& problem, Blocks& blocks) {
 }  // namespace
 
 ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& views,
-                          const std::vector<BodySide>& sides, const std::vector<AxisBelief>& axes,
-                          const Shape& start, const LongWindowOptions& options) {
+                          const DepthEvidence& depth, const std::vector<AxisBelief>& axes, const Shape& start,
+                          const LongWindowOptions& options) {
   Blocks blocks = make_blocks(views, start, options);
   ceres::Problem problem;
   const int exponents = std::max(1, options.exponents);
@@ -171,7 +171,12 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   for (std::size_t i = 0; i < views.size(); ++i)
     add_view(problem, camera, views[i], blocks.bodies[i].data(), blocks, options);
   PoseBlock still = pose_block(Pose{});
-  for (const BodySide& side : sides) {
+  for (Eigen::Index i = 0; options.surface_points && i < depth.surface_points.cols(); ++i)
+    problem.AddResidualBlock(
+        surface_point_factor(depth.surface_points.col(i), options.surface_sigma_m, exponents).release(),
+        new ceres::CauchyLoss(kHuberSigmas), blocks.offset.data(), blocks.axes.data(),
+        blocks.exponents.data());
+  for (const BodySide& side : depth.sides) {
     if (!options.depth_sides || !side.seen) continue;
     TangentOptions tangent;
     tangent.exponents = exponents;
@@ -191,8 +196,8 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   if (options.rigid_prior == RigidPrior::none)
     problem.SetParameterBlockConstant(blocks.offset.data());  // the poses are free: they carry it
   else
-    problem.AddResidualBlock(pose_prior_factor(start.body_from_object, kWeakOffset).release(), nullptr,
-                             blocks.offset.data());
+    problem.AddResidualBlock(pose_prior_factor(start.body_from_object, options.offset_sigmas).release(),
+                             nullptr, blocks.offset.data());
   ceres::Solver::Options solver;
   solver.linear_solver_type = options.rigid_prior == RigidPrior::hard ? ceres::DENSE_QR : ceres::DENSE_SCHUR;
   solver.max_num_iterations = options.max_iterations;

@@ -47,7 +47,11 @@ struct LongWindowOptions {
   AxisPrior axis_prior = AxisPrior::none;  // ours: depth_sides say more, where they are seen
   RigidPrior rigid_prior = RigidPrior::hard;
   PoseSigmas rigid_sigmas{0.003, 0.006};  // ours: what short windows reach on the simulated scenes
-  bool depth_sides = true;                // ours: how far the accumulated depth points reach along the axes
+  bool surface_points = true;             // ours: depth says where the surface is along the view
+  double surface_sigma_m = 0.01;          // ours: of an averaged point of the cloud against a superellipsoid
+  bool depth_sides = false;  // ours: how far the accumulated points reach; surface_points say it better
+  // ours: of the offset about its start, a solve: a ball has no axes to be found, what nothing holds stays
+  PoseSigmas offset_sigmas{0.1, 0.05};
   int max_iterations = 15;
 };
 
@@ -72,17 +76,23 @@ struct AxisBelief {
   Eigen::Vector3d semi_axes_m, sigma_m;
 };
 
+/// What depth says of the shape, in the body's frame.
+struct DepthEvidence {
+  Eigen::Matrix3Xd surface_points;  ///< (3 x n) [m]
+  std::vector<BodySide> sides;
+};
+
 struct ShapeSolution {
   Shape shape;
   double cost = 0;
   std::vector<Pose> world_from_body;  ///< of the views
 };
 
-/// Solves for the shape from views, sides that depth has shown (body frame) and priors on the axes, from
+/// Solves for the shape from views, depth and priors on the axes, from
 /// `start`.
 ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& views,
-                          const std::vector<BodySide>& sides, const std::vector<AxisBelief>& axes,
-                          const Shape& start, const LongWindowOptions& options);
+                          const DepthEvidence& depth, const std::vector<AxisBelief>& axes, const Shape& start,
+                          const LongWindowOptions& options);
 
 /// Keeps `most` views: the one that looks most like another goes, the older of the two.
 void thin_views(std::vector<ShapeView>& views, int most);

@@ -66,8 +66,8 @@ TEST(BodyEstimator, FindsPoseAndSizeOfATumblingBoxWithinMillimetres) {
 }
 
 TEST(BodyEstimator, AndOfAnEllipsoid) {
-  const Errors errors = run(ellipsoid_body(kAxes, tumbling), three_seconds(), 1.5);
-  EXPECT_EQ(errors.frames, 45);
+  const Errors errors = run(ellipsoid_body(kAxes, tumbling), three_seconds(), 2.0);
+  EXPECT_EQ(errors.frames, 30);
   EXPECT_LT(errors.translation_m, 0.008);
   EXPECT_LT(errors.rotation_rad, 0.05);  // its outline turns less than a box's
   EXPECT_LT(errors.axes_m, 0.006);
