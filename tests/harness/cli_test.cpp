@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <opencv2/core.hpp>
 
 #include "core/base/files.h"
+#include "core/sequence/sequence.h"
 #include "tests/harness/program.h"
 #include "tests/support/temp_folder.h"
 
@@ -94,6 +96,8 @@ TEST_F(Cli, RefusesBadSequences) {
   estimate_refused("depth/000001.png: is a truncated image");
   write_text(depth, image);
   estimate_refused("depth/000001.png: expected a 16-bit grey image");
+  write_png(depth, cv::Mat(10, 20, CV_16UC1, cv::Scalar(1000)));
+  estimate_refused("depth/000001.png: is 20x10, the camera says ");
   write_text(depth, depth_image);
 
   write_text(given, poses + "2.0 0 0 nan 0 0 0 1\n");
