@@ -1,0 +1,70 @@
+// What evaluate writes holds every figure that scores.csv promises.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "evaluation/report/metrics.h"
+#include "evaluation/report/results.h"
+#include "tests/evaluation/evaluate_fixture.h"
+
+namespace uniquadric {
+namespace {
+
+const std::set<std::string> kCamera = {"ape_translation_rmse_m",
+                                       "ape_rotation_rmse_rad",
+                                       "rpe_translation_rmse_m",
+                                       "rpe_rotation_rmse_rad",
+                                       "drift_max_translation_m",
+                                       "drift_max_angle_deg",
+                                       "coverage"};
+const std::set<std::string> kObject = {"ape_translation_rmse_m",
+                                       "ape_rotation_rmse_rad",
+                                       "ape_rotation_naive_rmse_rad",
+                                       "rpe_translation_rmse_m",
+                                       "rpe_rotation_rmse_rad",
+                                       "motion_error_translation_rmse_m",
+                                       "motion_error_rotation_rmse_rad",
+                                       "iou3d_mean",
+                                       "iou2d_mean",
+                                       "iou2d_ellipse_mean",
+                                       "iou3d_after_3s_mean",
+                                       "iou2d_after_3s_mean",
+                                       "semi_axes_change_occluded_max",
+                                       "d_shape_mean_m",
+                                       "coverage",
+                                       "longest_gap_s",
+                                       "id_switches",
+                                       "drift_max_translation_m",
+                                       "drift_max_angle_deg"};
+const std::set<std::string> kAll = {"hota", "mota", "idf1", "frame_time_mean_ms"};
+
+TEST_F(Evaluate, HasEveryFigureOfTheScores) {
+  write_truth(200'000'000);
+  write_changed([](Tracks& tracks) {
+    for (auto& object : tracks.objects) object.states[9].status = ObjectStatus::occluded;
+  });
+  write_text(estimate() / "timing.csv", "frame,stage,ms\n0,fit,2\n1,fit,4\n");
+  run();
+  const CellEvaluation read = read_cell_evaluation(root_ / "out");
+  const auto names = [](const SubjectFigures& figures) {
+    std::set<std::string> set;
+    for (const auto& [name, value] : figures.value) set.insert(name);
+    return set;
+  };
+  ASSERT_EQ(read.subjects.size(), 5u);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(names(read.subjects[i]), kObject) << read.subjects[i].subject;
+  EXPECT_EQ(read.subjects[3].subject, "camera");
+  EXPECT_EQ(names(read.subjects[3]), kCamera);
+  EXPECT_EQ(read.subjects[4].subject, "all");
+  EXPECT_EQ(names(read.subjects[4]), kAll);
+  for (const Metric& metric : all_metrics())
+    EXPECT_TRUE(kObject.contains(metric.name) || kCamera.contains(metric.name) || kAll.contains(metric.name))
+        << metric.name;
+  EXPECT_EQ(read.alignment, "poses");
+  EXPECT_EQ(read.subjects[0].value.at("iou3d_after_3s_mean"), 1);
+  EXPECT_EQ(read.subjects[4].value.at("frame_time_mean_ms"), 3);
+}
+
+}  // namespace
+}  // namespace uniquadric
