@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 
 #include "core/geometry/pose.h"
 #include "core/sequence/sequence.h"
@@ -10,9 +11,9 @@
 namespace uniquadric {
 
 /// Throws InputError when no frame of the sequence has what a state takes - depth, masks (or boxes to find
-/// them in) and a camera pose, `poses` by stamp in ns - and says which is missing: stamps that do not meet
-/// are a mistake in the input, not a result.
+/// them in) and, where `poses` (by stamp in ns) are given, a camera pose - and says which is missing: stamps
+/// that do not meet are a mistake in the input, not a result.
 void check_sequence(const Sequence& sequence, const Segmenter& segmenter,
-                    const std::map<std::int64_t, Pose>& poses);
+                    const std::optional<std::map<std::int64_t, Pose>>& poses);
 
 }  // namespace uniquadric

@@ -13,9 +13,20 @@
 #include "estimator/perception/plane_depth.h"
 #include "estimator/perception/point_flow.h"
 #include "estimator/perception/rigid_motion.h"
-#include "estimator/perception/track_gallery.h"
 
 namespace uniquadric {
+
+/// Of the tracks that were lost and may come back. All numbers are ours.
+struct GalleryOptions {
+  int body_tracks = 600;         // kept of each body, the last lost first
+  int background_tracks = 3000;  // kept of the background
+  int min_sightings = 3;         // of a track that is worth keeping
+  int max_distance = 70;         // of 256 bits: beyond, chance matches are as many as true ones
+  double max_ratio = 0.85;       // of the best match's distance to the second best's
+  int min_matches = 8;           // that must agree on one rigid motion
+  double min_share = 0.25;       // of the matches
+  double pixel_gate = 4;         // of an agreeing match
+};
 
 /// All numbers are ours.
 struct FeatureOptions {

@@ -25,13 +25,23 @@ struct Work {
   std::vector<StageTime> times;
 };
 
+std::map<std::int64_t, Pose> by_stamp(const Trajectory& trajectory) {
+  std::map<std::int64_t, Pose> poses;
+  for (const auto& [stamp_ns, pose] : trajectory) poses.emplace(stamp_ns, pose);
+  return poses;
+}
+
+void add_poses(Perception& perception, const std::map<std::int64_t, Pose>& poses) {
+  for (PerceivedFrame& frame : perception.frames)
+    if (const auto pose = poses.find(frame.stamp_ns); pose != poses.end())
+      frame.world_from_camera = pose->second;
+}
+
 std::map<std::int64_t, Pose> given_poses(const Sequence& sequence) {
   if (!sequence.given_camera || sequence.given_camera->empty())
     throw InputError(sequence.folder / "camera_given.tum",
                      "holds no camera poses, which the variant (ego: given) needs");
-  std::map<std::int64_t, Pose> poses;
-  for (const auto& [stamp_ns, pose] : *sequence.given_camera) poses.emplace(stamp_ns, pose);
-  return poses;
+  return by_stamp(*sequence.given_camera);
 }
 
 BodyObservation& body_of(PerceivedFrame& frame, int id) {
@@ -81,12 +91,14 @@ Camera without_distortion(Camera camera) {
 
 Perception perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
                     std::vector<StageTime>& times) {
-  const auto poses = given_poses(sequence);
+  const bool is_given = options.ego == EgoSource::given;
+  const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
   const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
   check_sequence(sequence, segmenter, poses);
   const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence;
   if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
   FeatureTracker features(sequence.camera, options.features, run.seed);
+  RgbdOdometry odometry(sequence.camera, options.odometry, run.seed);
   Perception perception;
   perception.camera = without_distortion(sequence.camera);
   perception.frames.resize(sequence.frames.size());
@@ -117,10 +129,11 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
   const auto track = [&](std::shared_ptr<Work> work) {
     const SequenceFrame& frame = sequence.frames[work->index];
     Stopwatch watch(frame.frame, work->times);
-    add_features(features.track(frame, work->rgb, work->depth, work->masks), work->result);
-    if (const auto pose = poses.find(frame.stamp_ns); pose != poses.end())
-      work->result.world_from_camera = pose->second;
+    const TrackedFeatures tracked = features.track(frame, work->rgb, work->depth, work->masks);
+    add_features(tracked, work->result);
     watch.stop("features");
+    if (!is_given) odometry.track(frame, tracked, work->depth, work->masks);
+    watch.stop("ego");
     return work;
   };
   const auto look = [&](std::shared_ptr<Work> work) {
@@ -144,6 +157,7 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, look) &
                                tbb::make_filter<Handle, void>(tbb::filter_mode::serial_in_order, keep));
   });
+  add_poses(perception, is_given ? *poses : by_stamp(odometry.trajectory()));
   return perception;
 }
 

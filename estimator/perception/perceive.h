@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/sequence/sequence.h"
+#include "estimator/ego/rgbd_odometry.h"
 #include "estimator/perception/aot.h"
 #include "estimator/perception/features.h"
 #include "estimator/perception/perception.h"
@@ -19,11 +20,13 @@ namespace uniquadric {
 /// Where the camera's poses come from.
 enum class EgoSource {
   given,  ///< camera_given.tum of the sequence
+  rgbd,   ///< followed by the background's features and their depth (RgbdOdometry)
 };
 
 /// All options of the perception stage.
 struct PerceptionOptions {
   EgoSource ego = EgoSource::given;
+  EgoOptions odometry;  // of EgoSource::rgbd
   SegmentationOptions segmentation;
   AotOptions aot;
   FeatureOptions features;

@@ -59,10 +59,10 @@ void add_sighting(PointTrack& track, const Camera& camera, const Pose& camera_fr
   const Eigen::Matrix3d information = R.transpose() * seen.information * R;
   const Eigen::Vector3d normal = R.transpose() * weighted_normal(camera, track);
   if (!track.landmark) {
-    track.landmark = Landmark{point, information, normal, 1};
+    track.landmark = TrackLandmark{point, information, normal, 1};
     return;
   }
-  Landmark& landmark = *track.landmark;
+  TrackLandmark& landmark = *track.landmark;
   if (landmark.sightings >= most) return;
   const Eigen::Matrix3d sum = landmark.information + information;
   landmark.point += sum.ldlt().solve(information * (point - landmark.point));

@@ -14,7 +14,7 @@
 namespace uniquadric {
 
 /// A point of a body as its sightings agree on it.
-struct Landmark {
+struct TrackLandmark {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();        ///< frame of the body's map [m]
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the mean [1/m^2]
   Eigen::Vector3d normal_sum = Eigen::Vector3d::Zero();   ///< of its surface's normals, outward, weighted
@@ -28,7 +28,7 @@ struct PointTrack {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();        ///< raw image
   Eigen::Vector2d undistorted = Eigen::Vector2d::Zero();  ///< the same
   std::optional<PlaneDepth> depth;                        ///< of the present frame
-  std::optional<Landmark> landmark;
+  std::optional<TrackLandmark> landmark;
   std::optional<PatchAnchor> anchor;
   std::vector<SurfaceDescriptor> descriptors;  ///< when it was found
   int map = 0;                                 ///< of its body, that the landmark belongs to
