@@ -2,62 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
-#include <vector>
 
 #include "core/base/random.h"
-#include "simulator/lidar/echoes.h"
+#include "simulator/lidar/beam_aim.h"
+#include "simulator/lidar/beam_echoes.h"
 
 namespace uniquadric {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-using Draws = BeamBlock::Row<BeamDraws>;
-
-struct Deflection {
-  double horizontal_rad = 0, vertical_rad = 0;
-};
-
-// Of a few degrees at most: within 1e-8 at 2 deg.
-double small_tangent(double angle_rad) {
-  return angle_rad * (1 + angle_rad * angle_rad / 3);
-}
-
-// Copies beam `from` of `beams` to place `to` of `rays`, turned by small angles: to the left, and up.
-void put_ray(const BeamBlock& beams, int from, const Deflection& deflection, BeamBlock& rays, int to) {
-  rays.time_ns[to] = beams.time_ns[from];
-  rays.origin_x[to] = beams.origin_x[from];
-  rays.origin_y[to] = beams.origin_y[from];
-  rays.origin_z[to] = beams.origin_z[from];
-  const double x = beams.x[from], y = beams.y[from], z = beams.z[from];
-  const double level = std::max(std::sqrt(x * x + y * y), 1e-9);  // straight up, left is any direction
-  const double left_x = -y / level, left_y = x / level;
-  const double up_x = -left_y * z, up_y = left_x * z, up_z = level;
-  const double h = small_tangent(deflection.horizontal_rad), v = small_tangent(deflection.vertical_rad);
-  const double dx = x + h * left_x + v * up_x, dy = y + h * left_y + v * up_y, dz = z + v * up_z;
-  const double scale = 1 / std::sqrt(dx * dx + dy * dy + dz * dz);
-  rays.x[to] = dx * scale;
-  rays.y[to] = dy * scale;
-  rays.z[to] = dz * scale;
-}
-
-// Every ray of every beam: the beam's error of aim and the ray's place in the beam.
-void spread(const LidarRig& rig, const BeamBlock& beams, const Draws& draws, BeamBlock& rays) {
-  const LidarBeam& beam = rig.beam;
-  const double sigma = rig.noise.angle_sigma_deg * kDegree;
-  const auto place = [](int i, int n, double width_deg) {
-    return ((i + 0.5) / n - 0.5) * width_deg * kDegree;
-  };
-  rays.count = 0;
-  for (int i = 0; i < beams.count; ++i)
-    for (int row = 0; row < beam.vertical_rays; ++row)
-      for (int column = 0; column < beam.horizontal_rays; ++column)
-        put_ray(beams, i,
-                {sigma * draws[i].aim_horizontal + place(column, beam.horizontal_rays, beam.horizontal_deg),
-                 sigma * draws[i].aim_vertical + place(row, beam.vertical_rays, beam.vertical_deg)},
-                rays, rays.count++);
-}
 
 void to_single(const BeamCasting& casting, const BeamBlock& beams, const WorldRays& from, RayBlock& to) {
   to.count = beams.count;
@@ -74,39 +26,9 @@ void to_single(const BeamCasting& casting, const BeamBlock& beams, const WorldRa
   }
 }
 
-// The hit of ray i, whose direction single precision has left a length of nearly 1: the range is in metres.
-RayReturn return_of(const RayBlock& rays, int i, double share) {
-  const double x = rays.x[i], y = rays.y[i], z = rays.z[i];
-  const double length = 0.5 + 0.5 * (x * x + y * y + z * z);  // its square root within 1e-14
-  const double cosine =
-      rays.reflectivity[i] > 1 ? 1.0f : rays.incidence_cos[i];  // retro-reflectors: any angle
-  return {rays.distance[i] * length, rays.reflectivity[i] * cosine * share, rays.incidence_cos[i],
-          rays.instance[i]};
-}
-
-// `room` holds the returns of one beam.
-std::optional<Echo> echo_of(const LidarRig& rig, const RayBlock& rays, int beam, const BeamDraws& draws,
-                            std::vector<RayReturn>& room) {
-  const double limit =
-      detection_limit(rig.noise) * std::max(0.0, 1 + rig.noise.detection_sigma * draws.detection);
-  const int n = rig.beam.rays();
-  if (n == 1)
-    return rays.distance[beam] < 0 ? std::nullopt : only_echo(return_of(rays, beam, 1), rig.noise, limit);
-  room.clear();
-  for (int i = beam * n; i < (beam + 1) * n; ++i)
-    if (rays.distance[i] >= 0) room.push_back(return_of(rays, i, 1.0 / n));
-  return reported_echo(room, rig.beam, rig.noise, limit);
-}
-
-double measured_range(const LidarRig& rig, const Echo& echo, const BeamDraws& draws) {
-  const LidarNoise& noise = rig.noise;
-  // A beam of several rays has its spread already.
-  const double sigma =
-      rig.beam.rays() > 1 ? noise.range_sigma_m : range_sigma(noise, echo.range_m, echo.incidence_cos);
-  const double range = echo.range_m + sigma * draws.range;
-  if (noise.quantum_m <= 0) return range;
-  // A cast, as std::round is a call for this instruction set; what is negative falls below the least range.
-  return static_cast<double>(static_cast<std::int64_t>(range / noise.quantum_m + 0.5)) * noise.quantum_m;
+void clear(BeamDraws& draws) {
+  for (BeamDraws::Row* row : {&draws.aim_horizontal, &draws.aim_vertical, &draws.range, &draws.detection})
+    row->fill(0);
 }
 
 // Which of the block's beams report something that is not there, and how far: gaps between them are drawn.
@@ -139,26 +61,27 @@ class FalseAlarms {
   int next_ = -1;
 };
 
-LidarPoint point_of(const BeamCasting& casting, const BeamBlock& beams, int i, double range_m) {
-  LidarPoint point;
+// In place: a point made elsewhere and copied would wait for its own parts to be written.
+void put_point(const BeamCasting& casting, const BeamBlock& beams, int i, double range_m, float intensity,
+               std::uint8_t tag, LidarPoint& point) {
   point.x = static_cast<float>(beams.origin_x[i] + range_m * beams.x[i]);
   point.y = static_cast<float>(beams.origin_y[i] + range_m * beams.y[i]);
   point.z = static_cast<float>(beams.origin_z[i] + range_m * beams.z[i]);
   point.offset_ns = static_cast<std::uint32_t>(beams.time_ns[i] - casting.start_ns);
   point.ring = beams.ring[i];
-  return point;
+  point.intensity = intensity;
+  point.tag = tag;
 }
 
-bool surface_point(const BeamCasting& casting, const BeamBlock& beams, int i, const Echo& echo,
-                   const BeamDraws& draws, LidarPoint& point, LidarPointTruth& truth) {
+bool surface_point(const BeamCasting& casting, const BeamBlock& beams, int i, const EchoBlock& echoes,
+                   LidarPoint& point, LidarPointTruth& truth) {
   const LidarNoise& noise = casting.rig.noise;
-  const double range = measured_range(casting.rig, echo, draws);
+  const double range = echoes.measured_m[i];
   if (range < noise.min_range_m || range > noise.max_range_m) return false;
-  point = point_of(casting, beams, i, range);
-  point.intensity = reported_intensity(echo.reflected);
-  point.tag = static_cast<std::uint8_t>(std::min(echo.number, 3) << 4);
-  truth = {static_cast<float>(echo.range_m), echo.incidence_cos, echo.instance,
-           echo.mixed ? LidarPointTruth::Kind::mixed : LidarPointTruth::Kind::surface};
+  put_point(casting, beams, i, range, reported_intensity(echoes.reflected[i]),
+            static_cast<std::uint8_t>(echoes.number[i] << 4), point);
+  truth = {static_cast<float>(echoes.range_m[i]), echoes.incidence_cos[i], echoes.instance[i],
+           echoes.is_mixed[i] ? LidarPointTruth::Kind::mixed : LidarPointTruth::Kind::surface};
   return true;
 }
 
@@ -167,30 +90,33 @@ bool surface_point(const BeamCasting& casting, const BeamBlock& beams, int i, co
 int cast_beams(const BeamCasting& casting, std::int64_t first, std::int64_t from, int count,
                LidarPoint* points, LidarPointTruth* truth) {
   const LidarRig& rig = casting.rig;
-  BeamBlock beams, spread_beams;
+  BeamBlock beams, spread;
   WorldRays world_rays;
   RayBlock rays;
-  Draws draws;
+  BeamDraws draws;
+  EchoBlock echoes;
   rig.pattern.fill(first + from, count, beams);
   if (rig.noise.is_random())
     draw_beams(casting.seed, static_cast<std::uint64_t>(casting.scan), static_cast<std::uint32_t>(from),
-               {draws.data(), static_cast<std::size_t>(count)});
+               count, draws);
+  else
+    clear(draws);
   const bool as_they_are = rig.beam.rays() == 1 && rig.noise.angle_sigma_deg == 0;
-  if (!as_they_are) spread(rig, beams, draws, spread_beams);
-  const BeamBlock& cast = as_they_are ? beams : spread_beams;
+  if (!as_they_are) spread_beams(rig, beams, draws, spread);
+  const BeamBlock& cast = as_they_are ? beams : spread;
   casting.path.place(cast, world_rays);
   to_single(casting, cast, world_rays, rays);
   casting.bodies.cast(rays);
+  find_echoes(rig, rays, draws, echoes);
 
   FalseAlarms false_alarms(casting, from);
-  std::vector<RayReturn> room;
   int written = 0;
   for (int i = 0; i < count; ++i) {
     if (const auto range = false_alarms.range_at(i)) {
-      points[written] = point_of(casting, beams, i, *range);
+      put_point(casting, beams, i, *range, 0, 0, points[written]);
       truth[written++] = {static_cast<float>(*range), 0, 0, LidarPointTruth::Kind::false_alarm};
-    } else if (const auto echo = echo_of(rig, rays, i, draws[i], room)) {
-      written += surface_point(casting, beams, i, *echo, draws[i], points[written], truth[written]);
+    } else if (echoes.is_found[i]) {
+      written += surface_point(casting, beams, i, echoes, points[written], truth[written]);
     }
   }
   return written;

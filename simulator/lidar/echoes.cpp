@@ -40,17 +40,6 @@ bool is_better(const Echo& echo, const Echo& than, LidarBeam::Return returned) {
 
 }  // namespace
 
-std::optional<Echo> only_echo(const RayReturn& met, const LidarNoise& noise, double limit) {
-  Echo echo;
-  echo.strength = received_strength(noise, met.range_m, met.reflected);
-  if (echo.strength < limit) return std::nullopt;
-  echo.range_m = met.range_m;
-  echo.reflected = met.reflected;
-  echo.incidence_cos = met.incidence_cos;
-  echo.instance = met.instance;
-  return echo;
-}
-
 std::optional<Echo> reported_echo(std::span<RayReturn> returns, const LidarBeam& beam,
                                   const LidarNoise& noise, double limit) {
   std::sort(returns.begin(), returns.end(),

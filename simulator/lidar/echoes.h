@@ -26,9 +26,6 @@ struct Echo {
   int number = 0;      ///< among the beam's echoes, from 0
 };
 
-/// The echo of a beam of one ray, nothing when its strength is below `limit`.
-std::optional<Echo> only_echo(const RayReturn& met, const LidarNoise& noise, double limit);
-
 /// The echo a sensor reports of a beam whose rays met `returns` (sorted here), nothing when none is found.
 std::optional<Echo> reported_echo(std::span<RayReturn> returns, const LidarBeam& beam,
                                   const LidarNoise& noise, double limit);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -48,17 +49,10 @@ LidarNoise noise_of(std::string_view pattern) {
   return noise;
 }
 
-double range_sigma(const LidarNoise& noise, double range_m, double incidence_cos) {
-  const double c = std::max(incidence_cos, 1e-9);
-  const double tangent = std::min(std::sqrt(std::max(0.0, 1 - c * c)) / c, noise.max_incidence_tan);
-  const double spread = range_m * noise.divergence_deg * (std::numbers::pi / 180) * tangent;
-  return std::sqrt(noise.range_sigma_m * noise.range_sigma_m + spread * spread / 12);
-}
-
-double received_strength(const LidarNoise& noise, double range_m, double reflected) {
-  const double haze = noise.extinction_per_m > 0 ? std::exp(-2 * noise.extinction_per_m * range_m) : 1;
-  return reflected * haze / (range_m * range_m);
-}
+RangeSpread::RangeSpread(const LidarNoise& noise)
+    : sigma_(noise.range_sigma_m * noise.range_sigma_m),
+      slope_(std::pow(noise.divergence_deg * (std::numbers::pi / 180), 2) / 12),
+      most_tangent_(noise.max_incidence_tan * noise.max_incidence_tan) {}
 
 double detection_limit(const LidarNoise& noise) {
   return noise.r10_m > 0 ? 0.1 / (noise.r10_m * noise.r10_m) : 0;
@@ -69,13 +63,23 @@ float reported_intensity(double reflected) {
   return static_cast<float>(static_cast<int>(value + 0.5));
 }
 
-void draw_beams(std::uint64_t seed, std::uint64_t scan, std::uint32_t first, std::span<BeamDraws> draws) {
+// A stream is shared by neighbouring beams: one of each its own would cost twice as much to start as to draw
+// from.
+void draw_beams(std::uint64_t seed, std::uint64_t scan, std::uint32_t first, int count, BeamDraws& draws) {
+  constexpr std::uint32_t kGroup = 64;
+  assert(count <= BeamDraws::kCapacity);
   const RandomStream scan_stream(seed, "lidar/beam", scan);
-  for (std::size_t i = 0; i < draws.size(); ++i) {
-    RandomStream stream = scan_stream.at_element(first + static_cast<std::uint32_t>(i));
-    std::array<float, 4> normals;
+  std::array<float, 4 * kGroup> normals;
+  const std::array<BeamDraws::Row*, 4> rows = {&draws.aim_horizontal, &draws.aim_vertical, &draws.range,
+                                               &draws.detection};
+  const std::uint32_t end = first + static_cast<std::uint32_t>(count);
+  for (std::uint32_t beam = first; beam < end;) {
+    RandomStream stream = scan_stream.at_element(beam / kGroup);
     fill_normals(stream, normals);
-    draws[i] = {normals[0], normals[1], normals[2], normals[3]};
+    const std::uint32_t from = beam % kGroup, n = std::min(kGroup - from, end - beam);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      std::copy_n(&normals[k * kGroup + from], n, rows[k]->begin() + (beam - first));
+    beam += n;
   }
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
-#include <span>
 #include <string_view>
 
 namespace uniquadric {
@@ -30,12 +32,27 @@ struct LidarNoise {
 /// The errors of a built-in pattern's sensor; those of livox_avia for an unknown name.
 LidarNoise noise_of(std::string_view pattern);
 
-/// Standard deviation of a range [m] measured at an incidence of that cosine.
-double range_sigma(const LidarNoise& noise, double range_m, double incidence_cos);
+/// sigma^2 = sigma_0^2 + (r gamma tan(theta) / sqrt 12)^2, its constants squared once.
+class RangeSpread {
+ public:
+  explicit RangeSpread(const LidarNoise& noise);
+  /// Standard deviation of a range [m] measured at an incidence of that cosine.
+  double sigma_m(double range_m, double incidence_cos) const {
+    const double square = std::max(incidence_cos * incidence_cos, 1e-18);
+    const double tangent = std::min((1 - std::min(square, 1.0)) / square, most_tangent_);
+    return std::sqrt(sigma_ + slope_ * (range_m * range_m) * tangent);
+  }
+
+ private:
+  double sigma_, slope_, most_tangent_;  // squares
+};
 
 /// Strength of a pulse as it comes back: reflected exp(-2 a r) / r^2, `reflected` being reflectivity times
 /// cosine.
-double received_strength(const LidarNoise& noise, double range_m, double reflected);
+inline double received_strength(const LidarNoise& noise, double range_m, double reflected) {
+  const double haze = noise.extinction_per_m > 0 ? std::exp(-2 * noise.extinction_per_m * range_m) : 1;
+  return reflected * haze / (range_m * range_m);
+}
 
 /// The strength at the limit of detection: 0.1 / r10^2; 0 when r10_m is.
 double detection_limit(const LidarNoise& noise);
@@ -44,11 +61,14 @@ double detection_limit(const LidarNoise& noise);
 /// reflectivity is counted against a white diffuse surface; ours: logarithmic, 255 from a hundred times on.
 float reported_intensity(double reflected);
 
-/// The standard normal numbers that one beam's errors are made of.
+/// The standard normal numbers that beams' errors are made of, an array a kind.
 struct BeamDraws {
-  float aim_horizontal = 0, aim_vertical = 0, range = 0, detection = 0;
+  static constexpr int kCapacity = 256;
+  using Row = std::array<float, kCapacity>;
+  alignas(32) Row aim_horizontal, aim_vertical, range, detection;
 };
-/// Draws of beams first..first + draws.size() - 1 of a scan (numbered from 0 in each scan).
-void draw_beams(std::uint64_t seed, std::uint64_t scan, std::uint32_t first, std::span<BeamDraws> draws);
+/// Draws of `count` beams from `first` on (numbered from 0 in each scan): a beam's depend on (seed, scan,
+/// beam) alone. Asserts that they fit.
+void draw_beams(std::uint64_t seed, std::uint64_t scan, std::uint32_t first, int count, BeamDraws& draws);
 
 }  // namespace uniquadric

@@ -7,7 +7,7 @@
 #include "core/base/config.h"
 #include "core/base/error.h"
 #include "simulator/scene/body_reader.h"
-#include "simulator/scene/motion_reader.h"
+#include "simulator/scene/pose_reader.h"
 
 namespace uniquadric {
 namespace {
@@ -46,15 +46,6 @@ void read_pattern(const ConfigNode& node, LidarRig& rig, std::vector<std::filesy
     name->fail(error.what());
   }
   rig.noise = noise_of(rig.pattern_name);
-}
-
-Pose read_mounting(const ConfigNode& node) {
-  const auto in_camera = node.find("camera_from_lidar"), in_body = node.find("body_from_lidar");
-  if (in_camera && in_body) node.fail("give one of camera_from_lidar, body_from_lidar");
-  if (!in_camera && !in_body) return camera_from_body();
-  const Pose pose = read_pose(in_camera ? *in_camera : *in_body, Mover::body);
-  (in_camera ? *in_camera : *in_body).refuse_unknown_keys();
-  return in_camera ? pose : camera_from_body() * pose;
 }
 
 void read_noise(const ConfigNode& node, LidarNoise& noise) {
@@ -110,18 +101,12 @@ void read_reflectivity(const ConfigNode& node, LidarRig& rig) {
 
 }  // namespace
 
-Pose camera_from_body() {
-  Eigen::Matrix3d rotation;  // x, y, z of the camera: -y, -z, x of the body
-  rotation << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  return {Eigen::Quaterniond(rotation), Eigen::Vector3d::Zero()};
-}
-
 LidarRig read_lidar(const ConfigNode& node, std::vector<std::filesystem::path>& files) {
   LidarRig rig;
   rig.rate_hz = node.positive("rate_hz", rig.rate_hz);
   if (rig.rate_hz > kMaxRate_hz) node.at("rate_hz").fail(fmt::format("expected at most {} Hz", kMaxRate_hz));
   read_pattern(node, rig, files);
-  rig.camera_from_lidar = read_mounting(node);
+  rig.camera_from_lidar = read_mounting(node, "lidar");
   read_method(node, rig);
   if (const auto noise = node.find("noise")) read_noise(*noise, rig.noise);
   if (const auto beam = node.find("beam")) read_beam(*beam, rig.beam);

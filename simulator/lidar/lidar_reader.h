@@ -13,7 +13,4 @@ class ConfigNode;
 /// pattern is appended to `files`. Throws InputError with file and line.
 LidarRig read_lidar(const ConfigNode& node, std::vector<std::filesystem::path>& files);
 
-/// The rig's body frame (x forward, y left, z up) lies at the camera's centre.
-Pose camera_from_body();
-
 }  // namespace uniquadric

@@ -71,7 +71,8 @@ LidarScan take_scan(const RayCaster& caster, const LidarRig& rig, const PoseAt& 
   LidarScan result{.start_ns = start, .beams = beams, .points = {}, .truth = {}};
   result.points.resize(static_cast<std::size_t>(beams));
   result.truth.resize(static_cast<std::size_t>(beams));
-  const std::int64_t block_size = BeamBlock::kCapacity / rig.beam.rays();
+  constexpr int kRaysABlock = 64;  // ours: its arrays leave the caches to the meshes' hierarchies
+  const std::int64_t block_size = std::max(1, kRaysABlock / rig.beam.rays());
   assert(block_size > 0);
   const std::int64_t blocks = (beams + block_size - 1) / block_size;
   std::vector<int> counts(static_cast<std::size_t>(blocks));

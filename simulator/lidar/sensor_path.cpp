@@ -63,23 +63,31 @@ void SensorPath::place(const BeamBlock& beams, WorldRays& rays) const {
   }
 }
 
+// In pieces that the compiler runs for two rays at once: whole numbers to places in the piece, then the
+// poses. The copy and __restrict say that nothing that is written is read.
 void SensorPath::place_run(const Piece& piece, double piece_start_ns, int from, int to,
                            const BeamBlock& beams, WorldRays& rays) const {
+  const Piece factors = piece;
+  const BeamBlock* __restrict in = &beams;
+  WorldRays* __restrict out = &rays;
+  std::array<double, WorldRays::kCapacity> place;
+  for (int i = from; i < to; ++i)
+    place[i] = (static_cast<double>(in->time_ns[i]) - piece_start_ns) / piece_ns_;
   for (int i = from; i < to; ++i) {
-    const double u = (static_cast<double>(beams.time_ns[i]) - piece_start_ns) / piece_ns_;
+    const double u = place[i];
     const auto entry = [&](int e) {
-      return piece[0][e] + u * (piece[1][e] + u * (piece[2][e] + u * piece[3][e]));
+      return factors[0][e] + u * (factors[1][e] + u * (factors[2][e] + u * factors[3][e]));
     };
     const double r0 = entry(0), r1 = entry(1), r2 = entry(2), r3 = entry(3), r4 = entry(4), r5 = entry(5),
                  r6 = entry(6), r7 = entry(7), r8 = entry(8);
-    const double x = beams.x[i], y = beams.y[i], z = beams.z[i];
-    rays.x[i] = r0 * x + r1 * y + r2 * z;
-    rays.y[i] = r3 * x + r4 * y + r5 * z;
-    rays.z[i] = r6 * x + r7 * y + r8 * z;
-    const double ox = beams.origin_x[i], oy = beams.origin_y[i], oz = beams.origin_z[i];
-    rays.origin_x[i] = entry(9) + r0 * ox + r1 * oy + r2 * oz;
-    rays.origin_y[i] = entry(10) + r3 * ox + r4 * oy + r5 * oz;
-    rays.origin_z[i] = entry(11) + r6 * ox + r7 * oy + r8 * oz;
+    const double x = in->x[i], y = in->y[i], z = in->z[i];
+    out->x[i] = r0 * x + r1 * y + r2 * z;
+    out->y[i] = r3 * x + r4 * y + r5 * z;
+    out->z[i] = r6 * x + r7 * y + r8 * z;
+    const double ox = in->origin_x[i], oy = in->origin_y[i], oz = in->origin_z[i];
+    out->origin_x[i] = entry(9) + r0 * ox + r1 * oy + r2 * oz;
+    out->origin_y[i] = entry(10) + r3 * ox + r4 * oy + r5 * oz;
+    out->origin_z[i] = entry(11) + r6 * ox + r7 * oy + r8 * oz;
   }
 }
 

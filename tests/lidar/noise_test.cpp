@@ -76,6 +76,22 @@ TEST(LidarNoise, RangeResidualsHaveTheVarianceOfRangeAndIncidence) {
   EXPECT_GE(bins, 5);
 }
 
+TEST(LidarNoise, ABeamsDrawsDependOnItsNumberAlone) {
+  BeamDraws all, some, other;
+  draw_beams(5, 3, 0, 256, all);
+  for (const int first : {1, 63, 64, 100}) {
+    draw_beams(5, 3, static_cast<std::uint32_t>(first), 70, some);
+    for (int i = 0; i < 70; ++i) {
+      EXPECT_EQ(some.range[i], all.range[first + i]);
+      EXPECT_EQ(some.detection[i], all.detection[first + i]);
+      EXPECT_EQ(some.aim_horizontal[i], all.aim_horizontal[first + i]);
+      EXPECT_EQ(some.aim_vertical[i], all.aim_vertical[first + i]);
+    }
+  }
+  draw_beams(5, 4, 0, 256, other);
+  EXPECT_NE(all.range[0], other.range[0]);
+}
+
 TEST(LidarNoise, RangesAreMultiplesOfAMillimetre) {
   LidarRig rig = noisy_rig("livox_avia");
   const LidarScan scan = take_scan(RayCaster({}, {wall(5)}), rig, at_rest(), 0, 1);
