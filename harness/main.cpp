@@ -21,6 +21,7 @@
 #include "harness/check.h"
 #include "harness/export/export.h"
 #include "harness/info.h"
+#include "simulator/preview.h"
 #include "simulator/scene/scene.h"
 #include "simulator/simulate.h"
 
@@ -67,19 +68,36 @@ void add_simulate(CLI::App& app, Common& common) {
   static std::string scene, out;
   static SimulateOptions options;
   static std::int64_t frames = 0;
+  static std::string gl = "osmesa";
   sub->add_option("SCENE", scene, "scene file (YAML)")->required();
   sub->add_option("OUT", out, "folder for sequence/ and truth/")->required();
   sub->add_option("--seed", options.seed, "of all noise")->check(whole_number());
   auto* count =
       sub->add_option("--frames", frames, "instead of the scene's number")->check(whole_number(1, kMaxCount));
+  sub->add_option("--gl", gl,
+                  "what draws: osmesa, or egl (without a screen; a graphics card's bytes are its own)")
+      ->check(CLI::IsMember({"osmesa", "egl"}));
+  sub->add_option("--timing", options.timing, "file for what each stage took (CSV)");
   add_force(sub, common);
   sub->callback([&common, count] {
+    options.gl = gl == "egl" ? GlLibrary::egl : GlLibrary::osmesa;
     options.threads = common.threads;
     options.quiet = common.quiet;
     options.force = common.force;
     if (count->count() > 0) options.frames = frames;
     simulate(load_scene(scene), options, out);
   });
+}
+
+void add_preview(CLI::App& app, Common& common) {
+  auto* sub = subcommand(app, "preview", "scene file -> a picture of some of its frames", common);
+  static std::string scene, out;
+  static PreviewOptions options;
+  sub->add_option("SCENE", scene, "scene file (YAML)")->required();
+  sub->add_option("OUT", out, "the picture (JPEG)")->required();
+  sub->add_option("--frames", options.frames, "how many, side by side")->check(whole_number(1, 100));
+  sub->add_option("--width", options.width_px, "of the picture, in pixels")->check(whole_number(1, 16384));
+  sub->callback([] { write_preview(load_scene(scene), options, out); });
 }
 
 void add_estimate(CLI::App& app, Common& common) {
@@ -282,6 +300,7 @@ int run(int argc, char** argv) {
   int exit_code = 0;
   const std::string command = command_line(argc, argv);
   add_simulate(app, common);
+  add_preview(app, common);
   add_estimate(app, common);
   add_perceive(app, common);
   add_evaluate(app, common);

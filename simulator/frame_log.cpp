@@ -57,6 +57,11 @@ bool FrameLog::has(std::int64_t frame) const {
   return records_.contains(frame);
 }
 
+std::int64_t FrameLog::size() const {
+  const std::lock_guard lock(mutex_);
+  return std::ssize(records_);
+}
+
 void FrameLog::add(std::int64_t frame, const std::string& lines) {
   const std::lock_guard lock(mutex_);
   records_[frame] = lines;

@@ -17,6 +17,7 @@ class FrameLog {
   explicit FrameLog(const std::filesystem::path& path);
 
   bool has(std::int64_t frame) const;
+  std::int64_t size() const;  ///< frames recorded
   /// Records a frame that is not yet there. `lines` ends with a line feed or is empty.
   void add(std::int64_t frame, const std::string& lines);
   /// All frames' lines in the order of the frames.

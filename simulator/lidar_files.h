@@ -8,6 +8,7 @@
 #include "simulator/lidar/lidar_scan.h"
 #include "simulator/scene/scene.h"
 #include "simulator/simulate.h"
+#include "simulator/stage_times.h"
 
 namespace uniquadric {
 
@@ -18,10 +19,17 @@ std::optional<LidarRig> lidar_of(const Scene& scene);
 std::vector<SequenceScan> lidar_scans(const Scene& scene, const LidarRig& rig, std::int64_t frames);
 
 /// Writes the scans to `folder`/sequence/lidar and what is true of their points to `folder`/truth/lidar;
-/// scans whose files are there already are passed over. With the method depth_octree also
-/// `folder`/truth/lidar_comparison.csv: each scan's ranges against Embree's over the same beams, without
-/// noise (scan, beams, matched, lost, extra, mean_m, median_abs_m, p95_abs_m, rms_m).
+/// scans whose files are there already are passed over, unless the method is depth_octree (octree_files.h).
+/// Adds the times of `lidar`, or of that method's stages.
 void write_lidar_files(const Scene& scene, const LidarRig& rig, const SimulateOptions& options,
-                       std::int64_t frames, const std::filesystem::path& folder);
+                       std::int64_t frames, const std::filesystem::path& folder, StageTimes& times);
+
+/// Files of one scan, the points written last: they say that it is complete.
+struct ScanFiles {
+  std::filesystem::path truth, points;
+  bool complete() const;
+};
+ScanFiles scan_files(const std::filesystem::path& folder, std::size_t scan);
+void write_scan(const ScanFiles& files, const LidarScan& scan, const Pose& world_from_lidar);
 
 }  // namespace uniquadric

@@ -18,6 +18,7 @@
 #include "simulator/lidar_files.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene_files.h"
+#include "simulator/stage_times.h"
 #include "simulator/workers.h"
 
 namespace uniquadric {
@@ -34,6 +35,14 @@ std::string resume_key(const Scene& scene, const SimulateOptions& options, std::
       .add(kcore_sources)
       .add(ksimulator_sources)
       .hex();
+}
+
+// Says so before anything is written where there is no EGL. In a process of its own: the workers shall not
+// inherit an open display.
+void check_gl_library(GlLibrary library) {
+  if (library == GlLibrary::egl)
+    run_workers(
+        1, [](int) { make_gl_context(GlLibrary::egl); }, [] {});
 }
 
 // Empties a partial folder of another scene, seed, length or program; a scene without a hash cannot be told
@@ -57,8 +66,7 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
     if (!log.has(frame)) {
       if (!renderer) renderer = std::make_unique<Renderer>(scene, options.gl);
       const double time_s = frame_time_s(scene, frame);
-      const RenderedFrame& rendered =
-          renderer->render(poses_at(scene, time_s), exposure_poses(scene, time_s));
+      const RenderedFrame& rendered = renderer->render(poses_at(scene, time_s), color_steps(scene, time_s));
       writer.write(frame, rendered);
       log.add(frame, visibility_lines(scene, frame, rendered));
     }
@@ -67,12 +75,14 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
 }
 
 void write_frames(const Scene& scene, const SimulateOptions& options, std::int64_t count,
-                  const fs::path& folder, const fs::path& log_file) {
+                  const fs::path& folder, const fs::path& log_file, StageTimes& times) {
+  const Stopwatch stopwatch;
   const int machine = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const std::int64_t workers = std::min<std::int64_t>(options.threads > 0 ? options.threads : machine, count);
   SharedCounter frames(count);
   FrameLog log(log_file);  // the workers append to it, a record a write
   Progress progress(fmt::format("simulate {}", scene.name), count, options.quiet);
+  const std::int64_t missing = count - log.size();
   std::int64_t shown = 0;
   run_workers(
       static_cast<int>(workers), [&](int) { write_frames_of(scene, options, folder, frames, log); },
@@ -80,6 +90,13 @@ void write_frames(const Scene& scene, const SimulateOptions& options, std::int64
         if (const std::int64_t steps = frames.finished() - shown; steps > 0)
           progress.advance(steps), shown += steps;
       });
+  times.add("frames", stopwatch.seconds(), missing);
+}
+
+void hash_folders(const fs::path& folder, int threads, StageTimes& times) {
+  const Stopwatch stopwatch;
+  for (const char* part : {"sequence", "truth"}) write_hashes(folder / part, threads);
+  times.add("hashes", stopwatch.seconds());
 }
 
 }  // namespace
@@ -90,20 +107,27 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
   const std::int64_t frames = options.frames.value_or(scene.frames);
   if (frames < 1)
     throw InputError(fmt::format("scene {}: {} frames asked for, expected at least 1", scene.name, frames));
+  if (!options.timing.empty() && !fs::is_directory(fs::absolute(options.timing).parent_path()))
+    throw InputError(options.timing, "stands in a folder that does not exist");
+  check_gl_library(options.gl);
   PendingFolder pending(out, options.force, true);
   const fs::path& folder = pending.path();
   discard_other_work(scene, resume_key(scene, options, frames), folder);
   const fs::path log_file = folder / "frames.log";
-  write_frames(scene, options, frames, folder, log_file);
+  StageTimes times;
+  write_frames(scene, options, frames, folder, log_file, times);
+  const Stopwatch rest;
   write_visibility(folder, FrameLog(log_file).lines());
   write_sequence_files(scene, options.seed, frames, folder / "sequence");
   write_truth_files(scene, frames, folder / "truth");
-  if (lidar) write_lidar_files(scene, *lidar, options, frames, folder);
   write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
-  for (const char* part : {"sequence", "truth"}) write_hashes(folder / part, options.threads);
+  times.add("truth_and_imu", rest.seconds());
+  if (lidar) write_lidar_files(scene, *lidar, options, frames, folder, times);
+  hash_folders(folder, options.threads, times);
   fs::remove(log_file);
   fs::remove(folder / "key");
   pending.commit();
+  if (!options.timing.empty()) write_text(options.timing, times.csv());
 }
 
 }  // namespace uniquadric

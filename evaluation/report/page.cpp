@@ -50,7 +50,7 @@ std::string escaped(const std::string& text) {
 std::string page_html(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options) {
   std::string scripts;
-  for (const char* name : {"data.js", "table.js", "charts.js", "frames.js", "main.js"})
+  for (const char* name : {"data.js", "table.js", "charts.js", "lidar.js", "frames.js", "main.js"})
     scripts += page_asset(name);
   return fill(page_asset("page.html"), {{"title", escaped(results.name)},
                                         {"style", std::string(page_asset("page.css"))},

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
@@ -105,16 +106,49 @@ json cell_json(const Cell& cell, int digits) {
           {"series", series}};
 }
 
+json optional_json(const std::optional<double>& value) {
+  return value ? json(*value) : json(nullptr);
+}
+
+// The cells without an open end, by their middles.
+json errors_json(const LidarRoutes& routes) {
+  json list = json::array();
+  for (const ErrorCell& cell : routes.errors)
+    if (std::isfinite(cell.from_m) && std::isfinite(cell.to_m))
+      list.push_back({rounded((cell.from_m + cell.to_m) / 2, 6), cell.beams});
+  return list;
+}
+
+json lidar_json(const LidarRoutes& r) {
+  return {{"scene", r.scene},
+          {"seed", r.seed},
+          {"scans", r.scans},
+          {"matched", r.matched},
+          {"lost", r.lost},
+          {"extra", r.extra},
+          {"beyond", r.beyond()},
+          {"completeness", r.completeness()},
+          {"mean_m", r.mean_m},
+          {"rms_m", r.rms_m},
+          {"median_abs_m", r.median_abs_m},
+          {"p95_abs_m", r.p95_abs_m},
+          {"octree_ms", optional_json(r.octree_ms)},
+          {"embree_ms", optional_json(r.embree_ms)},
+          {"speed_ratio", optional_json(r.speed_ratio())},
+          {"errors", errors_json(r)}};
+}
+
 }  // namespace
 
 std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options) {
-  json rows = json::array(), paper = json::object(), cells = json::array();
+  json rows = json::array(), paper = json::object(), cells = json::array(), lidar = json::array();
   for (const SummaryRow& row : summary) rows.push_back(row_json(row));
   for (const PaperRow& row : paper_rows())
     paper[row.object] = {{"single_frame_obb", figures_json(row.single_frame_obb)},
                          {"proposed", figures_json(row.proposed)}};
   for (const Cell& cell : results.cells) cells.push_back(cell_json(cell, options.series_digits));
+  for (const LidarRoutes& routes : results.lidar) lidar.push_back(lidar_json(routes));
   const json data = {{"name", results.name},
                      {"report_program", kProgram},
                      {"programs", programs_of(results)},
@@ -127,6 +161,7 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
                      {"summary_metrics", summary_metrics()},
                      {"summary", rows},
                      {"paper", paper},
+                     {"lidar", lidar},
                      {"cells", cells}};
   return data.dump(-1, ' ', false, json::error_handler_t::replace);  // messages may hold any bytes
 }

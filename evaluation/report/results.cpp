@@ -77,6 +77,18 @@ void add_distinct(std::vector<std::string>& list, const std::string& value) {
   if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
 }
 
+// In order of the cells; a scene's runs share a seed's sequence.
+std::vector<LidarRoutes> read_all_lidar_routes(const Results& results) {
+  std::vector<LidarRoutes> all;
+  std::set<std::pair<std::string, std::uint64_t>> seen;
+  for (const Cell& cell : results.cells) {
+    if (!seen.emplace(cell.scene, cell.seed).second) continue;
+    const fs::path folder = results.folder / "lidar" / cell.scene / fmt::format("seed_{}", cell.seed);
+    if (auto routes = read_lidar_routes(folder, cell.scene, cell.seed)) all.push_back(std::move(*routes));
+  }
+  return all;
+}
+
 }  // namespace
 
 Results read_results(const fs::path& folder) {
@@ -95,6 +107,7 @@ Results read_results(const fs::path& folder) {
   for (Cell& cell : results.cells)
     if (cell.status == CellStatus::ok)
       cell.evaluation = read_cell_evaluation(folder / cell.folder / "evaluation");
+  results.lidar = read_all_lidar_routes(results);
   return results;
 }
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/report/lidar_routes.h"
+
 namespace uniquadric {
 
 /// Figures of one subject of one run: an object, `camera` for the ego, or `all`.
@@ -48,6 +50,7 @@ struct Results {
   std::string name;                       ///< of the bench
   std::string config, command, hardware;  ///< bench.yaml, command.txt, hardware.txt; empty where absent
   std::vector<Cell> cells;                ///< in order of cells.csv
+  std::vector<LidarRoutes> lidar;  ///< of scenes whose LiDAR took the paper's way, a (scene, seed) each
 };
 
 /// Reads a results folder with all its evaluations. Throws InputError: not a results folder, a line of

@@ -159,6 +159,16 @@ void run_cells(const Run& run, Simulation& simulation, const std::vector<Cell*>&
       finish_cell(run, simulation, *cell);
 }
 
+// What the report shows of a LiDAR that took the paper's way outlives the sequence.
+void keep_lidar_routes(const fs::path& data, const fs::path& timing, const fs::path& folder) {
+  const fs::path comparison = data / "truth/lidar_comparison.csv";
+  if (!fs::exists(comparison)) return;
+  fs::create_directories(folder);
+  write_text(folder / "comparison.csv", read_text(comparison));
+  write_text(folder / "errors.csv", read_text(data / "truth/lidar_errors.csv"));
+  if (fs::exists(timing)) write_text(folder / "timing.csv", read_text(timing));
+}
+
 void run_simulation(const Run& run, Simulation& simulation) {
   std::vector<Cell*> waiting;
   for (Cell& cell : simulation.cells)
@@ -167,11 +177,16 @@ void run_simulation(const Run& run, Simulation& simulation) {
   if (waiting.empty()) return;
   std::vector<std::string> command = {"simulate", simulation.scene_file, run.out / simulation.folder,
                                       "--seed", std::to_string(simulation.seed)};
+  const fs::path timing = run.out / (simulation.folder.string() + ".timing.csv");
+  command.insert(command.end(), {"--timing", timing});
   if (run.config.frames) command.insert(command.end(), {"--frames", std::to_string(*run.config.frames)});
   const fs::path log = run.out / (simulation.folder.string() + ".log");
   fs::create_directories(log.parent_path());
   fs::remove(log);
   const ProcessResult result = run_stage(run, run.out / simulation.folder, simulation.key, command, log);
+  if (result.ok)
+    keep_lidar_routes(run.out / simulation.folder, timing,
+                      run.out / "lidar" / simulation.scene / fmt::format("seed_{}", simulation.seed));
   simulation.unfinished = static_cast<int>(waiting.size());
   std::map<std::string, std::vector<Cell*>> by_perception;
   for (Cell* cell : waiting) {

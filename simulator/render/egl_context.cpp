@@ -12,7 +12,9 @@ namespace uniquadric {
 namespace {
 
 [[noreturn]] void fail(const char* what) {
-  throw std::runtime_error(fmt::format("EGL cannot {} (error 0x{:04x})", what, eglGetError()));
+  throw std::runtime_error(fmt::format(
+      "EGL cannot {} (error 0x{:04x}); Mesa's (libegl-mesa0) can, and OSMesa (--gl osmesa) needs no EGL",
+      what, eglGetError()));
 }
 
 // The display that has no screen. It is the same for all of a process's contexts and stays open to its end.

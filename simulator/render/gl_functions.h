@@ -50,6 +50,7 @@ namespace uniquadric {
   X(PixelStorei, void, unsigned, int)                                                                 \
   X(ReadBuffer, void, unsigned)                                                                       \
   X(ReadPixels, void, int, int, int, int, unsigned, unsigned, void*)                                  \
+  X(Scissor, void, int, int, int, int)                                                                \
   X(ShaderSource, void, unsigned, int, const char* const*, const int*)                                \
   X(StencilFunc, void, unsigned, int, unsigned)                                                       \
   X(StencilMask, void, unsigned)                                                                      \

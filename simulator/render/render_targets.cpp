@@ -25,18 +25,18 @@ void check_complete(const GlFunctions& gl, const RenderTargets& targets, unsigne
         fmt::format("OpenGL cannot draw images of {}x{} px", targets.width, targets.height));
 }
 
-void read(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, unsigned format,
-          unsigned type, int mat_type, cv::Mat& image) {
-  image.create(targets.height, targets.width, mat_type);
+void read(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, RowRange rows,
+          unsigned format, unsigned type, int mat_type, cv::Mat& image) {
+  image.create(rows.count, targets.width, mat_type);
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
-  gl.ReadPixels(0, 0, targets.width, targets.height, format, type, image.data);
+  gl.ReadPixels(0, rows.first, targets.width, rows.count, format, type, image.data);
 }
 
 void read_image(const GlFunctions& gl, const RenderTargets& targets, unsigned draw_buffer, unsigned format,
                 unsigned type, int mat_type, cv::Mat& image) {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, targets.image);
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0 + draw_buffer);
-  read(gl, targets, targets.image, format, type, mat_type, image);
+  read(gl, targets, targets.image, {0, targets.height}, format, type, mat_type, image);
 }
 
 }  // namespace
@@ -65,14 +65,20 @@ RenderTargets make_render_targets(const GlFunctions& gl, int width, int height, 
   return targets;
 }
 
-void resolve_samples(const GlFunctions& gl, const RenderTargets& targets) {
-  const int w = targets.width, h = targets.height;
-  gl.BlitNamedFramebuffer(targets.samples, targets.color, 0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT,
-                          GL_NEAREST);
+void resolve_samples(const GlFunctions& gl, const RenderTargets& targets, RowRange rows) {
+  const int width = targets.width, first = rows.first, end = rows.first + rows.count;
+  gl.BlitNamedFramebuffer(targets.samples, targets.color, 0, first, width, end, 0, first, width, end,
+                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rgba) {
   read_image(gl, targets, 0, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, rgba);
+}
+
+void read_color_rows(const GlFunctions& gl, const RenderTargets& targets, RowRange rows, cv::Mat& rgba) {
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, targets.image);
+  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  read(gl, targets, targets.image, rows, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, rgba);
 }
 
 void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids) {
@@ -84,7 +90,7 @@ void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& de
 }
 
 void read_stencil(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, cv::Mat& bits) {
-  read(gl, targets, framebuffer, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, CV_8UC1, bits);
+  read(gl, targets, framebuffer, {0, targets.height}, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, CV_8UC1, bits);
 }
 
 }  // namespace uniquadric

@@ -58,10 +58,10 @@ struct Renderer::State {
   unsigned prepare_program(const Scene& scene, ProgramOutput output) const;
   void upload(const Scene& scene);
   void draw_image(const ScenePoses& poses, bool silhouettes);
-  void draw_color(const ScenePoses& poses);
+  void draw_color(const ScenePoses& poses, RowRange rows);
   void draw_bodies(const ScenePoses& poses, bool silhouettes) const;
   void draw_body(const GpuBody& body, const Pose& camera_from_object) const;
-  void expose(const std::vector<ScenePoses>& exposure);
+  void expose(const std::vector<ColorStep>& steps);
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
 };
 
@@ -126,27 +126,35 @@ void Renderer::State::draw_image(const ScenePoses& poses, bool silhouettes) {
   draw_bodies(poses, silhouettes);
 }
 
-// Colour alone, each pixel the mean of its samples.
-void Renderer::State::draw_color(const ScenePoses& poses) {
+// Colour alone in some rows, each pixel the mean of its samples.
+void Renderer::State::draw_color(const ScenePoses& poses, RowRange rows) {
   constexpr float kFarthest = 0;
+  if (rows.count < targets.height) gl.Enable(GL_SCISSOR_TEST);
+  gl.Scissor(0, rows.first, targets.width, rows.count);
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.samples);
   gl.ClearBufferfv(GL_COLOR, 0, sky.data());
   gl.ClearBufferfv(GL_DEPTH, 0, &kFarthest);
   gl.UseProgram(color);
   draw_bodies(poses, false);
-  resolve_samples(gl, targets);
+  gl.Disable(GL_SCISSOR_TEST);
+  resolve_samples(gl, targets, rows);
 }
 
-// The mean over the steps, rounded.
-void Renderer::State::expose(const std::vector<ScenePoses>& exposure) {
-  sums.assign(4 * static_cast<std::size_t>(targets.width) * static_cast<std::size_t>(targets.height), 0);
-  for (const ScenePoses& poses : exposure) {
-    draw_color(poses);
-    read_color(gl, targets, step);
-    for (std::size_t i = 0; i < sums.size(); ++i)
-      sums[i] = static_cast<std::uint16_t>(sums[i] + step.data[i]);
+// The mean over each row's steps, rounded.
+void Renderer::State::expose(const std::vector<ColorStep>& steps) {
+  const std::size_t row_size = 4 * static_cast<std::size_t>(targets.width);
+  sums.assign(row_size * static_cast<std::size_t>(targets.height), 0);
+  std::size_t drawn_rows = 0;
+  for (const ColorStep& s : steps) {
+    const RowRange rows{s.first_row, s.rows};
+    drawn_rows += static_cast<std::size_t>(rows.count);
+    draw_color(s.poses, rows);
+    read_color_rows(gl, targets, rows, step);
+    std::uint16_t* sum = &sums[row_size * static_cast<std::size_t>(rows.first)];
+    for (std::size_t i = 0; i < row_size * static_cast<std::size_t>(rows.count); ++i)
+      sum[i] = static_cast<std::uint16_t>(sum[i] + step.data[i]);
   }
-  const auto count = static_cast<unsigned>(exposure.size());
+  const auto count = static_cast<unsigned>(drawn_rows / static_cast<std::size_t>(targets.height));
   for (std::size_t i = 0; i < sums.size(); ++i)
     frame.rgba.data[i] = static_cast<unsigned char>((sums[i] + count / 2) / count);
 }
@@ -171,7 +179,7 @@ Renderer::Renderer(const Scene& scene, GlLibrary library) : state_(std::make_uni
   s.gl = load_gl_functions(*s.context);
   const int samples = scene.imaging.samples;
   s.targets = make_render_targets(s.gl, scene.camera.width, scene.camera.height, samples > 1 ? samples : 0);
-  s.one_pass = samples == 1 && !(scene.imaging.exposure_s > 0);
+  s.one_pass = samples == 1 && color_steps(scene, 0).empty();
   if (s.one_pass) s.all = s.prepare_program(scene, ProgramOutput::all);
   if (!s.one_pass) s.color = s.prepare_program(scene, ProgramOutput::color);
   if (!s.one_pass) s.geometry = s.prepare_program(scene, ProgramOutput::geometry);
@@ -189,7 +197,7 @@ void Renderer::draw(const ScenePoses& poses) {
   State& s = *state_;
   s.context->make_current();
   s.draw_image(poses, false);
-  if (!s.one_pass) s.draw_color(poses);
+  if (!s.one_pass) s.draw_color(poses, {0, s.targets.height});
 }
 
 std::string Renderer::device() const {
@@ -206,13 +214,13 @@ void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
   check_gl(s.gl, "drawing");
 }
 
-const RenderedFrame& Renderer::render(const ScenePoses& poses, const std::vector<ScenePoses>& exposure) {
+const RenderedFrame& Renderer::render(const ScenePoses& poses, const std::vector<ColorStep>& steps) {
   State& s = *state_;
   s.context->make_current();
   s.draw_image(poses, true);
-  if (!s.one_pass && exposure.empty()) s.draw_color(poses);
+  if (!s.one_pass && steps.empty()) s.draw_color(poses, {0, s.targets.height});
   read_back(s.frame.rgba, s.frame.ids, s.frame.depth_m);
-  if (!exposure.empty()) s.expose(exposure);
+  if (!steps.empty()) s.expose(steps);
   s.frame.objects = s.view_objects(poses, s.frame.ids);
   return s.frame;
 }

@@ -38,8 +38,15 @@ struct RenderedFrame {
   std::vector<ObjectView> objects;  ///< in the scene's order
 };
 
-/// Where everything is in the middles of the exposure's steps; empty when exposure_s is 0.
-std::vector<ScenePoses> exposure_poses(const Scene& scene, double time_s);
+/// Rows of the colour image as they are exposed at one time. A row is the mean of all steps that hold it, and
+/// all rows have as many.
+struct ColorStep {
+  ScenePoses poses;
+  int first_row = 0, rows = 0;
+};
+/// The steps of a frame: the middles of exposure_s' steps in each of the rolling shutter's bands. Empty when
+/// both times are 0.
+std::vector<ColorStep> color_steps(const Scene& scene, double time_s);
 
 /// Throws InputError when the camera has lens distortion, which a linear projection cannot draw, or when an
 /// object's id is outside 1..65535 or stands twice.
@@ -56,8 +63,8 @@ class Renderer {
   ~Renderer();
 
   /// The frame is the renderer's own, until the next call. Ids, depth and objects are those of `poses`, and
-  /// the colour too unless there is an `exposure`, whose mean it is then.
-  const RenderedFrame& render(const ScenePoses& poses, const std::vector<ScenePoses>& exposure = {});
+  /// the colour too unless there are `steps`, which make it then.
+  const RenderedFrame& render(const ScenePoses& poses, const std::vector<ColorStep>& steps = {});
 
   /// What draws, in the words of OpenGL: "llvmpipe (LLVM ...)" or a graphics card.
   std::string device() const;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "core/base/error.h"
@@ -25,11 +26,20 @@ ScenePoses poses_at(const Scene& scene, double time_s) {
   return poses;
 }
 
-std::vector<ScenePoses> exposure_poses(const Scene& scene, double time_s) {
-  std::vector<ScenePoses> steps;
-  const int count = scene.imaging.exposure_s > 0 ? scene.imaging.exposure_steps : 0;
-  for (int i = 0; i < count; ++i)
-    steps.push_back(poses_at(scene, time_s + scene.imaging.exposure_s * ((i + 0.5) / count - 0.5)));
+std::vector<ColorStep> color_steps(const Scene& scene, double time_s) {
+  const Imaging& imaging = scene.imaging;
+  if (!(imaging.exposure_s > 0 || imaging.rolling_shutter_s > 0)) return {};
+  const int height = scene.camera.height;
+  const int bands = imaging.rolling_shutter_s > 0 ? std::min(imaging.rolling_shutter_bands, height) : 1;
+  const int exposures = imaging.exposure_s > 0 ? imaging.exposure_steps : 1;
+  std::vector<ColorStep> steps;
+  for (int band = 0; band < bands; ++band) {
+    const int first = height * band / bands, end = height * (band + 1) / bands;
+    const double middle_s = time_s + imaging.rolling_shutter_s * ((first + end) / 2.0 / height - 0.5);
+    for (int i = 0; i < exposures; ++i)
+      steps.push_back({poses_at(scene, middle_s + imaging.exposure_s * ((i + 0.5) / exposures - 0.5)), first,
+                       end - first});
+  }
   return steps;
 }
 

@@ -43,7 +43,7 @@ void read_mesh_file(const ConfigNode& node, const ConfigNode& mesh, Body& body,
   ImportedMesh imported = import_mesh(path);
   files.insert(files.end(), imported.files.begin(), imported.files.end());
   body.shape = "mesh";
-  body.mesh_file = path.filename().string();
+  body.mesh_file = mesh.as<std::string>();
   body.meshes = std::move(imported.meshes);
   const double scale = node.positive("scale", 1);
   fit_to_box(body.meshes, tight_box(body.meshes).sizes() * scale);

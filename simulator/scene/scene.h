@@ -21,7 +21,7 @@ struct Body {
   int id = 0;  ///< 1..65535 for objects (their instance id); 0 for parts of the static world
   std::string name;
   std::string shape;      ///< kind of primitive, or "mesh"
-  std::string mesh_file;  ///< file name of a loaded mesh, else empty
+  std::string mesh_file;  ///< path of a loaded mesh as the scene gives it, else empty
   std::vector<Mesh> meshes;
   Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();  ///< half the extents of the tight box
   Motion motion;                                          ///< world_from_object
@@ -50,6 +50,10 @@ struct Imaging {
   double gain = 1;         ///< exposure: grey levels are multiplied by it and saturate at 255
   double exposure_s = 0;   ///< time the shutter is open, its middle at the stamp: 0 is no motion blur
   int exposure_steps = 8;  ///< images whose mean is the blurred one
+  /// Time in which the rows are exposed one after the other from the top, the middle one at the stamp; 0: all
+  /// at once.
+  double rolling_shutter_s = 0;
+  int rolling_shutter_bands = 24;  ///< ours: strips of rows of one time each, 20 rows of 480
 };
 
 struct ImageNoise {

@@ -61,6 +61,11 @@ void read_imaging(const ConfigNode& node, double rate_hz, Imaging& imaging) {
   imaging.exposure_steps = node.get<int>("exposure_steps", imaging.exposure_steps);
   if (imaging.exposure_steps < 1 || imaging.exposure_steps > kMostSteps)
     node.at("exposure_steps").fail(fmt::format("expected 1 to {}", kMostSteps));
+  imaging.rolling_shutter_s = at_least_0(node, "rolling_shutter_s", imaging.rolling_shutter_s);
+  if (imaging.rolling_shutter_s * rate_hz > 1)
+    node.at("rolling_shutter_s").fail(fmt::format("is longer than a frame, {} s", 1 / rate_hz));
+  imaging.rolling_shutter_bands = node.get<int>("rolling_shutter_bands", imaging.rolling_shutter_bands);
+  if (imaging.rolling_shutter_bands < 1) node.at("rolling_shutter_bands").fail("expected at least 1");
 }
 
 void read_segmenter(const ConfigNode& node, SegmenterNoise& noise) {

@@ -51,8 +51,8 @@ class Cli : public testing::Test {
 };
 
 TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
-  for (const std::string command :
-       {"simulate", "estimate", "evaluate", "bench", "report", "overlay", "info", "metric", "import"}) {
+  for (const std::string command : {"simulate", "preview", "estimate", "evaluate", "bench", "report",
+                                    "overlay", "info", "metric", "import"}) {
     const ProgramRun run = run_program({command, "--help"});
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 40) << command;
@@ -80,6 +80,26 @@ TEST_F(Cli, RefusesBadScenesByLine) {
   expect_scene_refused("time_s: 1, position_m: [0.5", "time_s: -1, position_m: [0.5", "objects[0].motion");
   expect_scene_refused("primitive: box\n    size_m: [0.4, 0.3, 0.2]", "mesh: none.obj", "objects[0]");
   expect_scene_refused("id: 2", "id: 1", "objects[1].id");
+}
+
+TEST_F(Cli, RefusesMeshesThatCannotBeDrawnAndSensorsWithoutARate) {
+  const std::string box = "primitive: box\n    size_m: [0.4, 0.3, 0.2]", mesh = "mesh: part.obj";
+  const auto refused = [&](const std::string& text, const std::string& what) {
+    expect_refusal({"simulate", write("scene.yaml", text), out()}, what);
+  };
+  std::string with_mesh = small_scene_yaml();
+  with_mesh.replace(with_mesh.find(box), box.size(), mesh);
+  write("part.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\n");
+  refused(with_mesh, "part.obj: ");  // no faces
+  const std::string gigapixel("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x80\0\0\0\x80\0\x08\x02\0\0\0\0\0\0\0", 33);
+  write("part.png", gigapixel);
+  write("part.mtl", "newmtl skin\nmap_Kd part.png\n");
+  write("part.obj",
+        "mtllib part.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 1\nv 0 0 2\nvt 0 0\nf 1/1 2/1 3/1\nf 1/1 3/1 "
+        "4/1\n");
+  refused(with_mesh, "part.png: texture has 32768x32768 px");
+  for (const std::string sensor : {"lidar: {pattern: vlp16, rate_hz: 0}", "imu: {rate_hz: 0}"})
+    refused(small_scene_yaml() + sensor + "\n", "rate_hz: expected a number greater than 0");
 }
 
 TEST_F(Cli, RefusesBadSequences) {

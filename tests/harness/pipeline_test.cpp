@@ -8,7 +8,9 @@
 #include <thread>
 
 #include "core/base/files.h"
+#include "evaluation/report/results.h"
 #include "harness/bench/process.h"
+#include "simulator/render/renderer.h"
 #include "tests/harness/program.h"
 #include "tests/support/temp_folder.h"
 
@@ -22,6 +24,11 @@ class Pipeline : public testing::Test {
   void SetUp() override { write_text(scene(), small_scene_yaml()); }
   const fs::path& folder() const { return temp_.path(); }
   fs::path scene() const { return folder() / "small.yaml"; }
+  // The same with every sensor on.
+  fs::path scene_with_lidar() const {
+    write_text(folder() / "lidar.yaml", small_scene_yaml() + "imu: {}\nlidar: {pattern: livox_mid40}\n");
+    return folder() / "lidar.yaml";
+  }
   void ok(const std::vector<std::string>& arguments) const {
     const ProgramRun run = run_program(arguments);
     ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -67,11 +74,13 @@ TEST_F(Pipeline, EstimateNeedsNoTruth) {
 }
 
 TEST_F(Pipeline, SameBytesForAnyThreadsAndOtherNoiseForAnotherSeed) {
-  ok({"simulate", scene(), folder() / "a", "--seed", "7", "--threads", "1", "--quiet"});
-  ok({"simulate", scene(), folder() / "b", "--seed", "7", "--threads", "2", "--quiet"});
+  const fs::path all_sensors = scene_with_lidar();
+  ok({"simulate", all_sensors, folder() / "a", "--seed", "7", "--threads", "1", "--quiet"});
+  ok({"simulate", all_sensors, folder() / "b", "--seed", "7", "--threads", "2", "--quiet"});
   ok({"simulate", scene(), folder() / "c", "--seed", "8", "--quiet"});
+  ok({"simulate", scene(), folder() / "d", "--seed", "9", "--quiet"});
   EXPECT_EQ(folder_hash(folder() / "a"), folder_hash(folder() / "b"));
-  EXPECT_EQ(folder_hash(folder() / "a/truth"), folder_hash(folder() / "c/truth"));
+  EXPECT_EQ(folder_hash(folder() / "c/truth"), folder_hash(folder() / "d/truth"));
   EXPECT_NE(folder_hash(folder() / "a/sequence/depth"), folder_hash(folder() / "c/sequence/depth"));
   for (const char* threads : {"1", "2"})
     ok({"estimate", folder() / "a/sequence", folder() / (std::string("e") + threads), "--threads", threads,
@@ -79,13 +88,37 @@ TEST_F(Pipeline, SameBytesForAnyThreadsAndOtherNoiseForAnotherSeed) {
   EXPECT_EQ(folder_hash(folder() / "e1", {"timing.csv"}), folder_hash(folder() / "e2", {"timing.csv"}));
 }
 
+TEST_F(Pipeline, EglAndOsmesaSimulateTheSameBytesOnLlvmpipe) {
+  try {
+    Renderer egl(load_scene(scene()), GlLibrary::egl);
+    if (!egl.device().starts_with("llvmpipe")) GTEST_SKIP() << "EGL draws with " << egl.device();
+  } catch (const std::runtime_error& e) {
+    GTEST_SKIP() << e.what();
+  }
+  ok({"simulate", scene(), folder() / "osmesa", "--gl", "osmesa", "--quiet"});
+  ok({"simulate", scene(), folder() / "egl", "--gl", "egl", "--quiet"});
+  EXPECT_EQ(folder_hash(folder() / "osmesa"), folder_hash(folder() / "egl"));
+}
+
+// Without a vendor's library the dispatching one finds no display.
+TEST_F(Pipeline, WithoutEglSaysSoAndWritesNothing) {
+  ASSERT_EQ(setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/none", 1), 0);
+  const ProgramRun run = run_program({"simulate", scene(), folder() / "out", "--gl", "egl", "--quiet"});
+  unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_TRUE(run.err.starts_with("uniquadric: EGL cannot open a display")) << run.err;
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder()), {}), 1) << "only the scene";
+}
+
 TEST_F(Pipeline, AKilledSimulationResumesToTheSameBytes) {
   const std::string program = UNIQUADRIC_PROGRAM;
-  ok({"simulate", scene(), folder() / "whole", "--frames", "60", "--quiet"});
+  const fs::path all_sensors = scene_with_lidar();
+  ok({"simulate", all_sensors, folder() / "whole", "--frames", "60", "--quiet"});
   int killed = 0;
   for (const double limit_s : {0.15, 0.25, 0.4, 0.6}) {
     const ProcessResult run =
-        run_process({program, "simulate", scene(), folder() / "killed", "--frames", "60", "--quiet"},
+        run_process({program, "simulate", all_sensors, folder() / "killed", "--frames", "60", "--quiet"},
                     folder() / "log.txt", limit_s);
     if (run.ok) break;
     ++killed;
@@ -93,7 +126,7 @@ TEST_F(Pipeline, AKilledSimulationResumesToTheSameBytes) {
   }
   EXPECT_GT(killed, 0);
   if (!fs::exists(folder() / "killed"))
-    ok({"simulate", scene(), folder() / "killed", "--frames", "60", "--quiet"});
+    ok({"simulate", all_sensors, folder() / "killed", "--frames", "60", "--quiet"});
   EXPECT_EQ(folder_hash(folder() / "whole"), folder_hash(folder() / "killed"));
   EXPECT_FALSE(fs::exists(folder() / "killed.partial"));
 }
@@ -114,6 +147,29 @@ TEST_F(Pipeline, BenchEndsInAReportAndDoesNothingTwice) {
   fs::remove_all(out / "cells/small/single_frame_obb/seed_1/evaluation");
   ok({"bench", file, out, "--quiet", "--keep"});
   EXPECT_EQ(read_text(out / "scores.csv"), scores);
+}
+
+TEST_F(Pipeline, BenchReportsThePapersLidarRouteAgainstEmbree) {
+  write_text(folder() / "octree.yaml",
+             small_scene_yaml() + "lidar: {pattern: livox_mid40, method: depth_octree}\n");
+  const fs::path out = folder() / "out";
+  ok({"bench", bench_file("octree.yaml"), out, "--quiet"});
+  EXPECT_FALSE(fs::exists(out / "simulations/octree/seed_1/truth"))
+      << "the sequence is gone, the figures are not";
+  for (const char* name : {"comparison.csv", "errors.csv", "timing.csv"})
+    EXPECT_TRUE(fs::exists(out / "lidar/octree/seed_1" / name)) << name;
+  const Results results = read_results(out);
+  ASSERT_EQ(results.lidar.size(), 1u);
+  const LidarRoutes& routes = results.lidar[0];
+  EXPECT_EQ(routes.scans, 3);
+  EXPECT_GT(routes.completeness(), 0.9);
+  EXPECT_GT(routes.rms_m, 0.01);        // cells are 0.1 m
+  EXPECT_LT(routes.median_abs_m, 0.2);  // oblique walls, a moving camera
+  std::int64_t beams = 0;
+  for (const ErrorCell& cell : routes.errors) beams += cell.beams;
+  EXPECT_EQ(beams, routes.matched);
+  EXPECT_TRUE(routes.speed_ratio());
+  EXPECT_NE(read_text(out / "report.md").find("| octree | 1 | 3 |"), std::string::npos);
 }
 
 TEST_F(Pipeline, BenchSurvivesAFailingCellAndCountsIt) {

@@ -19,13 +19,16 @@ Scene read_with(const std::string& sections) {
 
 TEST(ReadImaging, TakesEveryKey) {
   const Scene scene = read_with(
-      "image: {samples: 1, gain: 1.5, exposure_s: 0.02, exposure_steps: 12}\n"
+      "image: {samples: 1, gain: 1.5, exposure_s: 0.02, exposure_steps: 12, rolling_shutter_s: 0.03,\n"
+      "        rolling_shutter_bands: 48}\n"
       "image_noise: {sigma: 1, electrons_per_level: 40}\n"
       "depth_noise: {model: stereo, shadow: false, max_incidence_deg: 75, flying_pixels: 0.1}\n");
   EXPECT_EQ(scene.imaging.samples, 1);
   EXPECT_EQ(scene.imaging.gain, 1.5);
   EXPECT_EQ(scene.imaging.exposure_s, 0.02);
   EXPECT_EQ(scene.imaging.exposure_steps, 12);
+  EXPECT_EQ(scene.imaging.rolling_shutter_s, 0.03);
+  EXPECT_EQ(scene.imaging.rolling_shutter_bands, 48);
   EXPECT_EQ(scene.image_noise.electrons_per_level, 40);
   EXPECT_FALSE(scene.depth_noise.shadow);
   EXPECT_EQ(scene.depth_noise.max_incidence_deg, 75);
@@ -40,6 +43,9 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
       {"image: {exposure_s: 0.06}", "longer than a frame, 0.05 s"},
       {"image: {exposure_steps: 0}", "expected 1 to 256"},
       {"image: {exposure_steps: 257}", "expected 1 to 256"},
+      {"image: {rolling_shutter_s: -0.1}", "cannot be negative"},
+      {"image: {rolling_shutter_s: 0.06}", "longer than a frame, 0.05 s"},
+      {"image: {rolling_shutter_bands: 0}", "expected at least 1"},
       {"image: {iso: 100}", "iso"},
       {"image_noise: {electrons_per_level: -1}", "cannot be negative"},
       {"depth_noise: {max_incidence_deg: 91}", "at most 90"},
@@ -49,7 +55,7 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
     EXPECT_NE(message.find(said), std::string::npos) << section << ": " << message;
     EXPECT_NE(message.find("scene.yaml:5"), std::string::npos) << message;
   }
-  EXPECT_EQ(cases.size(), 10u);
+  EXPECT_EQ(cases.size(), 13u);
 }
 
 }  // namespace

@@ -213,13 +213,13 @@ TEST(MeshImport, ObjectIsCentredScaledAndTurned) {
   folder.write("bar.obj", kBar);
   const auto path = folder.write("scene.yaml",
                                  "camera: {motion: {kind: static, look_at_m: [1, 0, 0]}}\nobjects:\n"
-                                 "  - {id: 1, name: bar, mesh: bar.obj, scale: 0.1, mesh_rpy_deg: [0, 0, "
+                                 "  - {id: 1, name: bar, mesh: ./bar.obj, scale: 0.1, mesh_rpy_deg: [0, 0, "
                                  "90], motion: {kind: static}}\n");
   const Scene scene = load_scene(path);
   const Body& bar = scene.objects.at(0);
   EXPECT_EQ(bar.shape, "mesh");
-  EXPECT_EQ(bar.mesh_file, "bar.obj");
-  constexpr double kSingle_m = 1e-7;  // single precision of 0.2 m, a few operations
+  EXPECT_EQ(bar.mesh_file, "./bar.obj");  // as the scene gives it
+  constexpr double kSingle_m = 1e-7;      // single precision of 0.2 m, a few operations
   EXPECT_LT((bar.semi_axes_m - Eigen::Vector3d(0.1, 0.2, 0.05)).norm(), kSingle_m);
   const Eigen::AlignedBox3d box = tight_box(bar.meshes);
   EXPECT_LT((box.min() + bar.semi_axes_m).norm(), kSingle_m);

@@ -217,6 +217,27 @@ TEST(SceneFile, ExampleOfTheDocumentationLoads) {
   EXPECT_EQ(scene.objects.size(), 2u);
 }
 
+TEST(SceneFile, EverySceneHasAThumbnailAndAllAreSmall) {
+  std::uintmax_t bytes = 0;
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(scene_test::kSource / "scenes"))
+    if (entry.path().extension() == ".yaml") {
+      const auto picture =
+          entry.path().parent_path() / "thumbnails" / (entry.path().stem().string() + ".jpg");
+      EXPECT_TRUE(std::filesystem::exists(picture)) << picture;
+      bytes += std::filesystem::file_size(picture);
+      ++scenes;
+    }
+  EXPECT_GE(scenes, 7);
+  EXPECT_LT(bytes, 300'000u);
+}
+
+TEST(SceneFile, OctreeStreetTakesThePapersRoute) {
+  const Scene scene = load_scene(scene_test::kSource / "scenes/octree_street.yaml");
+  EXPECT_EQ(scene.objects.size(), 2u);
+  EXPECT_EQ(scene.lidar.value().get<std::string>("method"), "depth_octree");
+}
+
 TEST(SceneFile, MeshFromTheEnvironmentIsFoundOrNamed) {
   const auto path = scene_test::kSource / "scenes/ycb_table.yaml";
   const ScratchFolder empty("scene_no_data");

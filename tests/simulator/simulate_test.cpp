@@ -12,8 +12,10 @@
 #include <opencv2/core.hpp>
 #include <thread>
 
+#include "core/base/config.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/folder_hashes.h"
 #include "core/base/text.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
@@ -144,6 +146,78 @@ TEST(Simulate, KilledAndResumedGivesTheSameBytes) {
   EXPECT_EQ(fs::last_write_time(out / kept), written);  // not made again
   simulate(scene, quiet(2), temp.path() / "undisturbed");
   EXPECT_TRUE(read_folder(out) == read_folder(temp.path() / "undisturbed"));
+}
+
+Scene two_boxes_with_lidar(std::int64_t frames) {
+  Scene scene = two_boxes();
+  scene.frames = frames;
+  scene.lidar = ConfigNode::parse("pattern: livox_avia", "scene.yaml");
+  return scene;
+}
+
+TEST(Simulate, SeedChangesTheNoiseOfTheLidarAndNothingOfItsTruth) {
+  const TempFolder temp;
+  const Scene scene = two_boxes_with_lidar(5);
+  simulate(scene, quiet(1, 1), temp.path() / "a");
+  simulate(scene, quiet(2, 1), temp.path() / "same");
+  simulate(scene, quiet(2, 2), temp.path() / "b");
+  EXPECT_TRUE(read_folder(temp.path() / "a") == read_folder(temp.path() / "same"));
+  // Which beams return is noise too: the points' truth is compared where both have the beam.
+  Files a = read_folder(temp.path() / "a/truth"), b = read_folder(temp.path() / "b/truth");
+  int scans = 0;
+  for (Files* files : {&a, &b}) files->erase(kHashesFile);
+  std::erase_if(a, [](const auto& file) { return file.first.starts_with("lidar/"); });
+  scans +=
+      static_cast<int>(std::erase_if(b, [](const auto& file) { return file.first.starts_with("lidar/"); }));
+  EXPECT_EQ(scans, 4);
+  EXPECT_TRUE(a == b);
+  for (int k = 0; k < scans; ++k) {
+    const fs::path scan = fmt::format("sequence/lidar/{:06}.pcd", k);
+    EXPECT_NE(read_text(temp.path() / "a" / scan), read_text(temp.path() / "b" / scan));
+  }
+}
+
+TEST(Simulate, KilledAmongTheScansAndResumedGivesTheSameBytes) {
+  const TempFolder temp;
+  const Scene scene = two_boxes_with_lidar(60);
+  const fs::path out = temp.path() / "out", partial = temp.path() / "out.partial";
+  const pid_t child = fork();
+  if (child == 0) {
+    simulate(scene, quiet(1), out);
+    _exit(0);
+  }
+  const fs::path kept = "sequence/lidar/000000.pcd";
+  for (int i = 0; i < 60000 && !fs::exists(partial / kept) && !fs::exists(out); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  ASSERT_FALSE(fs::exists(out)) << "the child was done before it was killed";
+  const auto written = fs::last_write_time(partial / kept);
+  simulate(scene, quiet(2), out);
+  EXPECT_EQ(fs::last_write_time(out / kept), written);  // not made again
+  simulate(scene, quiet(2), temp.path() / "undisturbed");
+  EXPECT_TRUE(read_folder(out) == read_folder(temp.path() / "undisturbed"));
+}
+
+TEST(Simulate, TimingSaysWhatEachStageTookAndStandsApart) {
+  const TempFolder temp;
+  SimulateOptions options = quiet();
+  options.timing = temp.path() / "timing.csv";
+  simulate(two_boxes_with_lidar(5), options, temp.path() / "out");
+  std::vector<std::string> stages;
+  for_each_line(
+      options.timing,
+      [&](int, const std::vector<std::string_view>& fields) {
+        ASSERT_EQ(fields.size(), 3u);
+        stages.push_back(fmt::format("{} {}", fields[0], fields[1]));
+      },
+      ',');
+  EXPECT_EQ(stages,
+            (std::vector<std::string>{"stage count", "frames 5", "truth_and_imu 1", "lidar 4", "hashes 1"}));
+  options.timing = temp.path() / "none/timing.csv";
+  EXPECT_NE(input_error([&] { simulate(two_boxes(), options, temp.path() / "late"); }).find("does not exist"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(temp.path() / "late"));
 }
 
 TEST(Simulate, PartialWorkOfAnotherSeedIsNotUsed) {

@@ -84,6 +84,7 @@ function start() {
   draw_table();
   draw_definitions();
   draw_made();
+  draw_lidar();
   by_id("all-metrics").addEventListener("change", (e) => { summary_state.all = e.target.checked; draw_table(); });
   by_id("paper-rows").addEventListener("change", (e) => { summary_state.paper = e.target.checked; draw_table(); });
   by_id("original-order").addEventListener("click", () => { summary_state.sort = null; draw_table(); });
@@ -96,6 +97,7 @@ function start() {
     show_object(subjects[0]);
   } else if (galleries.length > 0) show_scene(galleries[0].scene);
   dark_mode.addEventListener("change", () => {
+    draw_lidar();
     if (subjects.length === 0) return;
     draw_filter_chips();
     draw_charts();

@@ -1,0 +1,47 @@
+#include "simulator/preview.h"
+
+#include <fmt/format.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "simulator/render/renderer.h"
+#include "simulator/scene_files.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr int kGap_px = 4, kJpegQuality = 80;  // ours: 20 kB a picture of 240 px, no blocks to be seen
+
+}  // namespace
+
+void write_preview(const Scene& scene, const PreviewOptions& options, const std::filesystem::path& jpeg) {
+  if (options.frames > scene.frames)
+    throw InputError(
+        fmt::format("scene {}: has {} frames, {} asked for", scene.name, scene.frames, options.frames));
+  const int width = (options.width_px - kGap_px * (options.frames - 1)) / options.frames;
+  const int height = width * scene.camera.height / scene.camera.width;
+  if (width < 1 || height < 1)
+    throw InputError(
+        fmt::format("preview: {} frames do not fit into {} px", options.frames, options.width_px));
+  cv::Mat picture(height, options.frames * (width + kGap_px) - kGap_px, CV_8UC3, cv::Scalar::all(255));
+  Renderer renderer(scene);
+  for (int i = 0; i < options.frames; ++i) {
+    const double time_s = frame_time_s(scene, scene.frames * (2 * i + 1) / (2 * options.frames));
+    cv::Mat colour, small;
+    cv::cvtColor(renderer.render(poses_at(scene, time_s), color_steps(scene, time_s)).rgba, colour,
+                 cv::COLOR_RGBA2BGR);
+    cv::resize(colour, small, {width, height}, 0, 0, cv::INTER_AREA);
+    small.copyTo(picture(cv::Rect(i * (width + kGap_px), 0, width, height)));
+  }
+  std::vector<unsigned char> bytes;
+  if (!cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
+    throw std::runtime_error(fmt::format("{}: cannot be encoded", jpeg.string()));
+  write_text(jpeg, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+}  // namespace uniquadric
