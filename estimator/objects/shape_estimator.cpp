@@ -8,10 +8,10 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kSphereDepth = 0.6;  // centre of a sphere behind the median of its visible depth, in radii
-constexpr int kMostAxes = 100;            // single-frame estimates that are fused: bounds memory and time
-constexpr double kThinnest = 0.5;         // semi-axis that a box starts with at least, in radii of the sphere
-constexpr double kClearlyBetter = 0.9;    // share of the cost below which another start is taken
+constexpr double kSphereDepth = 0.6;    // centre of a sphere behind the median of its visible depth, in radii
+constexpr int kMostAxes = 100;          // single-frame estimates that are fused: bounds memory and time
+constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
+constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
 constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {

@@ -5,10 +5,10 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/base/hungarian.h"
 #include "core/geometry/box_symmetry.h"
 #include "evaluation/align/alignment.h"
 #include "evaluation/align/symmetry.h"
-#include "core/base/hungarian.h"
 #include "evaluation/association/stamps.h"
 #include "evaluation/statistics/statistics.h"
 #include "evaluation/trajectory/trajectory_error.h"
