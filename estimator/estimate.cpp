@@ -32,12 +32,16 @@ std::string perception_key(const Sequence& sequence, const Variant& variant, con
   std::vector<fs::path> files;
   for (const char* name : {"sequence.yaml", "rgb.txt", "depth.txt", "masks.txt", "camera_given.tum"})
     files.push_back(sequence.folder / name);
-  if (fs::is_directory(options.prompts)) {
-    for (const auto& entry : fs::directory_iterator(options.prompts)) files.push_back(entry.path());
+  if (fs::is_directory(options.prompts.path)) {
+    for (const auto& entry : fs::directory_iterator(options.prompts.path)) files.push_back(entry.path());
     std::sort(files.begin() + 5, files.end());
   } else {
-    files.push_back(options.prompts);
+    files.push_back(options.prompts.path);
   }
+  const SegmentationOptions& segmentation = variant.perception.segmentation;
+  for (const auto& network : {segmentation.sam.encoder, segmentation.sam.decoder, segmentation.detector.model,
+                              variant.perception.aot.nano.backbone, variant.perception.aot.nano.head})
+    files.emplace_back(network);
   for (const fs::path& file : files)
     if (fs::is_regular_file(file)) hash.add(file.filename().string()).add_file(file);
   return hash.hex();
@@ -103,7 +107,8 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   std::string text = fmt::format("schema: 1\nprogram: {}\nsequence: {}\n", yaml_quoted(kProgram),
                                  yaml_quoted(sequence.name));
   if (!sequence.scene_hash.empty()) text += fmt::format("scene_hash: \"{}\"\n", sequence.scene_hash);
-  const std::string prompts = options.prompts.empty() ? "everything" : options.prompts.filename().string();
+  const std::string prompts =
+      options.prompts.empty() ? "everything" : options.prompts.path.filename().string();
   text += fmt::format("seed: {}\nprompts: {}\n", options.seed, yaml_quoted(prompts));
   text += fmt::format("frames: {}\n", perception.frames.size());
   text += fmt::format("frames_with_states: {}\n", with_states.size());

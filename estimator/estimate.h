@@ -12,7 +12,7 @@ struct EstimateOptions {
   int threads = 0;  ///< 0: as many as the machine has
   bool quiet = false;
   bool force = false;                ///< replace an existing output folder
-  std::filesystem::path prompts;     ///< file or folder of prompts (read_box_prompts); empty: everything
+  Prompts prompts;
   std::filesystem::path perception;  ///< where the perception stage's result is kept and taken from; empty:
                                      ///< nowhere
 };

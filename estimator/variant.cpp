@@ -2,33 +2,13 @@
 
 #include "estimator/option_io.h"
 #include "estimator/perception/aot_options.h"
+#include "estimator/perception/segmentation_options.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr int kVariantSchema = 1;
 constexpr int kMaxIterations = 1'000'000;  // hours: a typing error
-
-template <typename Io>
-void visit(Io& io, GrabcutOptions& o) {
-  io.number("iterations", o.iterations, 1, 100);
-  io.number("downscale", o.downscale, 1, 16);
-  io.number("context", o.context, 0.01, 2.0);
-  io.positive("depth_reach", o.depth_reach);
-  io.positive("plane_threshold_m", o.plane_threshold_m);
-  io.number("plane_share", o.plane_share, 0.01, 1.0);
-  io.number("rim", o.rim, 0.0, 1.0);
-  io.positive("depth_jump", o.depth_jump);
-}
-
-template <typename Io>
-void visit(Io& io, SegmentationOptions& o) {
-  io.choice("source", o.source,
-            Choices<MaskSource>{{"automatic", MaskSource::automatic},
-                                {"sequence", MaskSource::sequence},
-                                {"grabcut_depth", MaskSource::grabcut_depth}});
-  io.section("grabcut_depth", [&](auto& inner) { visit(inner, o.grabcut_depth); });
-}
 
 template <typename Io>
 void visit(Io& io, PointOptions& o) {

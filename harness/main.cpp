@@ -109,14 +109,14 @@ void add_estimate(CLI::App& app, Common& common) {
   sub->add_option("--perception", perception, "folder that keeps the perception stage's result, or has it");
   sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
-  sub->add_option("--prompt", prompt, "everything, or a file or folder of box prompts");
+  sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
   add_force(sub, common);
   sub->callback([&common] {
     options.threads = common.threads;
     options.quiet = common.quiet;
     options.force = common.force;
     options.perception = perception;
-    if (prompt != "everything") options.prompts = prompt;
+    options.prompts = parse_prompts(prompt);
     estimate(sequence, variant.empty() ? Variant{} : load_variant(variant), options, out);
   });
 }
@@ -130,13 +130,13 @@ void add_perceive(CLI::App& app, Common& common) {
   sub->add_option("OUT", out, "folder for its result, for estimate's --perception")->required();
   sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
-  sub->add_option("--prompt", prompt, "everything, or a file or folder of box prompts");
+  sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
   add_force(sub, common);
   sub->callback([&common] {
     options.threads = common.threads;
     options.quiet = common.quiet;
     options.perception = out;
-    if (prompt != "everything") options.prompts = prompt;
+    options.prompts = parse_prompts(prompt);
     keep_perception(sequence, variant.empty() ? Variant{} : load_variant(variant), options);
   });
 }

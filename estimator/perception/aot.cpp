@@ -47,6 +47,11 @@ std::set<int> ids_that_agree(const cv::Mat& a, const cv::Mat& b, double iou) {
   return ids;
 }
 
+std::unique_ptr<MaskTracker> make_mask_tracker(const AotOptions& options) {
+  if (options.tracker == MaskTrackerKind::nanotrack) return std::make_unique<NanoTracker>(options.nano);
+  return std::make_unique<FlowTracker>(options.flow);
+}
+
 cv::Mat relabelled(const std::vector<Detection>& detections, const std::map<int, int>& ids, cv::Size size) {
   cv::Mat masks = cv::Mat::zeros(size, CV_16UC1);
   for (const auto& detection : detections)
@@ -63,7 +68,7 @@ AsyncObjectTracker::AsyncObjectTracker(const Camera& camera, SlowSegmenter segme
       options_(options),
       clock_(options.clock == AotClock::threads ? make_thread_clock(std::move(segmenter))
                                                 : make_virtual_clock(std::move(segmenter))),
-      tracker_(std::make_unique<FlowTracker>(options.flow)),
+      tracker_(make_mask_tracker(options)),
       book_(options.association) {}
 
 std::vector<Detection> AsyncObjectTracker::detect(const Seen& seen, const cv::Mat& masks) const {
@@ -142,7 +147,7 @@ AotFrame AsyncObjectTracker::track(const SequenceFrame& frame, const cv::Mat& rg
   watch.stop("mask_flow");
   if (previous) newest.masks = carry(previous->masks, *previous, newest);
   watch.stop("mask_tracker");
-  const auto results = clock_->step(frame, rgb, depth);
+  const auto results = clock_->step({frame, rgb, depth, newest.masks.clone()});
   watch.stop("segmenter");
   for (const auto& result : results) associate(result, out);
   watch.stop("association");
@@ -161,9 +166,8 @@ SlowSegmenter slow_segmenter(const Sequence& sequence, Segmenter segmenter, cons
     if (is_simulated && frame.masks.empty()) return std::nullopt;
     return is_fixed ? fixed_ns : frame.masks_arrival_ns - frame.stamp_ns;
   };
-  slow.segment = [&sequence, segmenter = std::move(segmenter), seed](
-                     const SequenceFrame& frame, const cv::Mat& rgb, const cv::Mat& depth) {
-    return segment(segmenter, sequence, frame, rgb, depth, seed);
+  slow.segment = [&sequence, segmenter = std::move(segmenter), seed](const SegmenterInput& input) {
+    return segment(segmenter, sequence, input, seed);
   };
   return slow;
 }

@@ -10,6 +10,7 @@
 #include "core/sequence/sequence.h"
 #include "estimator/perception/flow_tracker.h"
 #include "estimator/perception/mask_edges.h"
+#include "estimator/perception/nano_tracker.h"
 #include "estimator/perception/segmentation.h"
 #include "estimator/perception/segmenter_clock.h"
 #include "estimator/perception/track_association.h"
@@ -20,6 +21,12 @@ namespace uniquadric {
 enum class AotClock {
   virtual_time,  ///< of the frames' stamps; deterministic
   threads,       ///< the machine's: what arrives when depends on its speed
+};
+
+/// What carries masks from frame to frame.
+enum class MaskTrackerKind {
+  flow,       ///< dense optical flow
+  nanotrack,  ///< boxes by NanoTrack (ONNX)
 };
 
 /// How long the segmenter takes.
@@ -34,7 +41,9 @@ struct AotOptions {
   AotLatency latency = AotLatency::sequence;
   double latency_s =
       0.1;  // ours: of AotLatency::fixed, and of segmenters whose latency the sequence does not say
+  MaskTrackerKind tracker = MaskTrackerKind::flow;
   FlowTrackerOptions flow;
+  NanoTrackOptions nano;
   MaskEdgeOptions edges;
   AssociationOptions association;
   bool trust_ids = false;  // ours: the segmenter's own ids are the tracks'; only a simulated one has any

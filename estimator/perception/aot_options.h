@@ -17,6 +17,16 @@ void visit(Io& io, FlowTrackerOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, NanoTrackOptions& o) {
+  io.text("backbone", o.backbone);
+  io.text("head", o.head);
+  io.number("window_influence", o.window_influence, 0.0, 1.0);
+  io.number("size_penalty", o.size_penalty, 0.0, 10.0);
+  io.number("learning_rate", o.learning_rate, 0.0, 1.0);
+  io.number("min_score", o.min_score, 0.0, 1.0);
+}
+
+template <typename Io>
 void visit(Io& io, MaskEdgeOptions& o) {
   io.number("reach_px", o.reach_px, 0, 50);
   io.positive("jump", o.jump);
@@ -48,7 +58,11 @@ void visit(Io& io, AotOptions& o) {
   io.number("min_pixels", o.min_pixels, 1);
   io.number("jump_iou", o.jump_iou, 0.0, 1.0);
   io.number("max_missing", o.max_missing, 1);
+  io.choice(
+      "tracker", o.tracker,
+      Choices<MaskTrackerKind>{{"flow", MaskTrackerKind::flow}, {"nanotrack", MaskTrackerKind::nanotrack}});
   io.section("flow", [&](auto& inner) { visit(inner, o.flow); });
+  io.section("nanotrack", [&](auto& inner) { visit(inner, o.nano); });
   io.section("edges", [&](auto& inner) { visit(inner, o.edges); });
   io.section("association", [&](auto& inner) { visit(inner, o.association); });
 }

@@ -21,19 +21,18 @@ std::string pose_span(const Sequence& sequence, const std::map<std::int64_t, Pos
 void check_sequence(const Sequence& sequence, const Segmenter& segmenter,
                     const std::optional<std::map<std::int64_t, Pose>>& poses) {
   const auto& frames = sequence.frames;
-  const bool has_boxes = segmenter.source == MaskSource::grabcut_depth;
   const auto has_depth = [](const SequenceFrame& frame) { return !frame.depth.empty(); };
   const auto has_pose = [&](const SequenceFrame& frame) { return !poses || poses->contains(frame.stamp_ns); };
-  const auto has_masks = [&](const SequenceFrame& frame) {
-    return has_boxes ? !segmenter.prompts[frame.frame].empty() : !frame.masks.empty();
-  };
+  const auto has_masks = [&](const SequenceFrame& frame) { return has_something_for(segmenter, frame); };
   if (std::none_of(frames.begin(), frames.end(), has_depth))
     throw InputError(sequence.folder, "no frame has depth");
   if (std::none_of(frames.begin(), frames.end(), has_pose))
     throw InputError(sequence.folder, pose_span(sequence, *poses));
   if (std::none_of(frames.begin(), frames.end(), has_masks))
-    throw InputError(sequence.folder,
-                     has_boxes ? "no frame has masks: the prompts hold no box" : "no frame has masks");
+    throw InputError(sequence.folder, segmenter.source == MaskSource::sequence ? "no frame has masks"
+                                      : segmenter.prompt_kind == PromptKind::boxes
+                                          ? "no frame has masks: the prompts hold no box"
+                                          : "no frame has masks: the prompts hold no point");
   const auto has_all = [&](const auto& frame) {
     return has_depth(frame) && has_pose(frame) && has_masks(frame);
   };

@@ -35,7 +35,7 @@ struct PerceptionOptions {
 };
 
 struct PerceiveOptions {
-  std::filesystem::path prompts;       ///< file or folder; empty: everything
+  Prompts prompts;
   std::uint64_t seed = 0;              ///< of the random samples
   int threads = 0;                     ///< 0: as many as the machine has
   std::filesystem::path masks_folder;  ///< where masks are written as PNG (16-bit ids); empty: nowhere

@@ -35,6 +35,13 @@ std::optional<std::size_t> frame_of_stamp(const Sequence& sequence, std::string_
   return nearest - sequence.frames.begin();
 }
 
+// The frame of a line's stamp, or an error that names the line.
+std::size_t frame_of_line(const Sequence& sequence, const fs::path& file, int line, std::string_view stamp) {
+  const auto frame = frame_of_stamp(sequence, stamp);
+  if (!frame) throw InputError(file, line, fmt::format("{} is the stamp of no frame", stamp));
+  return *frame;
+}
+
 BoxPrompt parse_box(const Sequence& sequence, const fs::path& file, int line, const Fields& fields,
                     std::size_t first) {
   double v[4];
@@ -88,9 +95,7 @@ std::vector<std::vector<BoxPrompt>> read_file(const fs::path& file, const Sequen
     if (fields.size() != columns || (columns != 5 && columns != 6))
       throw InputError(file, line,
                        "expected in every line: stamp x y w h, or in every line: stamp x y w h id");
-    const auto frame = frame_of_stamp(sequence, fields[0]);
-    if (!frame) throw InputError(file, line, fmt::format("{} is the stamp of no frame", fields[0]));
-    auto& boxes = frames[*frame];
+    auto& boxes = frames[frame_of_line(sequence, file, line, fields[0])];
     BoxPrompt box = parse_box(sequence, file, line, fields, 1);
     if (columns == 6) box.id = parse_id(file, line, fields[5]);
     const auto is_same = [&](const BoxPrompt& other) { return columns == 6 && other.id == box.id; };
@@ -126,7 +131,48 @@ void pair_greedily(std::vector<BoxPrompt>& boxes, const std::vector<BoxPrompt>& 
   }
 }
 
+PointPrompt parse_point(const Sequence& sequence, const fs::path& file, int line, const Fields& fields) {
+  PointPrompt point;
+  for (const auto& [text, value] : {std::pair(fields[1], &point.u), {fields[2], &point.v}}) {
+    const auto number = parse_double(text);
+    if (!number) throw InputError(file, line, fmt::format("'{}' is not a finite number", text));
+    *value = *number;
+  }
+  if (!sequence.camera.contains({point.u, point.v}))
+    throw InputError(
+        file, line,
+        fmt::format("the point lies outside the {}x{} image", sequence.camera.width, sequence.camera.height));
+  if (fields.size() == 4) point.id = parse_id(file, line, fields[3]);
+  return point;
+}
+
 }  // namespace
+
+Prompts::Prompts(const fs::path& boxes)
+    : kind(boxes.empty() ? PromptKind::everything : PromptKind::boxes), path(boxes) {}
+
+Prompts parse_prompts(const std::string& text) {
+  for (const auto& [prefix, kind] : {std::pair("points:", PromptKind::points), {"boxes:", PromptKind::boxes}})
+    if (text.starts_with(prefix)) return {kind, text.substr(std::string_view(prefix).size())};
+  if (text.empty() || text == "everything") return {};
+  return {PromptKind::boxes, text};
+}
+
+std::vector<std::vector<PointPrompt>> read_point_prompts(const fs::path& path, const Sequence& sequence) {
+  if (!fs::is_regular_file(path)) throw InputError(path, "no such file of point prompts");
+  std::vector<std::vector<PointPrompt>> frames(sequence.frames.size());
+  std::size_t columns = 0;
+  for_each_line(path, [&](int line, const Fields& fields) {
+    if (columns == 0) columns = fields.size();
+    if (fields.size() != columns || (columns != 3 && columns != 4))
+      throw InputError(path, line, "expected in every line: stamp u v, or in every line: stamp u v id");
+    auto& points = frames[frame_of_line(sequence, path, line, fields[0])];
+    points.push_back(parse_point(sequence, path, line, fields));
+    if (columns == 3) points.back().id = static_cast<int>(points.size());
+  });
+  if (columns == 0) throw InputError(path, "holds no prompts");
+  return frames;
+}
 
 double box_iou(const BoxPrompt& a, const BoxPrompt& b) {
   const double width = std::min(a.x + a.width, b.x + b.width) - std::max(a.x, b.x);

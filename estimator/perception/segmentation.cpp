@@ -1,9 +1,13 @@
 #include "estimator/perception/segmentation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/base/error.h"
+#include "estimator/perception/outline.h"
 
 namespace uniquadric {
 namespace {
@@ -11,99 +15,107 @@ namespace {
 constexpr double kMinPromptIou =
     0.3;  // of a box with a mask's bounding box: half of one that is shifted by half fits
 
-MaskSource resolve(const Sequence& sequence, MaskSource source, bool has_prompts) {
-  const bool has_masks = std::any_of(sequence.frames.begin(), sequence.frames.end(),
-                                     [](const auto& frame) { return !frame.masks.empty(); });
-  if (source == MaskSource::automatic) source = has_masks ? MaskSource::sequence : MaskSource::grabcut_depth;
-  if (source == MaskSource::sequence && !has_masks)
+bool has_any_masks(const Sequence& sequence) {
+  return std::any_of(sequence.frames.begin(), sequence.frames.end(),
+                     [](const auto& frame) { return !frame.masks.empty(); });
+}
+
+MaskSource resolve(const Sequence& sequence, MaskSource source, PromptKind prompts) {
+  if (source == MaskSource::automatic) {
+    if (has_any_masks(sequence)) return MaskSource::sequence;
+    return prompts == PromptKind::boxes ? MaskSource::grabcut_depth : MaskSource::depth_motion;
+  }
+  if (source == MaskSource::sequence && !has_any_masks(sequence))
     throw InputError(sequence.folder, "has no masks, which the variant's segmentation asks for");
-  if (source == MaskSource::grabcut_depth && !has_prompts)
-    throw InputError(sequence.folder,
-                     "needs box prompts (a folder of STAMP.txt or a file), for it has no masks to use");
   return source;
+}
+
+// Whether a source takes prompts of a kind; what it takes, for messages.
+const char* what_it_takes(MaskSource source, PromptKind prompts) {
+  switch (source) {
+    case MaskSource::grabcut_depth:
+      return prompts == PromptKind::boxes ? nullptr : "box prompts (a folder of STAMP.txt or a file)";
+    case MaskSource::depth_motion:
+      return prompts == PromptKind::boxes ? "point prompts or none" : nullptr;
+    case MaskSource::detector:
+      return prompts == PromptKind::everything ? nullptr : "no prompts";
+    default:
+      return nullptr;
+  }
 }
 
 std::map<int, BoxPrompt> bounding_boxes(const cv::Mat& masks) {
   std::map<int, BoxPrompt> boxes;
-  for (int v = 0; v < masks.rows; ++v)
-    for (int u = 0; u < masks.cols; ++u) {
-      const int id = masks.at<std::uint16_t>(v, u);
-      if (id == 0) continue;
-      const auto [entry, is_new] = boxes.try_emplace(id, BoxPrompt{id, u - 0.5, v - 0.5, 1, 1});
-      BoxPrompt& box = entry->second;
-      const double right = std::max(box.x + box.width, u + 0.5);
-      box.x = std::min(box.x, u - 0.5);
-      box.width = right - box.x;
-      box.height = v + 0.5 - box.y;
-    }
+  for (const auto& [id, box] : id_boxes(masks))
+    boxes[id] = {id, box.x - 0.5, box.y - 0.5, static_cast<double>(box.width),
+                 static_cast<double>(box.height)};
   return boxes;
 }
 
-std::set<int> ids_meant(const Sequence& sequence, const std::vector<std::vector<BoxPrompt>>& prompts) {
+void add_ids_of_boxes(const cv::Mat& masks, const std::vector<BoxPrompt>& prompts, std::set<int>& ids) {
+  const auto boxes = bounding_boxes(masks);
+  for (const auto& prompt : prompts) {
+    const auto best = std::max_element(boxes.begin(), boxes.end(), [&](const auto& a, const auto& b) {
+      return box_iou(a.second, prompt) < box_iou(b.second, prompt);
+    });
+    if (best != boxes.end() && box_iou(best->second, prompt) >= kMinPromptIou) ids.insert(best->first);
+  }
+}
+
+void add_ids_of_points(const cv::Mat& masks, const std::vector<PointPrompt>& prompts, std::set<int>& ids) {
+  for (const auto& point : prompts) {
+    const int id = masks.at<std::uint16_t>(static_cast<int>(std::lround(point.v)),
+                                           static_cast<int>(std::lround(point.u)));
+    if (id != 0) ids.insert(id);
+  }
+}
+
+std::set<int> ids_meant(const Sequence& sequence, const Segmenter& segmenter) {
   std::set<int> ids;
   for (const auto& frame : sequence.frames) {
-    if (frame.masks.empty() || prompts[frame.frame].empty()) continue;
-    const auto boxes = bounding_boxes(read_masks(sequence, frame));
-    for (const auto& prompt : prompts[frame.frame]) {
-      const auto best = std::max_element(boxes.begin(), boxes.end(), [&](const auto& a, const auto& b) {
-        return box_iou(a.second, prompt) < box_iou(b.second, prompt);
-      });
-      if (best != boxes.end() && box_iou(best->second, prompt) >= kMinPromptIou) ids.insert(best->first);
-    }
+    if (frame.masks.empty()) continue;
+    const bool has_boxes = !segmenter.boxes.empty() && !segmenter.boxes[frame.frame].empty();
+    const bool has_points = !segmenter.points.empty() && !segmenter.points[frame.frame].empty();
+    if (!has_boxes && !has_points) continue;
+    const cv::Mat masks = read_masks(sequence, frame);
+    if (has_boxes) add_ids_of_boxes(masks, segmenter.boxes[frame.frame], ids);
+    if (has_points) add_ids_of_points(masks, segmenter.points[frame.frame], ids);
   }
   return ids;
 }
 
-cv::Mat keep_selected(cv::Mat masks, const std::set<int>& selected) {
-  for (auto& id : cv::Mat_<std::uint16_t>(masks))
-    if (!selected.contains(id)) id = 0;
-  return masks;
-}
-
-// Where two objects claim a pixel the smaller box has it: it is more likely the one in front.
-cv::Mat masks_of_boxes(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
-                       const cv::Mat& rgb, const cv::Mat& depth, std::uint64_t seed) {
-  auto boxes = segmenter.prompts[frame.frame];
-  if (boxes.empty()) return {};
-  std::stable_sort(boxes.begin(), boxes.end(),
-                   [](const auto& a, const auto& b) { return a.width * a.height > b.width * b.height; });
-  cv::Mat masks = cv::Mat::zeros(rgb.size(), CV_16UC1);
-  for (const auto& box : boxes) {
-    RandomStream random(seed, "grabcut_depth", frame.frame, box.id);
-    masks.setTo(box.id, grabcut_depth(rgb, depth, sequence.camera, box, segmenter.grabcut_depth, random));
-  }
-  return masks;
+void read_prompts(const Sequence& sequence, const Prompts& prompts, Segmenter& segmenter) {
+  segmenter.prompt_kind = prompts.kind;
+  if (prompts.kind == PromptKind::boxes) segmenter.boxes = read_box_prompts(prompts.path, sequence);
+  if (prompts.kind == PromptKind::points) segmenter.points = read_point_prompts(prompts.path, sequence);
+  if (prompts.empty() || segmenter.source != MaskSource::sequence) return;
+  segmenter.selected = ids_meant(sequence, segmenter);
+  if (segmenter.selected->empty())
+    throw InputError(prompts.path, fmt::format("no {} fits a mask of the sequence",
+                                               prompts.kind == PromptKind::boxes ? "box" : "point"));
 }
 
 }  // namespace
 
 Segmenter make_segmenter(const Sequence& sequence, const SegmentationOptions& options,
-                         const std::filesystem::path& prompts) {
+                         const Prompts& prompts) {
   Segmenter segmenter;
-  segmenter.source = resolve(sequence, options.source, !prompts.empty());
-  segmenter.grabcut_depth = options.grabcut_depth;
-  if (prompts.empty()) return segmenter;
-  segmenter.prompts = read_box_prompts(prompts, sequence);
-  if (segmenter.source != MaskSource::sequence) return segmenter;
-  segmenter.selected = ids_meant(sequence, segmenter.prompts);
-  if (segmenter.selected->empty()) throw InputError(prompts, "no box fits a mask of the sequence");
+  segmenter.options = options;
+  segmenter.source = resolve(sequence, options.source, prompts.kind);
+  if (const char* wanted = what_it_takes(segmenter.source, prompts.kind))
+    throw InputError(prompts.empty() ? sequence.folder : prompts.path,
+                     fmt::format("the variant's segmentation takes {}", wanted));
+  read_prompts(sequence, prompts, segmenter);
+  if (segmenter.source == MaskSource::sam) segmenter.sam = std::make_shared<SamSegmenter>(options.sam);
+  if (segmenter.source == MaskSource::detector) segmenter.detector.emplace(options.detector.model);
   return segmenter;
 }
 
-cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
-                const cv::Mat& rgb, const cv::Mat& depth, std::uint64_t seed) {
-  if (segmenter.source == MaskSource::grabcut_depth)
-    return masks_of_boxes(segmenter, sequence, frame, rgb, depth, seed);
-  if (frame.masks.empty()) return {};
-  cv::Mat masks = read_masks(sequence, frame);
-  return segmenter.selected ? keep_selected(std::move(masks), *segmenter.selected) : masks;
-}
-
-cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
-                const cv::Mat& depth, std::uint64_t seed) {
-  const bool needs_rgb =
-      segmenter.source == MaskSource::grabcut_depth && !segmenter.prompts[frame.frame].empty();
-  return segment(segmenter, sequence, frame, needs_rgb ? read_rgb(sequence, frame) : cv::Mat(), depth, seed);
+bool has_something_for(const Segmenter& segmenter, const SequenceFrame& frame) {
+  if (segmenter.source == MaskSource::sequence) return !frame.masks.empty();
+  if (segmenter.prompt_kind == PromptKind::boxes) return !segmenter.boxes[frame.frame].empty();
+  if (segmenter.prompt_kind == PromptKind::points) return !segmenter.points[frame.frame].empty();
+  return true;
 }
 
 }  // namespace uniquadric

@@ -11,22 +11,16 @@
 namespace uniquadric {
 namespace {
 
-struct Offered {
-  SequenceFrame frame;
-  cv::Mat rgb, depth;
-};
-
 class VirtualClock : public SegmenterClock {
  public:
   explicit VirtualClock(SlowSegmenter segmenter) : segmenter_(std::move(segmenter)) {}
 
-  std::vector<SegmenterResult> step(const SequenceFrame& frame, const cv::Mat& rgb,
-                                    const cv::Mat& depth) override {
+  std::vector<SegmenterResult> step(const SegmenterInput& input) override {
     std::vector<SegmenterResult> results;
-    run_until(frame.stamp_ns - 1, results);
-    waiting_ = Offered{frame, rgb, depth};  // a segmenter that is free at this very moment takes it
-    run_until(frame.stamp_ns, results);
-    newest_ = frame.frame;
+    run_until(input.frame.stamp_ns - 1, results);
+    waiting_ = input;  // a segmenter that is free at this very moment takes it
+    run_until(input.frame.stamp_ns, results);
+    newest_ = input.frame.frame;
     return results;
   }
 
@@ -48,15 +42,15 @@ class VirtualClock : public SegmenterClock {
     }
   }
 
-  void start(const Offered& offered) {
+  void start(const SegmenterInput& offered) {
     const auto latency_ns = segmenter_.latency_ns(offered.frame);
     if (!latency_ns) return;
     arrival_ns_ = std::max(free_ns_, offered.frame.stamp_ns) + *latency_ns;
-    pending_ = {offered.frame.frame, segmenter_.segment(offered.frame, offered.rgb, offered.depth)};
+    pending_ = {offered.frame.frame, segmenter_.segment(offered)};
   }
 
   SlowSegmenter segmenter_;
-  std::optional<Offered> waiting_;  // the newest frame, until it is taken
+  std::optional<SegmenterInput> waiting_;  // the newest frame, until it is taken
   std::optional<SegmenterResult> pending_;
   std::int64_t arrival_ns_ = 0;  // of the pending result
   std::int64_t free_ns_ = 0;     // since when the segmenter is free, while nothing is pending
@@ -68,12 +62,11 @@ class ThreadClock : public SegmenterClock {
   explicit ThreadClock(SlowSegmenter segmenter)
       : segmenter_(std::move(segmenter)), worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
-  std::vector<SegmenterResult> step(const SequenceFrame& frame, const cv::Mat& rgb,
-                                    const cv::Mat& depth) override {
+  std::vector<SegmenterResult> step(const SegmenterInput& input) override {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
-    if (segmenter_.latency_ns(frame)) waiting_ = Offered{frame, rgb, depth};
-    newest_ = frame.frame;
+    if (segmenter_.latency_ns(input.frame)) waiting_ = input;
+    newest_ = input.frame.frame;
     wake_.notify_one();
     return std::exchange(done_, {});
   }
@@ -89,7 +82,7 @@ class ThreadClock : public SegmenterClock {
   void work(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     while (wake_.wait(lock, stop, [&] { return waiting_.has_value(); })) {
-      const Offered offered = *std::exchange(waiting_, std::nullopt);
+      const SegmenterInput offered = *std::exchange(waiting_, std::nullopt);
       running_ = offered.frame.frame;
       lock.unlock();
       cv::Mat masks;
@@ -107,10 +100,10 @@ class ThreadClock : public SegmenterClock {
     }
   }
 
-  cv::Mat run(const Offered& offered) const {
+  cv::Mat run(const SegmenterInput& offered) const {
     const auto due = std::chrono::steady_clock::now() +
                      std::chrono::nanoseconds(segmenter_.latency_ns(offered.frame).value_or(0));
-    cv::Mat masks = segmenter_.segment(offered.frame, offered.rgb, offered.depth);
+    cv::Mat masks = segmenter_.segment(offered);
     std::this_thread::sleep_until(due);
     return masks;
   }
@@ -118,7 +111,7 @@ class ThreadClock : public SegmenterClock {
   SlowSegmenter segmenter_;
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;
-  std::optional<Offered> waiting_;
+  std::optional<SegmenterInput> waiting_;
   std::optional<std::int64_t> running_;  // the frame that the worker has
   std::vector<SegmenterResult> done_;
   std::int64_t newest_ = 0;

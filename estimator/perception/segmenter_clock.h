@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "core/sequence/sequence.h"
+#include "estimator/perception/segmentation.h"
 
 namespace uniquadric {
 
 /// A segmenter as the tracker runs it: slow, one frame at a time.
 struct SlowSegmenter {
-  /// Masks (CV_16UC1, a value a body, 0 none) of a frame; an empty image is "nothing found".
-  std::function<cv::Mat(const SequenceFrame&, const cv::Mat& rgb, const cv::Mat& depth)> segment;
+  /// Masks (CV_16UC1, a value a body, 0 none) of a frame; an empty image where it cannot say.
+  std::function<cv::Mat(const SegmenterInput&)> segment;
   /// How long it takes for a frame; nothing: it has none for this frame.
   std::function<std::optional<std::int64_t>(const SequenceFrame&)> latency_ns;
 };
@@ -31,8 +32,7 @@ class SegmenterClock {
  public:
   virtual ~SegmenterClock() = default;
   /// Offers the next frame and returns the results that have arrived by its time.
-  virtual std::vector<SegmenterResult> step(const SequenceFrame& frame, const cv::Mat& rgb,
-                                            const cv::Mat& depth) = 0;
+  virtual std::vector<SegmenterResult> step(const SegmenterInput& input) = 0;
   /// The oldest frame whose result may still come.
   virtual std::int64_t oldest_pending() const = 0;
 };

@@ -34,12 +34,12 @@ SlowSegmenter perfect_segmenter(const std::vector<Sprite>& sprites, std::int64_t
                                 const Kept& finds = {}) {
   SlowSegmenter segmenter;
   segmenter.latency_ns = [=](const SequenceFrame&) { return latency_ns; };
-  segmenter.segment = [=](const SequenceFrame& frame, const cv::Mat&, const cv::Mat&) {
-    cv::Mat masks = draw_world(sprites, frame.frame).masks;
+  segmenter.segment = [=](const SegmenterInput& input) {
+    cv::Mat masks = draw_world(sprites, input.frame.frame).masks;
     for (auto& id : cv::Mat_<std::uint16_t>(masks)) {
       if (id == 0) continue;
-      const bool found = !finds || finds(frame.frame, id);
-      id = found ? static_cast<std::uint16_t>(1 + (id * 7 + frame.frame * 3) % 11) : 0;
+      const bool found = !finds || finds(input.frame.frame, id);
+      id = found ? static_cast<std::uint16_t>(1 + (id * 7 + input.frame.frame * 3) % 11) : 0;
     }
     return masks;
   };
@@ -181,8 +181,8 @@ TEST(Aot, ABodyOfOtherColoursIsANewOne) {
     return n < 45 ? std::vector{kBlue, pillar} : std::vector{other, pillar};
   };
   SlowSegmenter segmenter = perfect_segmenter({});
-  segmenter.segment = [&](const SequenceFrame& frame, const cv::Mat&, const cv::Mat&) {
-    cv::Mat masks = draw_world(at(frame.frame), frame.frame).masks;
+  segmenter.segment = [&](const SegmenterInput& input) {
+    cv::Mat masks = draw_world(at(input.frame.frame), input.frame.frame).masks;
     masks.setTo(0, masks == 9);
     return masks;
   };
@@ -213,7 +213,7 @@ TEST(Aot, NothingToSeeIsNoTrouble) {
   const History result = run({kRed}, 5, blind);
   for (const auto& frame : result.frames) EXPECT_EQ(cv::countNonZero(frame.masks), 0);
   SlowSegmenter empty = perfect_segmenter({kRed}, 0);
-  empty.segment = [](const SequenceFrame&, const cv::Mat&, const cv::Mat&) { return cv::Mat(); };
+  empty.segment = [](const SegmenterInput&) { return cv::Mat(); };
   AsyncObjectTracker tracker(drawn_camera(), empty, {});
   const cv::Mat black = cv::Mat::zeros(240, 320, CV_8UC3), no_depth = cv::Mat::zeros(240, 320, CV_32FC1);
   for (int n = 0; n < 4; ++n) {
@@ -260,7 +260,7 @@ TEST(Aot, AFailingSegmenterThreadFailsTheTracker) {
   AotOptions options;
   options.clock = AotClock::threads;
   SlowSegmenter failing = perfect_segmenter({kRed}, 0);
-  failing.segment = [](const SequenceFrame&, const cv::Mat&, const cv::Mat&) -> cv::Mat {
+  failing.segment = [](const SegmenterInput&) -> cv::Mat {
     throw std::runtime_error("broken");
   };
   AsyncObjectTracker tracker(drawn_camera(), failing, options);
@@ -280,8 +280,8 @@ TEST(Aot, TrustedIdsAreTheSegmenters) {
   AotOptions options;
   options.trust_ids = true;
   SlowSegmenter segmenter = perfect_segmenter({kRed, kBlue});
-  segmenter.segment = [](const SequenceFrame& frame, const cv::Mat&, const cv::Mat&) {
-    return draw_world({kRed, kBlue}, frame.frame).masks;
+  segmenter.segment = [](const SegmenterInput& input) {
+    return draw_world({kRed, kBlue}, input.frame.frame).masks;
   };
   const History result = run({kRed, kBlue}, 10, segmenter, options);
   EXPECT_EQ(track_of(result, 9, 1), 1);

@@ -111,7 +111,8 @@ TEST(Estimate, TheSameBytesForAnyNumberOfThreads) {
   Variant grabcut;
   grabcut.perception.segmentation.source = MaskSource::grabcut_depth;
   int compared = 0;
-  for (const auto& [variant, prompts] : {std::pair{Variant{}, fs::path()}, {grabcut, prompted.prompts}}) {
+  for (const auto& [variant, prompts] :
+       {std::pair{Variant{}, fs::path()}, {grabcut, prompted.prompts.path}}) {
     std::map<std::string, std::string> first;
     for (const int threads : {1, 2, 4}) {
       EstimateOptions options = quiet(threads);
@@ -235,8 +236,8 @@ TEST(Estimate, ASequenceWithoutAnythingToEstimateIsRefused) {
     EstimateOptions options = quiet();
     if (prompted) {
       options.prompts = temp.path() / "boxes";
-      fs::create_directories(options.prompts);
-      write_text(options.prompts / (format_stamp(sequence.frames[0].stamp_ns) + ".txt"), "\n");
+      fs::create_directories(options.prompts.path);
+      write_text(options.prompts.path / (format_stamp(sequence.frames[0].stamp_ns) + ".txt"), "\n");
     }
     const std::string message = input_error([&] { estimate(sequence.folder, variant, options, out); });
     EXPECT_NE(message.find(what), std::string::npos) << message;
@@ -266,7 +267,7 @@ TEST(Estimate, ARealCabinetHasStableAxes) {
   import_tum(recording, import, folder);
   EstimateOptions options = quiet();
   options.prompts = temp.path() / "boxes";
-  copy_every_third_box(recording / "boxes", options.prompts);
+  copy_every_third_box(recording / "boxes", options.prompts.path);
   estimate(folder, Variant{}, options, out);
   const Tracks tracks = read_tracks(out);
   ASSERT_EQ(tracks.objects.size(), 1u);

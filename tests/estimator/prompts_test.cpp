@@ -92,5 +92,54 @@ TEST(Prompts, BadFilesAreRefusedByLine) {
   EXPECT_THROW(read_box_prompts("no/such/file", three_frames()), InputError);
 }
 
+TEST(Prompts, TheCommandLineSaysTheirKind) {
+  EXPECT_TRUE(parse_prompts("everything").empty());
+  EXPECT_TRUE(parse_prompts("").empty());
+  EXPECT_EQ(parse_prompts("points:a/b.txt").kind, PromptKind::points);
+  EXPECT_EQ(parse_prompts("points:a/b.txt").path, "a/b.txt");
+  EXPECT_EQ(parse_prompts("boxes:a").kind, PromptKind::boxes);
+  EXPECT_EQ(parse_prompts("boxes:a").path, "a");
+  EXPECT_EQ(parse_prompts("a/b").kind, PromptKind::boxes);
+  EXPECT_EQ(parse_prompts("a/b").path, "a/b");
+}
+
+std::vector<std::vector<PointPrompt>> read_points(const std::string& text) {
+  const TempFolder temp;
+  write_text(temp.path() / "points.txt", text);
+  return read_point_prompts(temp.path() / "points.txt", three_frames());
+}
+
+TEST(Prompts, PointsAreObjectsOfTheirOwnUnlessTheyHaveIds) {
+  auto frames = read_points("# stamp u v\n10.0 5 6.5\n10.0 50 60\n10.2 7 8\n");
+  ASSERT_EQ(frames.size(), 3u);
+  ASSERT_EQ(frames[0].size(), 2u);
+  EXPECT_EQ(frames[0][0].id, 1);
+  EXPECT_EQ(frames[0][0].v, 6.5);
+  EXPECT_EQ(frames[0][1].id, 2);
+  EXPECT_TRUE(frames[1].empty());
+  EXPECT_EQ(frames[2][0].id, 1);
+  frames = read_points("10.0 5 6 4\n10.0 50 60 4\n");
+  EXPECT_EQ(frames[0][0].id, 4);
+  EXPECT_EQ(frames[0][1].id, 4);
+}
+
+TEST(Prompts, BadPointsAreRefusedByLine) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"10.0 5\n", ":1: expected in every line: stamp u v"},
+      {"10.0 5 6\n10.0 5 6 7\n", ":2: expected in every line"},
+      {"10.0 5 x\n", ":1: 'x' is not a finite number"},
+      {"10.0 5 6 0\n", ":1: id '0' is not an integer from 1 to 65535"},
+      {"11.0 5 6\n", ":1: 11.0 is the stamp of no frame"},
+      {"10.0 -3 6\n", ":1: the point lies outside the 640x480 image"},
+      {"# nothing\n", "holds no prompts"}};
+  int refused = 0;
+  for (const auto& [text, what] : cases) {
+    const std::string message = input_error([&] { read_points(text); });
+    EXPECT_NE(message.find(what), std::string::npos) << message;
+    ++refused;
+  }
+  EXPECT_EQ(refused, 7);
+}
+
 }  // namespace
 }  // namespace uniquadric

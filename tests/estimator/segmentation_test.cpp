@@ -17,6 +17,12 @@ namespace fs = std::filesystem;
 
 const Camera kCamera{320, 240, 260, 260, 159.5, 119.5, {}};
 
+SegmentationOptions from(MaskSource source) {
+  SegmentationOptions options;
+  options.source = source;
+  return options;
+}
+
 // Least upright box around a mask, widened by 3 px as a detector's.
 BoxPrompt box_around(const cv::Mat& mask) {
   int left = mask.cols, right = 0, top = mask.rows, bottom = 0;
@@ -117,15 +123,113 @@ TEST(Segmentation, PromptsSelectAmongTheSequencesMasks) {
   EXPECT_THROW(ids("1.0 280 4 20 20\n"), InputError);
 }
 
+TEST(Segmentation, PointsSelectAmongTheSequencesMasks) {
+  const TempFolder temp;
+  const fs::path& folder = temp.path();
+  Sequence sequence = write_box_sequence(folder, 1, false);
+  cv::Mat masks = read_masks(sequence, sequence.frames[0]).clone();
+  masks(cv::Rect(5, 5, 30, 20)).setTo(4);
+  write_png(folder / sequence.frames[0].masks, masks);
+  write_text(folder / "points.txt", "1.0 20 15\n");
+  const Prompts points(PromptKind::points, folder / "points.txt");
+  EXPECT_EQ(make_segmenter(sequence, {}, points).selected, std::set<int>{4});
+  write_text(folder / "points.txt", "1.0 3 3\n");
+  EXPECT_NE(input_error([&] { make_segmenter(sequence, {}, points); }).find("no point fits a mask"),
+            std::string::npos);
+}
+
 TEST(Segmentation, SourcesThatAreNotThereAreRefused) {
   const TempFolder temp;
   const fs::path& folder = temp.path();
   Sequence sequence = write_box_sequence(folder, 1, false);
-  EXPECT_THROW(make_segmenter(sequence, {MaskSource::grabcut_depth, {}}, {}), InputError);  // no prompts
+  EXPECT_THROW(make_segmenter(sequence, from(MaskSource::grabcut_depth), {}), InputError);  // no prompts
   EXPECT_EQ(make_segmenter(sequence, {}, {}).source, MaskSource::sequence);
   sequence.frames[0].masks.clear();
-  EXPECT_THROW(make_segmenter(sequence, {MaskSource::sequence, {}}, {}), InputError);
-  EXPECT_THROW(make_segmenter(sequence, {}, {}), InputError);
+  EXPECT_THROW(make_segmenter(sequence, from(MaskSource::sequence), {}), InputError);
+  EXPECT_THROW(make_segmenter(sequence, from(MaskSource::sam), {}), InputError);  // no networks
+  write_text(folder / "points.txt", "1.0 20 15\n");
+  const Prompts points(PromptKind::points, folder / "points.txt");
+  for (const MaskSource source : {MaskSource::grabcut_depth, MaskSource::detector})
+    EXPECT_THROW(make_segmenter(sequence, from(source), points), InputError);
+  write_text(folder / "boxes.txt", "1.0 20 15 30 30\n");
+  EXPECT_THROW(make_segmenter(sequence, from(MaskSource::depth_motion), folder / "boxes.txt"), InputError);
+}
+
+TEST(Segmentation, WithoutMasksThePromptsSayWhatSegments) {
+  const TempFolder temp;
+  const fs::path& folder = temp.path();
+  Sequence sequence = write_box_sequence(folder, 1, false);
+  sequence.frames[0].masks.clear();
+  write_text(folder / "points.txt", "1.0 20 15\n");
+  write_text(folder / "boxes.txt", "1.0 20 15 30 30\n");
+  EXPECT_EQ(make_segmenter(sequence, {}, {}).source, MaskSource::depth_motion);
+  EXPECT_EQ(make_segmenter(sequence, {}, folder / "boxes.txt").source, MaskSource::grabcut_depth);
+  EXPECT_EQ(make_segmenter(sequence, {}, {PromptKind::points, folder / "points.txt"}).source,
+            MaskSource::depth_motion);
+}
+
+const Sprite kLeft{1, 41, {50, 60, 180}, {60, 60}, 2, [](std::int64_t) { return Eigen::Vector2d(60, 90); }};
+const Sprite kRight{2, 42, {190, 90, 40}, {60, 60}, 2, [](std::int64_t) { return Eigen::Vector2d(120, 90); }};
+const Sprite kFar{3, 43, {60, 190, 90}, {50, 40}, 2.6, [](std::int64_t) { return Eigen::Vector2d(230, 40); }};
+
+TEST(DepthParts, AreTheBodiesBeforeAWall) {
+  const DrawnFrame drawn = draw_world({kLeft, kFar}, 0);
+  RandomStream random(1, "parts");
+  DepthPartsOptions options;
+  options.plane_share = 0.2;
+  const cv::Mat parts = depth_parts(drawn.depth, drawn_camera(), options, random);
+  EXPECT_EQ(cv::countNonZero((parts == 1) != (drawn.masks == 1)), 0);  // the largest first
+  EXPECT_EQ(cv::countNonZero((parts == 2) != (drawn.masks == 3)), 0);
+  options.min_pixels = 2500;
+  EXPECT_EQ(cv::countNonZero((depth_parts(drawn.depth, drawn_camera(), options, random) != 0) !=
+                             (drawn.masks == 1)),
+            0);
+  const cv::Mat meant = parts_at_points(parts, {{8, 250, 60}, {9, 10, 10}, {5, 57, 100}});
+  EXPECT_EQ(cv::countNonZero((meant == 8) != (drawn.masks == 3)), 0);
+  EXPECT_EQ(cv::countNonZero((meant == 5) != (drawn.masks == 1)), 0);  // 3 px beside it
+  EXPECT_EQ(cv::countNonZero(meant == 9), 0);
+  EXPECT_EQ(
+      cv::countNonZero(depth_parts(cv::Mat::zeros(240, 320, CV_32FC1), drawn_camera(), options, random)), 0);
+}
+
+// Two bodies side by side at one depth are one part, until they move apart from each other.
+TEST(DepthParts, TouchingBodiesPartByTheirMotion) {
+  const DrawnFrame drawn = draw_world({kLeft, kRight}, 0);
+  RandomStream random(2, "parts");
+  DepthPartsOptions options;
+  options.plane_share = 0.2;
+  const cv::Mat parts = depth_parts(drawn.depth, drawn_camera(), options, random);
+  EXPECT_EQ(cv::countNonZero((parts == 1) != (drawn.masks != 0)), 0);
+  Sprite left_before = kLeft, right_before = kRight;  // no turn of one body looks like both
+  left_before.corner_px = [](std::int64_t) { return Eigen::Vector2d(54, 90); };
+  right_before.corner_px = [](std::int64_t) { return Eigen::Vector2d(120, 84); };
+  const DrawnFrame apart = draw_world({left_before, right_before}, 0),
+                   together = draw_world({kLeft, kRight}, 0);
+  const RgbdImage now{drawn.rgb, drawn.depth};
+  const cv::Mat split = split_by_motion(parts, now, {apart.rgb, apart.depth}, drawn_camera(), {}, random);
+  const int left = split.at<std::uint16_t>(120, 80), right = split.at<std::uint16_t>(120, 160);
+  EXPECT_NE(left, right);
+  EXPECT_GT(mask_iou(split == left, drawn.masks == 1), 0.9);
+  EXPECT_GT(mask_iou(split == right, drawn.masks == 2), 0.9);
+  const cv::Mat whole =
+      split_by_motion(parts, now, {together.rgb, together.depth}, drawn_camera(), {}, random);
+  EXPECT_EQ(cv::countNonZero(whole != parts), 0);
+}
+
+TEST(Segmentation, BodiesThatAreTrackedArePromptsWhereNoneAreGiven) {
+  const TempFolder temp;
+  const fs::path& folder = temp.path();
+  const Sequence sequence = write_box_sequence(folder, 3, false);
+  const cv::Mat truth = read_masks(sequence, sequence.frames[2]);
+  write_text(folder / "points.txt", "1.0 20 15\n");  // of the first frame alone, and beside the box
+  SegmentationOptions options;
+  options.source = MaskSource::depth_motion;
+  const Segmenter segmenter = make_segmenter(sequence, options, {PromptKind::points, folder / "points.txt"});
+  const SequenceFrame& frame = sequence.frames[2];
+  const cv::Mat rgb = read_rgb(sequence, frame), depth = read_depth(sequence, frame);
+  EXPECT_EQ(cv::countNonZero(segment(segmenter, sequence, {frame, rgb, depth, {}}, 0)), 0);
+  const cv::Mat found = segment(segmenter, sequence, {frame, rgb, depth, truth}, 0);
+  EXPECT_GT(mask_iou(found != 0, truth != 0), 0.75);  // what touches the floor is lost
 }
 
 }  // namespace

@@ -1,0 +1,115 @@
+#include "estimator/perception/motion_split.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <vector>
+
+#include "estimator/perception/outline.h"
+#include "estimator/perception/rigid_motion.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr int kMinSamples = 30;    // of a motion
+constexpr int kSmoothing_px = 11;  // of the border between two motions
+
+struct MovedPixel {
+  cv::Point pixel;
+  PointSighting sighting;  // where it is now in the camera's frame, and where it was seen before
+};
+
+Camera without_lens(Camera camera) {
+  camera.distortion = {};
+  return camera;
+}
+
+std::optional<MovedPixel> moved_pixel(const cv::Point& pixel, const RgbdImage& now, const RgbdImage& before,
+                                      const cv::Vec2f& origin, const Camera& camera) {
+  const double z = now.depth.at<float>(pixel);
+  const cv::Point from(static_cast<int>(std::lround(origin[0])), static_cast<int>(std::lround(origin[1])));
+  if (!(z > 0) || !cv::Rect({0, 0}, before.depth.size()).contains(from)) return std::nullopt;
+  const double z_before = before.depth.at<float>(from);
+  if (!(z_before > 0)) return std::nullopt;
+  const auto ray = camera.unproject({pixel.x, pixel.y});
+  constexpr double kDepthNoise = 0.01;  // relative, of a difference of two measurements
+  return MovedPixel{pixel, {z * *ray, {origin[0], origin[1]}, z_before, kDepthNoise * z}};
+}
+
+double error_px(const MovedPixel& moved, const Camera& camera, const Pose& motion) {
+  const auto pixel = camera.project(motion * moved.sighting.point);
+  return pixel ? (*pixel - moved.sighting.pixel).norm() : 1e9;
+}
+
+std::vector<PointSighting> sightings_of(const std::vector<MovedPixel>& pixels) {
+  std::vector<PointSighting> sightings;
+  for (const auto& pixel : pixels) sightings.push_back(pixel.sighting);
+  return sightings;
+}
+
+// The one or two motions of a part's pixels.
+std::vector<Pose> motions_of(std::vector<MovedPixel> pixels, const Camera& camera,
+                             const MotionSplitOptions& options, RandomStream& random) {
+  RigidMotionOptions rigid;
+  rigid.pixel_sigma = options.gate_px / rigid.pixel_gate;
+  rigid.min_inliers = kMinSamples;
+  std::vector<Pose> motions;
+  const auto needed = static_cast<std::size_t>(options.min_share * static_cast<double>(pixels.size()));
+  while (motions.size() < 2 && pixels.size() > std::max<std::size_t>(needed, kMinSamples)) {
+    const auto motion = fit_rigid_motion(sightings_of(pixels), camera, std::nullopt, rigid, random);
+    if (!motion) break;
+    motions.push_back(motion->camera_from_body);
+    std::erase_if(pixels,
+                  [&](const MovedPixel& p) { return error_px(p, camera, motions.back()) < options.gate_px; });
+  }
+  return motions;
+}
+
+// 255 where the second motion explains a part's pixels better than the first, smoothed.
+cv::Mat second_share(const cv::Rect& box, const cv::Mat& part, const std::vector<MovedPixel>& pixels,
+                     const Camera& camera, const std::vector<Pose>& motions) {
+  cv::Mat votes = cv::Mat::zeros(box.size(), CV_32FC1), weights = cv::Mat::zeros(box.size(), CV_32FC1);
+  for (const MovedPixel& moved : pixels) {
+    const cv::Point at = moved.pixel - box.tl();
+    weights.at<float>(at) = 1;
+    votes.at<float>(at) = error_px(moved, camera, motions[1]) < error_px(moved, camera, motions[0]);
+  }
+  const cv::Size window(4 * kSmoothing_px + 1, 4 * kSmoothing_px + 1);
+  cv::GaussianBlur(votes, votes, window, kSmoothing_px, kSmoothing_px, cv::BORDER_CONSTANT);
+  cv::GaussianBlur(weights, weights, window, kSmoothing_px, kSmoothing_px, cv::BORDER_CONSTANT);
+  return (votes > 0.5 * weights) & part;
+}
+
+}  // namespace
+
+cv::Mat split_by_motion(const cv::Mat& parts, const RgbdImage& now, const RgbdImage& before,
+                        const Camera& lens, const MotionSplitOptions& options, RandomStream& random) {
+  const Camera camera = without_lens(lens);
+  const FlowOptions flow_options{FlowOptions::Preset::medium, 1};  // exact: nothing mends its errors here
+  const cv::Mat flow =
+      backward_flow(flow_image(now.rgb, flow_options), flow_image(before.rgb, flow_options), flow_options);
+  cv::Mat split = parts.clone();
+  const auto boxes = id_boxes(parts);
+  int next = boxes.empty() ? 1 : boxes.rbegin()->first + 1;
+  for (const auto& [label, box] : boxes) {
+    const cv::Mat part = parts(box) == label, positions = origins(flow, box, flow_options.downscale);
+    const int count = cv::countNonZero(part);
+    const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(count) / options.samples)));
+    std::vector<MovedPixel> pixels;
+    for (int v = 0; v < box.height; v += step)
+      for (int u = 0; u < box.width; u += step)
+        if (part.at<unsigned char>(v, u))
+          if (const auto moved =
+                  moved_pixel({box.x + u, box.y + v}, now, before, positions.at<cv::Vec2f>(v, u), camera))
+            pixels.push_back(*moved);
+    const auto motions = motions_of(pixels, camera, options, random);
+    if (motions.size() < 2) continue;
+    const cv::Mat second = second_share(box, part, pixels, camera, motions);
+    const double share = cv::countNonZero(second) / static_cast<double>(count);
+    if (share >= options.min_share && share <= 1 - options.min_share) split(box).setTo(next++, second);
+  }
+  return split;
+}
+
+}  // namespace uniquadric

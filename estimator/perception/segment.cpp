@@ -1,0 +1,160 @@
+// segment(): what each source does with a frame.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <set>
+
+#include "estimator/perception/outline.h"
+#include "estimator/perception/segmentation.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kSameBody = 0.3;   // IoU of a prompt's box with a tracked one's
+constexpr double kBoxMargin = 0.1;  // of a tracked body's box, by which it is enlarged: the body moved on
+
+cv::Mat keep_selected(cv::Mat masks, const std::set<int>& selected) {
+  for (auto& id : cv::Mat_<std::uint16_t>(masks))
+    if (!selected.contains(id)) id = 0;
+  return masks;
+}
+
+// A label that no other prompt of the frame has.
+int free_label(std::set<int>& taken) {
+  int label = std::numeric_limits<std::uint16_t>::max();
+  while (taken.contains(label)) --label;
+  taken.insert(label);
+  return label;
+}
+
+// The user's boxes of a frame, and boxes of the tracked bodies that they leave out.
+std::vector<BoxPrompt> boxes_of(const Segmenter& segmenter, const SegmenterInput& input) {
+  std::vector<BoxPrompt> boxes = segmenter.boxes[input.frame.frame];
+  if (input.tracked.empty()) return boxes;
+  const std::vector<BoxPrompt> given = boxes;
+  std::set<int> labels;
+  for (const auto& box : given) labels.insert(box.id);
+  for (const auto& [id, rect] : id_boxes(input.tracked)) {
+    const double dx = kBoxMargin * rect.width, dy = kBoxMargin * rect.height;
+    const BoxPrompt box{0, rect.x - 0.5 - dx, rect.y - 0.5 - dy, rect.width + 2 * dx, rect.height + 2 * dy};
+    const auto is_given = [&](const BoxPrompt& other) { return box_iou(box, other) > kSameBody; };
+    if (std::any_of(given.begin(), given.end(), is_given)) continue;
+    boxes.push_back(box);
+    boxes.back().id = free_label(labels);
+  }
+  return boxes;
+}
+
+// The pixel of a mask that is farthest from its outline.
+cv::Point innermost(const cv::Mat& mask) {
+  cv::Mat framed, distance;
+  cv::copyMakeBorder(mask, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::distanceTransform(framed, distance, cv::DIST_L2, 3);
+  cv::Point place;
+  cv::minMaxLoc(distance, nullptr, nullptr, nullptr, &place);
+  return place - cv::Point(1, 1);
+}
+
+// The user's points of a frame, and a point in each tracked body that has none.
+std::vector<PointPrompt> points_of(const Segmenter& segmenter, const SegmenterInput& input) {
+  std::vector<PointPrompt> points = segmenter.points[input.frame.frame];
+  if (input.tracked.empty()) return points;
+  std::set<int> labels, pointed_at;
+  for (const auto& point : points) {
+    labels.insert(point.id);
+    pointed_at.insert(input.tracked.at<std::uint16_t>(static_cast<int>(std::lround(point.v)),
+                                                      static_cast<int>(std::lround(point.u))));
+  }
+  for (const auto& [id, box] : id_boxes(input.tracked)) {
+    if (pointed_at.contains(id)) continue;
+    const cv::Point place = innermost(input.tracked(box) == id) + box.tl();
+    points.push_back({free_label(labels), static_cast<double>(place.x), static_cast<double>(place.y)});
+  }
+  return points;
+}
+
+// Where two objects claim a pixel the smaller box has it: it is more likely the one in front.
+cv::Mat masks_of_boxes(std::vector<BoxPrompt> boxes, const GrabcutOptions& options, const Camera& camera,
+                       const SegmenterInput& input, std::uint64_t seed) {
+  if (boxes.empty() || input.depth.empty()) return {};
+  std::stable_sort(boxes.begin(), boxes.end(),
+                   [](const auto& a, const auto& b) { return a.width * a.height > b.width * b.height; });
+  cv::Mat masks = cv::Mat::zeros(input.rgb.size(), CV_16UC1);
+  for (const auto& box : boxes) {
+    RandomStream random(seed, "grabcut_depth", input.frame.frame, box.id);
+    masks.setTo(box.id, grabcut_depth(input.rgb, input.depth, camera, box, options, random));
+  }
+  return masks;
+}
+
+// The image some frames earlier that a motion is seen against; nothing at the start.
+std::optional<RgbdImage> earlier_image(const Sequence& sequence, std::int64_t frame, int frames) {
+  if (frame < frames) return std::nullopt;
+  const SequenceFrame& earlier = sequence.frames[frame - frames];
+  if (earlier.depth.empty()) return std::nullopt;
+  return RgbdImage{read_rgb(sequence, earlier), read_depth(sequence, earlier)};
+}
+
+cv::Mat masks_by_depth_and_motion(const Segmenter& segmenter, const Sequence& sequence,
+                                  const SegmenterInput& input, std::uint64_t seed) {
+  if (input.depth.empty()) return {};
+  RandomStream random(seed, "depth_motion", input.frame.frame);
+  const auto& options = segmenter.options;
+  cv::Mat parts = depth_parts(input.depth, sequence.camera, options.depth_parts, random);
+  const auto before = earlier_image(sequence, input.frame.frame, options.motion_split.frames);
+  if (before)
+    parts = split_by_motion(parts, {input.rgb, input.depth}, *before, sequence.camera, options.motion_split,
+                            random);
+  return segmenter.prompt_kind == PromptKind::points ? parts_at_points(parts, points_of(segmenter, input))
+                                                     : parts;
+}
+
+cv::Mat masks_by_sam(const Segmenter& segmenter, const SegmenterInput& input) {
+  if (segmenter.prompt_kind == PromptKind::everything) return segmenter.sam->segment_everything(input.rgb);
+  std::vector<SamPrompt> prompts;
+  if (segmenter.prompt_kind == PromptKind::boxes)
+    for (const auto& box : boxes_of(segmenter, input)) prompts.push_back({box.id, {}, {box}});
+  std::map<int, SamPrompt> by_id;
+  if (segmenter.prompt_kind == PromptKind::points)
+    for (const auto& point : points_of(segmenter, input)) by_id[point.id].points.push_back(point);
+  for (auto& [id, prompt] : by_id) {
+    prompt.id = id;
+    prompts.push_back(std::move(prompt));
+  }
+  return segmenter.sam->segment(input.rgb, prompts);
+}
+
+}  // namespace
+
+cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const SegmenterInput& input,
+                std::uint64_t seed) {
+  const Camera& camera = sequence.camera;
+  const auto& options = segmenter.options;
+  switch (segmenter.source) {
+    case MaskSource::automatic:
+    case MaskSource::sequence:
+      break;
+    case MaskSource::grabcut_depth:
+      return masks_of_boxes(boxes_of(segmenter, input), options.grabcut_depth, camera, input, seed);
+    case MaskSource::depth_motion:
+      return masks_by_depth_and_motion(segmenter, sequence, input, seed);
+    case MaskSource::sam:
+      return masks_by_sam(segmenter, input);
+    case MaskSource::detector:
+      return masks_of_boxes(detect_boxes(*segmenter.detector, input.rgb, options.detector),
+                            options.grabcut_depth, camera, input, seed);
+  }
+  if (input.frame.masks.empty()) return {};
+  cv::Mat masks = read_masks(sequence, input.frame);
+  return segmenter.selected ? keep_selected(std::move(masks), *segmenter.selected) : masks;
+}
+
+cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
+                const cv::Mat& depth, std::uint64_t seed) {
+  if (!has_something_for(segmenter, frame)) return {};
+  const cv::Mat rgb = segmenter.source == MaskSource::sequence ? cv::Mat() : read_rgb(sequence, frame);
+  return segment(segmenter, sequence, {frame, rgb, depth, {}}, seed);
+}
+
+}  // namespace uniquadric
