@@ -11,7 +11,7 @@ struct EstimateOptions {
   std::uint64_t seed = 0;
   int threads = 0;  ///< 0: as many as the machine has
   bool quiet = false;
-  bool force = false;                ///< replace an existing output folder
+  bool force = false;  ///< replace an existing output folder
   Prompts prompts;
   std::filesystem::path perception;  ///< where the perception stage's result is kept and taken from; empty:
                                      ///< nowhere

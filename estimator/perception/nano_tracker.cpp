@@ -6,6 +6,7 @@
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/base/error.h"
 #include "estimator/perception/outline.h"
 
 namespace uniquadric {
@@ -108,6 +109,12 @@ NanoBox NanoTracker::find(const cv::Mat& template_features, const NanoBox& previ
   const double scale = kTemplate_px / context_side(previous.size);
   const cv::Mat search = features(crop(rgb, previous.center, kSearch_px / scale, kSearch_px));
   const auto outputs = head_.run({{"input1", template_features}, {"input2", search}}, {"output1", "output2"});
+  const auto is_map = [&](const cv::Mat& map, int channels) {
+    return map.dims == 4 && map.size[1] == channels && map.size[2] == map.size[3] &&
+           map.size[2] == outputs[0].size[2];
+  };
+  if (!is_map(outputs[0], 2) || !is_map(outputs[1], 4))
+    throw InputError(head_.file(), "is no head of NanoTrack's form: 2 scores and 4 sides a cell");
   return decode_nanotrack(outputs[0], outputs[1], previous, scale, options_).value_or(previous);
 }
 

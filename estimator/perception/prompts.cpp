@@ -142,6 +142,9 @@ PointPrompt parse_point(const Sequence& sequence, const fs::path& file, int line
     throw InputError(
         file, line,
         fmt::format("the point lies outside the {}x{} image", sequence.camera.width, sequence.camera.height));
+  // the outer half of a border pixel is the image too, but no pixel's centre
+  point.u = std::clamp(point.u, 0.0, sequence.camera.width - 1.0);
+  point.v = std::clamp(point.v, 0.0, sequence.camera.height - 1.0);
   if (fields.size() == 4) point.id = parse_id(file, line, fields[3]);
   return point;
 }

@@ -260,9 +260,7 @@ TEST(Aot, AFailingSegmenterThreadFailsTheTracker) {
   AotOptions options;
   options.clock = AotClock::threads;
   SlowSegmenter failing = perfect_segmenter({kRed}, 0);
-  failing.segment = [](const SegmenterInput&) -> cv::Mat {
-    throw std::runtime_error("broken");
-  };
+  failing.segment = [](const SegmenterInput&) -> cv::Mat { throw std::runtime_error("broken"); };
   AsyncObjectTracker tracker(drawn_camera(), failing, options);
   const auto track_many = [&] {
     for (int n = 0; n < 300; ++n) {

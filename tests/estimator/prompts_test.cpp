@@ -123,6 +123,15 @@ TEST(Prompts, PointsAreObjectsOfTheirOwnUnlessTheyHaveIds) {
   EXPECT_EQ(frames[0][1].id, 4);
 }
 
+// The border pixels reach half a pixel beyond their centres; what is there must still index a pixel.
+TEST(Prompts, PointsOnTheImagesRimBelongToItsPixels) {
+  const auto frames = read_points("10.0 -0.5 -0.5\n10.0 639.5 479.5\n");
+  EXPECT_EQ(frames[0][0].u, 0);
+  EXPECT_EQ(frames[0][0].v, 0);
+  EXPECT_EQ(frames[0][1].u, 639);
+  EXPECT_EQ(frames[0][1].v, 479);
+}
+
 TEST(Prompts, BadPointsAreRefusedByLine) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"10.0 5\n", ":1: expected in every line: stamp u v"},
