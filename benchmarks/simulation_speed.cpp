@@ -1,21 +1,23 @@
 // Frames per second of `simulate`, files written, against a bare loop that only draws the same pass (colour,
 // ids, depth) and reads it back into images it reuses.
 //   simulation_speed SCENE.yaml [FRAMES [ROUNDS]]
-// Measured for the scene as it is and with its triangles split until there are 200 000: the same images of
-// heavier geometry. Every measurement is a process of its own, so that the bare loop has OSMesa as it comes
-// (its own threads, one a core) and simulate has it as simulate sets it. The two take turns; the ratio is
-// that of the medians. The time of all cores for a frame tells what other programs on the machine hide.
+// simulate draws with a process a core, each with an OSMesa context that rasterises in the process's one
+// thread; so does the bare loop, which is then what simulate does without everything else. A second bare loop
+// draws in one process, in which OSMesa has a thread a core, as it comes. The bare loops' clock starts when
+// their contexts are made and warm; of simulate there is the whole call, its frames with the making of the
+// contexts, and its frames but each worker's first. All take turns, each in processes of their own; the
+// ratios are those of medians. Measured for the scene as it is and with its triangles split until there are
+// 200 000: the same images of heavier geometry. Stages are milliseconds of one core a frame.
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -25,6 +27,8 @@
 #include "core/base/text.h"
 #include "simulator/render/renderer.h"
 #include "simulator/simulate.h"
+#include "simulator/stage_times.h"
+#include "simulator/workers.h"
 
 namespace uniquadric {
 namespace {
@@ -32,76 +36,72 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kHeavyTriangles = 200'000;
 
-double seconds(const std::function<void()>& action) {
-  const auto start = std::chrono::steady_clock::now();
-  action();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+int cores() {
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-struct Speed {
-  double fps = 0, cpu_ms = 0;  // cpu_ms: of all cores, for a frame
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// When the first worker began and the last one ended, all having waited for each other before.
+struct Race {
+  std::atomic<int> ready = 0;
+  std::atomic<double> begin_s = 0, end_s = 0;
 };
 
-// Of this process and of those it has waited for.
-double cpu_seconds() {
-  double total_s = 0;
-  for (const int whose : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage usage{};
-    getrusage(whose, &usage);
-    for (const timeval& t : {usage.ru_utime, usage.ru_stime})
-      total_s += static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  }
-  return total_s;
-}
-
-Speed measure(std::int64_t frames, const std::function<void()>& action) {
-  const double cpu_s = cpu_seconds(), count = static_cast<double>(frames);
-  const double time_s = seconds(action);
-  return {count / time_s, 1e3 * (cpu_seconds() - cpu_s) / count};
-}
-
-// What `run` returns, from a child process.
-Speed in_own_process(const std::function<Speed()>& run) {
-  int ends[2];
-  if (pipe(ends) != 0) throw std::runtime_error("no pipe");
-  const pid_t child = fork();
-  if (child == 0) {
-    const Speed speed = run();
-    const bool written = write(ends[1], &speed, sizeof speed) == sizeof speed;
-    _exit(written ? 0 : 1);
-  }
-  close(ends[1]);
-  Speed speed;
-  const bool complete = read(ends[0], &speed, sizeof speed) == sizeof speed;
-  close(ends[0]);
-  waitpid(child, nullptr, 0);
-  if (!complete) throw std::runtime_error("a measurement failed");
-  return speed;
-}
-
-Speed bare_speed(const Scene& scene, std::int64_t frames) {
-  setenv("LP_NUM_THREADS", std::to_string(std::thread::hardware_concurrency()).c_str(), 0);
-  Renderer renderer(scene);
-  cv::Mat rgba, ids, depth_m;
-  const auto draw = [&](std::int64_t frame) {
-    renderer.draw(poses_at(scene, static_cast<double>(frame) / scene.rate_hz));
-    renderer.read_back(rgba, ids, depth_m);
+double bare_fps(const Scene& scene, std::int64_t frames, int processes, int threads) {
+  const SharedCounter counter(frames);
+  const std::shared_ptr<Race> race = make_shared_value<Race>();
+  const auto work = [&](int) {
+    if (threads > 1) setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);
+    SharedCounter next = counter;
+    Renderer renderer(scene);
+    cv::Mat rgba, ids, depth_m;
+    const auto draw = [&](std::int64_t frame) {
+      renderer.draw(poses_at(scene, static_cast<double>(frame) / scene.rate_hz));
+      renderer.read_back(rgba, ids, depth_m);
+    };
+    draw(0);  // compiles the shaders
+    for (++race->ready; race->ready < processes;) std::this_thread::yield();
+    double never = 0;
+    race->begin_s.compare_exchange_strong(never, now_s());
+    for (std::int64_t frame = next.take(); frame < frames; frame = next.take()) draw(frame);
+    for (double end_s = race->end_s; end_s < now_s();)
+      if (race->end_s.compare_exchange_weak(end_s, now_s())) break;
   };
-  draw(0);  // compiles the shaders
-  return measure(frames, [&] {
-    for (std::int64_t frame = 0; frame < frames; ++frame) draw(frame);
-  });
+  run_workers(processes, work, [] {});
+  return static_cast<double>(frames) / (race->end_s - race->begin_s);
 }
 
-// Everything counts here: the renderers' preparation too.
-Speed simulate_speed(const Scene& scene, std::int64_t frames) {
+using Stages = std::map<std::string, double>;  // ms of each; frame_...: of one core a frame
+
+Stages read_stages(const fs::path& file) {
+  Stages stages;
+  for_each_line(
+      file,
+      [&](int line, const std::vector<std::string_view>& fields) {
+        if (line > 1) stages[std::string(fields.at(0))] = parse_double(fields.at(2)).value();
+      },
+      ',');
+  return stages;
+}
+
+// With "whole": of the call, also in ms a frame.
+Stages simulate_stages(const Scene& scene, std::int64_t frames) {
   const fs::path out = fs::temp_directory_path() / fmt::format("simulation_speed.{}", getpid());
   SimulateOptions options;
   options.frames = frames;
   options.quiet = true;
-  const Speed speed = measure(frames, [&] { simulate(scene, options, out); });
+  options.timing = out.string() + ".csv";
+  const double start_s = now_s();
+  simulate(scene, options, out);
+  const double whole_s = now_s() - start_s;
+  Stages stages = read_stages(options.timing);
+  stages["whole"] = 1e3 * whole_s / static_cast<double>(frames);
   fs::remove_all(out);
-  return speed;
+  fs::remove(options.timing);
+  return stages;
 }
 
 // Halves every edge: four triangles for one, in the same plane.
@@ -147,22 +147,39 @@ std::int64_t argument(int argc, char** argv, int place, std::int64_t fallback) {
   return *value;
 }
 
+struct Bare {
+  double fps = 0, threaded_fps = 0;
+};
+
+void print_row(const std::string& what, double fps, const Bare& bare) {
+  fmt::print("  {:<46} {:7.1f} fps {:9.2f} {:9.2f}\n", what, fps, fps / bare.fps, fps / bare.threaded_fps);
+}
+
 void compare(Scene& scene, std::int64_t frames, std::int64_t rounds) {
-  std::vector<double> bare_fps, bare_ms, simulate_fps, simulate_ms;
+  std::vector<double> fps, threaded_fps;
+  std::map<std::string, std::vector<double>> times;
   for (std::int64_t round = 0; round < rounds; ++round) {
-    const Speed bare = in_own_process([&] { return bare_speed(scene, frames); });
-    const Speed simulated = in_own_process([&] { return simulate_speed(scene, frames); });
-    bare_fps.push_back(bare.fps), bare_ms.push_back(bare.cpu_ms);
-    simulate_fps.push_back(simulated.fps), simulate_ms.push_back(simulated.cpu_ms);
+    fps.push_back(bare_fps(scene, frames, cores(), 1));
+    threaded_fps.push_back(bare_fps(scene, frames, 1, cores()));
+    for (const auto& [stage, ms] : simulate_stages(scene, frames)) times[stage].push_back(ms);
   }
-  fmt::print("scene {}, {} triangles: {} frames, {} rounds, {} cores\n", scene.name, count_triangles(scene),
-             frames, rounds, std::thread::hardware_concurrency());
-  fmt::print("  bare draw and read-back  {:7.1f} fps  {:7.1f} ms of all cores for a frame\n",
-             median(bare_fps), median(bare_ms));
-  fmt::print("  simulate, files written  {:7.1f} fps  {:7.1f} ms of all cores for a frame\n",
-             median(simulate_fps), median(simulate_ms));
-  fmt::print("  ratio                    {:7.2f}      {:7.2f}\n", median(simulate_fps) / median(bare_fps),
-             median(bare_ms) / median(simulate_ms));
+  const Bare bare{median(fps), median(threaded_fps)};
+  const auto ms = [&](const std::string& stage) { return median(times[stage]); };
+  double frame_ms = 0;
+  for (const char* stage : kFrameStages) frame_ms += ms(fmt::format("frame_{}", stage));
+  fmt::print("scene {}, {} triangles, {}x{}: {} frames, {} rounds, {} cores; ratios to either bare loop\n",
+             scene.name, count_triangles(scene), scene.camera.width, scene.camera.height, frames, rounds,
+             cores());
+  print_row(fmt::format("bare draw and read-back, {} processes, 1 thread", cores()), bare.fps, bare);
+  print_row(fmt::format("bare draw and read-back, 1 process, {} threads", cores()), bare.threaded_fps, bare);
+  print_row(fmt::format("simulate ({} processes), its whole call", cores()), 1e3 / ms("whole"), bare);
+  print_row("simulate, its frames", 1e3 / ms("frames"), bare);
+  print_row("simulate, its frames but each worker's first", 1e3 * cores() / frame_ms, bare);
+  print_row("simulate, its drawing alone", 1e3 * cores() / ms("frame_draw"), bare);
+  fmt::print("  ms of one core a frame: bare {:.2f}; simulate", 1e3 * cores() / bare.fps);
+  for (const char* stage : kFrameStages) fmt::print(" {} {:.2f}", stage, ms(fmt::format("frame_{}", stage)));
+  fmt::print("; once: a worker's first frame {:.0f} ms, truth and IMU {:.0f} ms, hashes {:.0f} ms\n",
+             ms("first_frame"), ms("truth_and_imu"), ms("hashes"));
 }
 
 void run(int argc, char** argv) {

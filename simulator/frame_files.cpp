@@ -43,31 +43,37 @@ FrameWriter::FrameWriter(const Scene& scene, std::uint64_t seed, fs::path folder
       color_(PngFormat::rgb_8, scene.camera.width, scene.camera.height),
       depth_(PngFormat::grey_16, scene.camera.width, scene.camera.height) {}
 
-void FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered) {
+void FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered, LapTimer& timer) {
   const std::string file = fmt::format("{:06}.png", frame);
-  write_color(frame, rendered.rgba);
-  if (scene_.depth) write_depth(frame, rendered.depth_m);
+  const auto put = [&](const char* part, std::string_view bytes, FrameStage stage) {
+    timer.lap(stage);
+    write_file(folder_ / part / file, bytes);
+    timer.lap(FrameStage::write);
+  };
+  fill_color(frame, rendered.rgba);
+  put("sequence/rgb", color_.finish(), FrameStage::color);
+  if (scene_.depth) {
+    fill_depth(frame, rendered.depth_m);
+    put("sequence/depth", depth_.finish(), FrameStage::depth);
+  }
   if (is_segmented(scene_.segmenter, frame))
-    write_file(folder_ / "sequence/masks" / file,
-               pack_png(segment(rendered.ids, scene_.segmenter, seed_, frame)));
-  write_file(folder_ / "truth/instances" / file, pack_png(rendered.ids));
+    put("sequence/masks", pack_png(segment(rendered.ids, scene_.segmenter, seed_, frame)), FrameStage::masks);
+  put("truth/instances", pack_png(rendered.ids), FrameStage::masks);
 }
 
-void FrameWriter::write_color(std::int64_t frame, const cv::Mat& rgba) {
+void FrameWriter::fill_color(std::int64_t frame, const cv::Mat& rgba) {
   for (int v = 0; v < rgba.rows; ++v) {
     unsigned char* row = color_.row(v);
     pack_rgb(rgba.ptr(v), rgba.cols, row);
     image_noise_.add_to_row(frame, v, {row, 3 * static_cast<std::size_t>(rgba.cols)});
   }
-  write_file(folder_ / "sequence/rgb" / fmt::format("{:06}.png", frame), color_.finish());
 }
 
-void FrameWriter::write_depth(std::int64_t frame, const cv::Mat& depth_m) {
+void FrameWriter::fill_depth(std::int64_t frame, const cv::Mat& depth_m) {
   const cv::Mat noisy_m = add_depth_noise(depth_m, scene_.camera, scene_.depth_noise, seed_, frame);
   cv::Mat units;
   noisy_m.convertTo(units, CV_16U, depth_units_per_m(scene_.depth_noise));
   for (int v = 0; v < units.rows; ++v) pack_16_bits(units.ptr<std::uint16_t>(v), units.cols, depth_.row(v));
-  write_file(folder_ / "sequence/depth" / fmt::format("{:06}.png", frame), depth_.finish());
 }
 
 std::string visibility_lines(const Scene& scene, std::int64_t frame, const RenderedFrame& rendered) {

@@ -8,6 +8,7 @@
 #include "simulator/png.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene/scene.h"
+#include "simulator/stage_times.h"
 
 namespace uniquadric {
 
@@ -19,11 +20,11 @@ void create_frame_folders(const Scene& scene, const std::filesystem::path& folde
 class FrameWriter {
  public:
   FrameWriter(const Scene& scene, std::uint64_t seed, std::filesystem::path folder);
-  void write(std::int64_t frame, const RenderedFrame& rendered);
+  void write(std::int64_t frame, const RenderedFrame& rendered, LapTimer& timer);
 
  private:
-  void write_color(std::int64_t frame, const cv::Mat& rgba);
-  void write_depth(std::int64_t frame, const cv::Mat& depth_m);
+  void fill_color(std::int64_t frame, const cv::Mat& rgba);
+  void fill_depth(std::int64_t frame, const cv::Mat& depth_m);
 
   const Scene& scene_;
   std::uint64_t seed_;

@@ -55,20 +55,38 @@ void discard_other_work(const Scene& scene, const std::string& key, const fs::pa
   write_text(key_file, key);
 }
 
+// What a worker has to draw and write frames with, and what it does with one.
+struct FrameMaker {
+  const Scene& scene;
+  Renderer renderer;
+  FrameWriter writer;
+
+  void make(std::int64_t frame, FrameLog& log, FrameTimes& times) {
+    LapTimer timer(times);
+    const double time_s = frame_time_s(scene, frame);
+    const RenderedFrame& rendered = renderer.render(poses_at(scene, time_s), color_steps(scene, time_s));
+    timer.lap(FrameStage::draw);
+    writer.write(frame, rendered, timer);
+    log.add(frame, visibility_lines(scene, frame, rendered));
+    times.count_frame();
+  }
+};
+
 // What one worker does: takes frames until none is left. It renders and encodes its own frames with a
 // renderer of its own: that keeps every core busy whichever of the two is slower, and holds one frame a
 // worker in memory.
 void write_frames_of(const Scene& scene, const SimulateOptions& options, const fs::path& folder,
-                     SharedCounter& frames, FrameLog& log) {
-  std::unique_ptr<Renderer> renderer;
-  FrameWriter writer(scene, options.seed, folder);
+                     SharedCounter& frames, FrameLog& log, FrameTimes& times) {
+  std::unique_ptr<FrameMaker> maker;
   for (std::int64_t frame = frames.take(); frame < frames.limit(); frame = frames.take()) {
-    if (!log.has(frame)) {
-      if (!renderer) renderer = std::make_unique<Renderer>(scene, options.gl);
-      const double time_s = frame_time_s(scene, frame);
-      const RenderedFrame& rendered = renderer->render(poses_at(scene, time_s), color_steps(scene, time_s));
-      writer.write(frame, rendered);
-      log.add(frame, visibility_lines(scene, frame, rendered));
+    if (!log.has(frame) && maker) {
+      maker->make(frame, log, times);
+    } else if (!log.has(frame)) {
+      const Stopwatch stopwatch;
+      FrameTimes first;
+      maker.reset(new FrameMaker{scene, Renderer(scene, options.gl), {scene, options.seed, folder}});
+      maker->make(frame, log, first);
+      times.add_first_frame(stopwatch.seconds());
     }
     frames.finish();
   }
@@ -80,17 +98,20 @@ void write_frames(const Scene& scene, const SimulateOptions& options, std::int64
   const int machine = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const std::int64_t workers = std::min<std::int64_t>(options.threads > 0 ? options.threads : machine, count);
   SharedCounter frames(count);
+  FrameTimes frame_times;
   FrameLog log(log_file);  // the workers append to it, a record a write
   Progress progress(fmt::format("simulate {}", scene.name), count, options.quiet);
   const std::int64_t missing = count - log.size();
   std::int64_t shown = 0;
   run_workers(
-      static_cast<int>(workers), [&](int) { write_frames_of(scene, options, folder, frames, log); },
+      static_cast<int>(workers),
+      [&](int) { write_frames_of(scene, options, folder, frames, log, frame_times); },
       [&] {
         if (const std::int64_t steps = frames.finished() - shown; steps > 0)
           progress.advance(steps), shown += steps;
       });
   times.add("frames", stopwatch.seconds(), missing);
+  frame_times.add_to(times);
 }
 
 void hash_folders(const fs::path& folder, int threads, StageTimes& times) {

@@ -22,4 +22,11 @@ std::string StageTimes::csv() const {
   return text;
 }
 
+void FrameTimes::add_to(StageTimes& times) const {
+  times.add("first_frame", 1e-9 * static_cast<double>(sums_->first_ns), sums_->workers);
+  for (std::size_t i = 0; i < kFrameStages.size(); ++i)
+    times.add(fmt::format("frame_{}", kFrameStages[i]), 1e-9 * static_cast<double>(sums_->stage_ns[i]),
+              sums_->frames);
+}
+
 }  // namespace uniquadric

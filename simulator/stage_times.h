@@ -1,9 +1,14 @@
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "simulator/workers.h"
 
 namespace uniquadric {
 
@@ -34,6 +39,49 @@ class Stopwatch {
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// What becomes of a frame, in the order of the work: drawn, read back and its silhouettes counted; colour,
+/// depth and masks with their sensors' errors and in the bytes of their files; these written.
+enum class FrameStage { draw, color, depth, masks, write };
+inline constexpr std::array kFrameStages = {"draw", "color", "depth", "masks", "write"};
+
+/// Time that all workers together spend on each stage of their frames. A worker's first frame stands apart,
+/// with all that is prepared for it: OpenGL compiles what it draws with when it first draws.
+class FrameTimes {
+ public:
+  void add(FrameStage stage, double seconds) {
+    sums_->stage_ns[static_cast<std::size_t>(stage)] += nanoseconds(seconds);
+  }
+  void count_frame() { ++sums_->frames; }
+  void add_first_frame(double seconds) {
+    sums_->first_ns += nanoseconds(seconds);
+    ++sums_->workers;
+  }
+  /// Rows `first_frame` (of each worker), and `frame_draw`, ... of the others.
+  void add_to(StageTimes& times) const;
+
+ private:
+  static std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(1e9 * seconds); }
+  struct Sums {
+    std::array<std::atomic<std::int64_t>, kFrameStages.size()> stage_ns;
+    std::atomic<std::int64_t> first_ns = 0, frames = 0, workers = 0;
+  };
+  std::shared_ptr<Sums> sums_ = make_shared_value<Sums>();
+};
+
+/// Gives the time since it was made, or since the last lap, to a stage.
+class LapTimer {
+ public:
+  explicit LapTimer(FrameTimes& times) : times_(times) {}
+  void lap(FrameStage stage) {
+    times_.add(stage, stopwatch_.seconds());
+    stopwatch_ = {};
+  }
+
+ private:
+  FrameTimes& times_;
+  Stopwatch stopwatch_;
 };
 
 }  // namespace uniquadric

@@ -110,10 +110,10 @@ std::string wait_for(std::vector<Worker>& workers, const std::function<void()>& 
 
 }  // namespace
 
-SharedCounter::SharedCounter(std::int64_t limit) : limit_(limit) {
-  void* memory = mmap(nullptr, sizeof(State), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+std::shared_ptr<void> shared_memory(std::size_t size) {
+  void* memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw std::bad_alloc();
-  state_ = std::shared_ptr<State>(new (memory) State, [](State* state) { munmap(state, sizeof(State)); });
+  return {memory, [size](void* begin) { munmap(begin, size); }};
 }
 
 void run_workers(int count, const std::function<void(int)>& work, const std::function<void()>& idle) {

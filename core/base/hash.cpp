@@ -13,7 +13,7 @@
 
 namespace uniquadric {
 namespace {
-constexpr std::size_t kChunk = 1 << 18;  // bytes: of a file at a time
+constexpr std::size_t kChunk = 1 << 16;  // bytes of a file at a time: more would be mapped anew for each file
 }
 
 void Hash::bytes(const void* data, std::size_t size) {

@@ -12,13 +12,48 @@ constexpr int kCellBits = 12;
 constexpr int kCells = 1 << kCellBits;
 constexpr int kPlaceBits = 16 - kCellBits;
 
-// Edges of the cells; the first and the last stand at the finite side of theirs.
-std::array<float, kCells + 1> make_edges() {
-  std::array<float, kCells + 1> edges{};
-  for (int i = 1; i < kCells; ++i) edges[i] = static_cast<float>(normal_quantile(i / double{kCells}));
-  edges[0] = edges[1];
-  edges[kCells] = edges[kCells - 1];
-  return edges;
+// The normal numbers of a cell's draws: start, and from one draw to the next.
+struct Cell {
+  float start = 0, step = 0;
+};
+
+struct Cells {
+  std::array<Cell, kCells> cell;
+  float tail_start = 0;  // beyond it, on either side, there is no last number
+};
+
+// Edges each by Newton's method from the one before; the second half mirrors the first.
+Cells make_cells() {
+  Cells cells;
+  double x = normal_quantile(1.0 / kCells);
+  cells.tail_start = static_cast<float>(-x);
+  for (int i = 1; i < kCells / 2; ++i) {
+    const double low = x, p = (i + 1) / double{kCells};
+    for (int k = 0; k < 8; ++k)
+      x += (p - normal_cdf(x)) * std::sqrt(2 * std::numbers::pi) * std::exp(x * x / 2);
+    const double step = (x - low) / (1 << kPlaceBits);
+    cells.cell[i] = {static_cast<float>(low + step / 2), static_cast<float>(step)};
+    cells.cell[kCells - 1 - i] = {static_cast<float>(-x + step / 2), static_cast<float>(step)};
+  }
+  return cells;
+}
+
+float normal_of(const Cells& cells, std::uint32_t draw) {
+  const Cell& cell = cells.cell[draw >> kPlaceBits];
+  return cell.start + cell.step * static_cast<float>(static_cast<int>(draw & ((1u << kPlaceBits) - 1)));
+}
+
+// Whether a draw falls into the first or the last cell.
+bool is_tail(std::uint32_t draw) {
+  return ((draw + (1u << kPlaceBits)) & 0xffff) < 2u << kPlaceBits;
+}
+
+// Whether one of that many words holds such a draw: looked at without a branch.
+constexpr std::size_t kRun = 16;
+bool has_tail(const std::uint32_t* words) {
+  std::uint32_t found = 0;
+  for (std::size_t i = 0; i < kRun; ++i) found |= is_tail(words[i] & 0xffff) | is_tail(words[i] >> 16);
+  return found != 0;
 }
 
 // A normal number given that it is greater than `start`.
@@ -45,18 +80,23 @@ double normal_quantile(double p) {
 }
 
 void fill_normals(RandomStream& stream, std::span<float> values) {
-  static const std::array<float, kCells + 1> edges = make_edges();
+  static const Cells cells = make_cells();
   std::vector<std::uint32_t> bits((values.size() + 1) / 2);
   stream.fill(bits);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::uint32_t draw = bits[i / 2] >> (i % 2 ? 16 : 0) & 0xffff, cell = draw >> kPlaceBits;
-    const float place =
-        (static_cast<float>(draw & ((1u << kPlaceBits) - 1)) + 0.5f) * (1.0f / (1u << kPlaceBits));
-    values[i] = edges[cell] + (edges[cell + 1] - edges[cell]) * place;
-    if (cell == 0 || cell == kCells - 1) {
-      const double tail = tail_normal(stream, edges[kCells - 1]);
-      values[i] = static_cast<float>(cell == 0 ? -tail : tail);
+  for (std::size_t i = 0; i + 1 < values.size(); i += 2) {
+    values[i] = normal_of(cells, bits[i / 2] & 0xffff);
+    values[i + 1] = normal_of(cells, bits[i / 2] >> 16);
+  }
+  if (values.size() % 2 == 1) values.back() = normal_of(cells, bits.back() & 0xffff);
+  for (std::size_t i = 0; i < values.size(); ++i) {  // apart: rare, and they go on drawing
+    if (i % (2 * kRun) == 0 && i / 2 + kRun <= bits.size() && !has_tail(&bits[i / 2])) {
+      i += 2 * kRun - 1;
+      continue;
     }
+    const std::uint32_t draw = bits[i / 2] >> (i % 2 ? 16 : 0) & 0xffff;
+    if (!is_tail(draw)) continue;
+    const double tail = tail_normal(stream, cells.tail_start);
+    values[i] = static_cast<float>(draw >> kPlaceBits == 0 ? -tail : tail);
   }
 }
 

@@ -25,18 +25,18 @@ void check_complete(const GlFunctions& gl, const RenderTargets& targets, unsigne
         fmt::format("OpenGL cannot draw images of {}x{} px", targets.width, targets.height));
 }
 
-void read(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, RowRange rows,
-          unsigned format, unsigned type, int mat_type, cv::Mat& image) {
-  image.create(rows.count, targets.width, mat_type);
+void read(const GlFunctions& gl, unsigned framebuffer, const cv::Rect& part, unsigned format, unsigned type,
+          int mat_type, cv::Mat& image) {
+  image.create(part.size(), mat_type);
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
-  gl.ReadPixels(0, rows.first, targets.width, rows.count, format, type, image.data);
+  gl.ReadPixels(part.x, part.y, part.width, part.height, format, type, image.data);
 }
 
 void read_image(const GlFunctions& gl, const RenderTargets& targets, unsigned draw_buffer, unsigned format,
                 unsigned type, int mat_type, cv::Mat& image) {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, targets.image);
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0 + draw_buffer);
-  read(gl, targets, targets.image, {0, targets.height}, format, type, mat_type, image);
+  read(gl, targets.image, {0, 0, targets.width, targets.height}, format, type, mat_type, image);
 }
 
 }  // namespace
@@ -78,7 +78,8 @@ void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rg
 void read_color_rows(const GlFunctions& gl, const RenderTargets& targets, RowRange rows, cv::Mat& rgba) {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, targets.image);
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  read(gl, targets, targets.image, rows, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, rgba);
+  read(gl, targets.image, {0, rows.first, targets.width, rows.count}, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4,
+       rgba);
 }
 
 void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids) {
@@ -89,8 +90,8 @@ void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& de
   read_image(gl, targets, 2, GL_RED, GL_FLOAT, CV_32FC1, depth_m);
 }
 
-void read_stencil(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer, cv::Mat& bits) {
-  read(gl, targets, framebuffer, {0, targets.height}, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, CV_8UC1, bits);
+void read_stencil(const GlFunctions& gl, unsigned framebuffer, const cv::Rect& part, cv::Mat& bits) {
+  read(gl, framebuffer, part, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, CV_8UC1, bits);
 }
 
 }  // namespace uniquadric

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 
 #include "simulator/render/gl_functions.h"
 
@@ -34,7 +35,7 @@ void read_color_rows(const GlFunctions& gl, const RenderTargets& targets, RowRan
                      cv::Mat& rgba);                                               ///< 8UC4, these alone
 void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids);  ///< 16UC1
 void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& depth_m);  ///< 32FC1
-void read_stencil(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer,
-                  cv::Mat& bits);  ///< 8UC1
+void read_stencil(const GlFunctions& gl, unsigned framebuffer, const cv::Rect& part,
+                  cv::Mat& bits);  ///< 8UC1, of the part alone
 
 }  // namespace uniquadric

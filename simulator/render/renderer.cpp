@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "simulator/render/box_pixels.h"
 #include "simulator/render/gpu_mesh.h"
 #include "simulator/render/program.h"
 #include "simulator/render/render_targets.h"
@@ -18,11 +19,15 @@ constexpr float kNear_m =
 struct GpuBody {
   unsigned id = 0;
   std::vector<GpuMesh> meshes;
+  Eigen::AlignedBox3f box;  // that holds the meshes, in the object frame
 };
 
 GpuBody upload_body(const GlFunctions& gl, const Body& body) {
-  GpuBody gpu{static_cast<unsigned>(body.id), {}};
-  for (const Mesh& mesh : body.meshes) gpu.meshes.push_back(upload_mesh(gl, mesh));
+  GpuBody gpu{static_cast<unsigned>(body.id), {}, {}};
+  for (const Mesh& mesh : body.meshes) {
+    gpu.meshes.push_back(upload_mesh(gl, mesh));
+    for (const Eigen::Vector3f& p : mesh.positions) gpu.box.extend(p);
+  }
   return gpu;
 }
 
@@ -49,6 +54,7 @@ struct Renderer::State {
   bool one_pass = true;  // colour, ids and depth at once, else ids and depth, then colour
   std::vector<GpuBody> world, objects;
   std::vector<Pose> world_from_static;  // one a body of the world
+  Camera camera;
   Eigen::Vector3d sun_direction;
   std::array<float, 4> sky{};
   RenderedFrame frame;  // reused, as are these
@@ -81,6 +87,7 @@ void Renderer::State::upload(const Scene& scene) {
     world_from_static.push_back(body.motion.at(0));
   }
   for (const Body& body : scene.objects) objects.push_back(upload_body(gl, body));
+  camera = scene.camera;
   sun_direction = scene.sun_direction.normalized();
   for (int k = 0; k < 3; ++k) sky[k] = static_cast<float>(scene.imaging.gain * scene.sky_color[k]);
 }
@@ -162,9 +169,13 @@ void Renderer::State::expose(const std::vector<ColorStep>& steps) {
 std::vector<ObjectView> Renderer::State::view_objects(const ScenePoses& poses, const cv::Mat& ids) {
   const Pose camera_from_world = poses.world_from_camera.inverse();
   std::vector<ObjectView> views;
-  for (const GpuBody& body : objects) views.push_back({static_cast<int>(body.id)});
+  cv::Rect part;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    views.push_back({static_cast<int>(objects[i].id)});
+    part |= pixels_of_box(objects[i].box, camera_from_world * poses.world_from_object[i], camera, kNear_m);
+  }
   view_silhouettes(
-      gl, targets,
+      gl, targets, part,
       [&](std::size_t i) { draw_body(objects[i], camera_from_world * poses.world_from_object[i]); }, bits,
       views);
   count_visible(ids, views);

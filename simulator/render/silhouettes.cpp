@@ -50,16 +50,22 @@ std::array<std::int64_t, kBits> count_bits(const unsigned char* pixels, int coun
   return counts;
 }
 
-void count_pass(const cv::Mat& bits, std::size_t first, std::size_t last, std::vector<ObjectView>& views) {
+void count_pass(const cv::Mat& bits, const cv::Rect& part, const RenderTargets& targets, std::size_t first,
+                std::size_t last, std::vector<ObjectView>& views) {
   const int rows = bits.rows, columns = bits.cols;
   const auto all = count_bits(bits.data, rows * columns, 1);
-  const auto top = count_bits(bits.ptr(0), columns, 1), bottom = count_bits(bits.ptr(rows - 1), columns, 1);
-  const auto left = count_bits(bits.data, rows, columns);
-  const auto right = count_bits(bits.data + columns - 1, rows, columns);
+  std::array<std::int64_t, kBits> border{};
+  const auto add = [&](bool is_border, const unsigned char* pixels, int count, int step) {
+    const auto counts = count_bits(pixels, is_border ? count : 0, step);
+    for (std::size_t bit = 0; bit < kBits; ++bit) border[bit] += counts[bit];
+  };
+  add(part.y == 0, bits.ptr(0), columns, 1);
+  add(part.y + rows == targets.height, bits.ptr(rows - 1), columns, 1);
+  add(part.x == 0, bits.data, rows, columns);
+  add(part.x + columns == targets.width, bits.data + columns - 1, rows, columns);
   for (std::size_t i = first; i < last; ++i) {
-    const std::size_t bit = i - first;
-    views[i].silhouette_px = all[bit];
-    views[i].touches_border = top[bit] + bottom[bit] + left[bit] + right[bit] > 0;
+    views[i].silhouette_px = all[i - first];
+    views[i].touches_border = border[i - first] > 0;
   }
 }
 
@@ -75,16 +81,17 @@ unsigned silhouette_bit(std::size_t object) {
   return object < kBits ? 1u << object : 0;
 }
 
-void view_silhouettes(const GlFunctions& gl, const RenderTargets& targets,
+void view_silhouettes(const GlFunctions& gl, const RenderTargets& targets, const cv::Rect& part,
                       const std::function<void(std::size_t)>& draw, cv::Mat& bits,
                       std::vector<ObjectView>& views) {
-  read_stencil(gl, targets, targets.image, bits);
-  count_pass(bits, 0, std::min(kBits, views.size()), views);
+  if (part.empty()) return;
+  read_stencil(gl, targets.image, part, bits);
+  count_pass(bits, part, targets, 0, std::min(kBits, views.size()), views);
   for (std::size_t first = kBits; first < views.size(); first += kBits) {
     const std::size_t last = std::min(first + kBits, views.size());
     draw_pass(gl, targets, first, last, draw);
-    read_stencil(gl, targets, targets.silhouettes, bits);
-    count_pass(bits, first, last, views);
+    read_stencil(gl, targets.silhouettes, part, bits);
+    count_pass(bits, part, targets, first, last, views);
   }
   check_gl(gl, "drawing silhouettes");
 }

@@ -18,8 +18,9 @@ void begin_silhouettes(const GlFunctions& gl);
 unsigned silhouette_bit(std::size_t object);
 
 /// Fills silhouette_px and touches_border from the image's stencil; objects beyond the first eight are drawn
-/// again (`draw(i)`), eight a pass. `bits` is reused from call to call.
-void view_silhouettes(const GlFunctions& gl, const RenderTargets& targets,
+/// again (`draw(i)`), eight a pass. `part` of the image holds all silhouettes: reading costs more than
+/// counting. `bits` is reused from call to call.
+void view_silhouettes(const GlFunctions& gl, const RenderTargets& targets, const cv::Rect& part,
                       const std::function<void(std::size_t)>& draw, cv::Mat& bits,
                       std::vector<ObjectView>& views);
 

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <opencv2/imgproc.hpp>
 #include <thread>
 
 #include "core/geometry/ellipsoid.h"
+#include "simulator/render/box_pixels.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene/named_motions.h"
 #include "tests/simulator/ray_cast.h"
@@ -133,6 +135,38 @@ TEST(Renderer, OutsideTheImageCountsAsNeitherSeenNorHidden) {
   EXPECT_EQ(behind.silhouette_px, 0);
   EXPECT_EQ(behind.visible_fraction(), 0);
   EXPECT_FALSE(behind.touches_border);
+}
+
+// The box around a body may not lose a pixel of it, wherever it stands.
+TEST(PixelsOfBox, HoldEveryPixelOfTheBody) {
+  Scene scene = two_boxes();
+  const Eigen::Vector3d axes(0.3, 0.2, 0.1);
+  const Eigen::AlignedBox3f box(-axes.cast<float>(), axes.cast<float>());
+  scene.world.clear();
+  scene.objects = {make_body(1, box_mesh(axes), axes, Motion())};
+  Renderer renderer(scene);
+  int cut = 0, tight = 0, whole = 0, empty = 0;
+  for (int i = 0; i < 150; ++i) {
+    const Pose pose{exp_so3(Eigen::Vector3d(0.1 * i, 0.07 * i, 0.05 * i)),
+                    {0.8 * std::sin(1.3 * i), 0.5 * std::sin(2.1 * i), 1.3 + 1.25 * std::sin(0.7 * i)}};
+    const RenderedFrame& frame = renderer.render({Pose(), {pose}});
+    const cv::Rect part = pixels_of_box(box, pose, scene.camera, 0.01);
+    const std::int64_t all = cv::countNonZero(frame.ids);
+    EXPECT_EQ(frame.objects[0].silhouette_px, all) << i;
+    EXPECT_EQ(part.empty() ? 0 : cv::countNonZero(frame.ids(part)), all) << i;
+    empty += part.empty();
+    whole += part.size() == frame.ids.size();
+    cut += frame.objects[0].touches_border;
+    if (all == 0 || frame.objects[0].touches_border) continue;
+    const cv::Rect seen = cv::boundingRect(frame.ids > 0);  // a box's corners are its outermost points
+    EXPECT_LE(part.width, seen.width + 6) << i;
+    EXPECT_LE(part.height, seen.height + 6) << i;
+    ++tight;
+  }
+  EXPECT_GT(tight, 10);
+  EXPECT_GT(cut, 5);
+  EXPECT_GT(whole, 2);
+  EXPECT_GT(empty, 2);
 }
 
 TEST(Renderer, SilhouettesOfMoreThanEightObjects) {
