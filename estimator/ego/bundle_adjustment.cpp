@@ -84,7 +84,13 @@ void adjust_bundle(EgoMap& map, const Camera& camera, const std::vector<int>& mo
   const std::set<int> fixed = fixed_neighbours(map, moving, tracks);
   const auto sightings = sightings_in(map, moving, fixed, tracks);
   if (sightings.empty()) return;
-  std::map<int, PoseBlock> blocks;
+  // In one piece: Ceres sorts what is eliminated first by address, and the sums' last bits are of that order.
+  std::vector<PoseBlock> blocks;
+  std::vector<Eigen::Vector3d> points;
+  blocks.reserve(moving.size() + fixed.size());
+  points.reserve(sightings.size());
+  std::map<int, double*> block_of;
+  std::map<MapPoint*, double*> point_of;
   ceres::HuberLoss loss(options.huber_sigmas);
   ceres::Problem::Options ownership;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -94,18 +100,22 @@ void adjust_bundle(EgoMap& map, const Camera& camera, const std::vector<int>& mo
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (const auto* group : {&moving, &fixed})
     for (const int k : *group) {
-      double* block = (blocks[k] = pose_block(map.keyframes[k].camera_from_world)).data();
+      double* block = blocks.emplace_back(pose_block(map.keyframes[k].camera_from_world)).data();
+      block_of[k] = block;
       problem.AddParameterBlock(block, 7, manifold.get());
       ordering->AddElementToGroup(block, 1);
       if (fixed.contains(k) || (fixed.empty() && k == *moving.begin()))
         problem.SetParameterBlockConstant(block);
     }
   for (const auto& s : sightings) {
-    double* point = s.point->position.data();
+    double*& point = point_of[s.point];
+    if (!point) {
+      point = points.emplace_back(s.point->position).data();
+      ordering->AddElementToGroup(point, 0);
+    }
     // The world is the body here, and the camera stands still.
     problem.AddResidualBlock(reprojection_factor(camera, Pose{}, *s.feature, options.pixel_sigma).release(),
-                             &loss, blocks.at(s.keyframe).data(), point);
-    ordering->AddElementToGroup(point, 0);
+                             &loss, block_of.at(s.keyframe), point);
   }
   ceres::Solver::Options solver;
   solver.linear_solver_type = moving.size() > 50 ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
@@ -115,8 +125,9 @@ void adjust_bundle(EgoMap& map, const Camera& camera, const std::vector<int>& mo
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
+  for (const auto& [map_point, point] : point_of) map_point->position = Eigen::Map<Eigen::Vector3d>(point);
   for (const int k : moving) {
-    map.keyframes[k].camera_from_world = pose_from_block(blocks.at(k));
+    map.keyframes[k].camera_from_world = pose_from_block(block_of.at(k));
     map.keyframes[k].camera_from_world.rotation.normalize();
   }
   take_out_outliers(map, camera, sightings, options);

@@ -29,11 +29,10 @@ LandmarkSighting sighting_of(const Feature& feature, const BodyPoint& landmark) 
   return {landmark.position, landmark.sigma_m, feature.pixel, feature.depth_m, feature.depth_sigma_m};
 }
 
-bool add_prior(ceres::Problem& problem, BodyPoint& landmark) {
+bool add_prior(ceres::Problem& problem, const BodyPoint& landmark, double* point) {
   if (landmark.prior_information.trace() < kMinPriorTrace) return false;
   const Eigen::Matrix3d root = landmark.prior_information.llt().matrixU();
-  problem.AddResidualBlock(landmark_prior_factor(landmark.prior_position, root).release(), nullptr,
-                           landmark.position.data());
+  problem.AddResidualBlock(landmark_prior_factor(landmark.prior_position, root).release(), nullptr, point);
   return true;
 }
 
@@ -142,7 +141,16 @@ void ShortWindow::optimise() {
   ceres::Problem problem;
   std::vector<PoseBlock> poses;
   poses.reserve(keyframes_.size());
-  std::map<std::int64_t, double> information;  // [1/m^2] of each landmark's depths in the window
+  struct Block {
+    double* point = nullptr;
+    double information = 0;  // [1/m^2] of its depths in the window
+  };
+  std::map<std::int64_t, Block> blocks;  // by landmark
+  // In one piece: Ceres sorts what is eliminated first by address, and the sums' last bits are of that order.
+  std::vector<Eigen::Vector3d> points;
+  std::size_t sightings = 0;
+  for (const BodyKeyframe& keyframe : keyframes_) sightings += keyframe.features.size();
+  points.reserve(sightings);
   bool anchored = false;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (const BodyKeyframe& keyframe : keyframes_) {
@@ -150,17 +158,18 @@ void ShortWindow::optimise() {
     problem.AddParameterBlock(pose, 7, pose_manifold().release());
     ordering->AddElementToGroup(pose, 1);
     for (const Feature& feature : keyframe.features) {
-      BodyPoint& landmark = landmarks_.at(feature.track);
-      const auto [entry, is_new] = information.try_emplace(feature.track, 0);
-      if (feature.depth_m > 0) entry->second += 1 / (feature.depth_sigma_m * feature.depth_sigma_m);
-      if (is_new) {
-        ordering->AddElementToGroup(landmark.position.data(), 0);
-        anchored |= add_prior(problem, landmark);
+      const BodyPoint& landmark = landmarks_.at(feature.track);
+      Block& block = blocks[feature.track];
+      if (feature.depth_m > 0) block.information += 1 / (feature.depth_sigma_m * feature.depth_sigma_m);
+      if (!block.point) {
+        block.point = points.emplace_back(landmark.position).data();
+        ordering->AddElementToGroup(block.point, 0);
+        anchored |= add_prior(problem, landmark, block.point);
       }
       problem.AddResidualBlock(
           reprojection_factor(camera_, keyframe.world_from_camera, feature, options_.pose.pixel_sigma_px)
               .release(),
-          new ceres::HuberLoss(kHuberSigmas), pose, landmark.position.data());
+          new ceres::HuberLoss(kHuberSigmas), pose, block.point);
     }
   }
   if (options_.motion_model) add_motion_model(problem, keyframes_, poses, options_.motion_noise);
@@ -174,9 +183,10 @@ void ShortWindow::optimise() {
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   for (std::size_t i = 0; i < poses.size(); ++i) keyframes_[i].world_from_body = pose_from_block(poses[i]);
-  for (const auto& [track, sum] : information) {
+  for (const auto& [track, block] : blocks) {
     BodyPoint& landmark = landmarks_.at(track);
-    const double all = sum + landmark.prior_information.trace() / 3;
+    landmark.position = Eigen::Map<const Eigen::Vector3d>(block.point);
+    const double all = block.information + landmark.prior_information.trace() / 3;
     if (all > 0) landmark.sigma_m = std::max(kLeastSigma, 1 / std::sqrt(all));
   }
 }
