@@ -69,8 +69,9 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
   Eigen::Matrix3Xd points(3, body.points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) = body_from_camera * body.points.col(i);
   surface_.add(points);
-  if (body.silhouette) {
-    ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *body.silhouette};
+  for (const auto& silhouette : {body.silhouette, body.segmented}) {
+    if (!silhouette) continue;
+    ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *silhouette};
     (view.silhouette.known_at_frame <= keyframe.frame ? views_ : waiting_).push_back(std::move(view));
   }
   const AxisPrior prior = options_.long_window.axis_prior;
@@ -86,7 +87,12 @@ void ShapeEstimator::receive(std::int64_t frame) {
   const auto first =
       std::stable_partition(waiting_.begin(), waiting_.end(), [&](const auto& v) { return !known(v); });
   if (first == waiting_.end()) return;
-  views_.insert(views_.end(), std::make_move_iterator(first), std::make_move_iterator(waiting_.end()));
+  for (auto late = first; late != waiting_.end(); ++late) {  // in the place of what was carried there
+    std::erase_if(views_, [&](const ShapeView& view) { return view.frame == late->frame; });
+    const auto next = std::find_if(views_.begin(), views_.end(),
+                                   [&](const ShapeView& view) { return view.frame > late->frame; });
+    views_.insert(next, std::move(*late));
+  }
   waiting_.erase(first, waiting_.end());
   solve(std::nullopt);
 }

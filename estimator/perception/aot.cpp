@@ -84,7 +84,8 @@ std::vector<Detection> AsyncObjectTracker::detect(const Seen& seen, const cv::Ma
 void AsyncObjectTracker::associate(const SegmenterResult& result, AotFrame& out) {
   const auto seen =
       std::find_if(seen_.begin(), seen_.end(), [&](const Seen& s) { return s.frame.frame == result.frame; });
-  if (seen == seen_.end()) return;
+  if (seen == seen_.end() || result.masks.empty()) return;
+  last_arrival_ns_ = seen_.back().frame.stamp_ns;
   const std::int64_t stamp_ns = seen->frame.stamp_ns;
   const auto detections = detect(*seen, result.masks);
   const auto ids = options_.trust_ids ? book_.trust(detections, stamp_ns)
@@ -94,7 +95,7 @@ void AsyncObjectTracker::associate(const SegmenterResult& result, AotFrame& out)
       fit_to_depth_edges(named, seen->image.depth, expected_depth(named, *seen), options_.edges);
   tracker_->learn(masks, seen->image);
   jump(masks, seen - seen_.begin());
-  out.arrived.push_back({result.frame, masks});
+  out.arrived.push_back({result.frame, masks, seen->image.depth});
 }
 
 // The depth of a frame where what was tracked and what was segmented agree on the body.
@@ -145,13 +146,17 @@ AotFrame AsyncObjectTracker::track(const SequenceFrame& frame, const cv::Mat& rg
   const Seen* previous = seen_.size() > 1 ? &seen_[seen_.size() - 2] : nullptr;
   tracker_->prepare(newest.image, previous ? &previous->image : nullptr);
   watch.stop("mask_flow");
-  if (previous) newest.masks = carry(previous->masks, *previous, newest);
+  const double silence_s =
+      last_arrival_ns_ ? 1e-9 * static_cast<double>(frame.stamp_ns - *last_arrival_ns_) : 0;
+  if (silence_s > options_.max_silence_s) last_arrival_ns_.reset();
+  if (previous && last_arrival_ns_) newest.masks = carry(previous->masks, *previous, newest);
   watch.stop("mask_tracker");
   const auto results = clock_->step({frame, rgb, depth, newest.masks.clone()});
   watch.stop("segmenter");
   for (const auto& result : results) associate(result, out);
   watch.stop("association");
   out.masks = newest.masks.clone();
+  out.has_masks = last_arrival_ns_.has_value();
   while (seen_.size() > 1 && seen_.front().frame.frame < clock_->oldest_pending()) seen_.pop_front();
   return out;
 }

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "core/sequence/sequence.h"
@@ -37,6 +38,7 @@ enum class AotLatency {
 
 /// The asynchronous object tracker.
 struct AotOptions {
+  bool enabled = false;  // ours: off, the segmenter's masks count at their own frames, as if it took no time
   AotClock clock = AotClock::virtual_time;
   AotLatency latency = AotLatency::sequence;
   double latency_s =
@@ -52,15 +54,17 @@ struct AotOptions {
       0.985;            // ours: a body whose new mask agrees so well with the tracked one is not carried anew
   int max_missing = 2;  // ours: results without a body after which its carried mask is given up: one in a
                         // hundred is missed by chance
+  double max_silence_s = 5;  // ours: without any result; then carried masks are given up
 };
 
 /// What is known when a frame has been taken.
 struct AotFrame {
   cv::Mat masks;  ///< CV_16UC1 track ids, 0 none: of this frame, carried from the last segmented ones
+  bool has_masks = false;  ///< whether a result has come that still counts
   /// A segmenter's result that arrived with this frame, of its own, earlier frame, named by track ids.
   struct Arrived {
     std::int64_t frame = 0;
-    cv::Mat masks;
+    cv::Mat masks, depth;  ///< depth: of that frame, as it was given
   };
   std::vector<Arrived> arrived;
   std::vector<StageTime> times;  ///< mask_flow, mask_tracker, segmenter, association
@@ -95,9 +99,11 @@ class AsyncObjectTracker {
   std::unique_ptr<MaskTracker> tracker_;
   TrackBook book_;
   std::deque<Seen> seen_;  // from the oldest frame whose result may still come to the newest
+  std::optional<std::int64_t> last_arrival_ns_;
 };
 
-/// A segmenter of a sequence as the tracker runs it. `sequence` must stay alive.
+/// A segmenter of a sequence as the tracker runs it. `sequence` must stay alive; frames without a mask of a
+/// simulated segmenter take no time, it never looked at them.
 SlowSegmenter slow_segmenter(const Sequence& sequence, Segmenter segmenter, const AotOptions& options,
                              std::uint64_t seed);
 

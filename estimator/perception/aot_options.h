@@ -14,6 +14,7 @@ void visit(Io& io, FlowTrackerOptions& o) {
       Choices<Preset>{{"ultrafast", Preset::ultrafast}, {"fast", Preset::fast}, {"medium", Preset::medium}});
   io.number("downscale", o.flow.downscale, 1, 8);
   io.positive("depth_tolerance", o.depth_tolerance);
+  io.positive("max_depth_change", o.max_depth_change);
 }
 
 template <typename Io>
@@ -30,7 +31,6 @@ template <typename Io>
 void visit(Io& io, MaskEdgeOptions& o) {
   io.number("reach_px", o.reach_px, 0, 50);
   io.positive("jump", o.jump);
-  io.positive("body_depth", o.body_depth);
 }
 
 template <typename Io>
@@ -49,6 +49,7 @@ void visit(Io& io, AssociationOptions& o) {
 
 template <typename Io>
 void visit(Io& io, AotOptions& o) {
+  io.flag("enabled", o.enabled);
   io.choice("clock", o.clock,
             Choices<AotClock>{{"virtual", AotClock::virtual_time}, {"threads", AotClock::threads}});
   io.choice("latency", o.latency,
@@ -58,6 +59,7 @@ void visit(Io& io, AotOptions& o) {
   io.number("min_pixels", o.min_pixels, 1);
   io.number("jump_iou", o.jump_iou, 0.0, 1.0);
   io.number("max_missing", o.max_missing, 1);
+  io.positive("max_silence_s", o.max_silence_s);
   io.choice(
       "tracker", o.tracker,
       Choices<MaskTrackerKind>{{"flow", MaskTrackerKind::flow}, {"nanotrack", MaskTrackerKind::nanotrack}});

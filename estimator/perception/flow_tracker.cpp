@@ -25,14 +25,15 @@ float at_nearest(const cv::Mat& image, const cv::Vec2f& position) {
   return image.at<float>(y, x);
 }
 
-// By how much the depth under a mask has changed since: the median; 0 where nothing is measured at both
-// times.
-float depth_change(const cv::Mat& mask, const cv::Mat& now, const cv::Mat& before) {
+// By how much the depth under a mask has changed since: the median over pixels that may still be the body;
+// 0 where nothing is measured at both times.
+float depth_change(const cv::Mat& mask, const cv::Mat& now, const cv::Mat& before, double most) {
   std::vector<float> changes;
   for (int v = 0; v < mask.rows; ++v)
     for (int u = 0; u < mask.cols; ++u) {
       const float z = now.at<float>(v, u), z_before = before.at<float>(v, u);
-      if (mask.at<unsigned char>(v, u) && z > 0 && z_before > 0) changes.push_back(z - z_before);
+      if (mask.at<unsigned char>(v, u) && z > 0 && z_before > 0 && std::abs(z - z_before) < most * z_before)
+        changes.push_back(z - z_before);
     }
   if (changes.empty()) return 0;
   const auto half = changes.begin() + std::ssize(changes) / 2;
@@ -85,7 +86,8 @@ CarriedMasks FlowTracker::carry(const cv::Mat& masks, const TrackedImage& from,
     found = found > 127;
     if (has_depth) {
       cv::Mat expected = depth_at_origins(found, from.depth, positions);
-      cv::add(expected, depth_change(found, to.depth(region), expected), expected, expected > 0);
+      cv::add(expected, depth_change(found, to.depth(region), expected, options_.max_depth_change), expected,
+              expected > 0);
       expected.copyTo(carried.expected_depth(region), found);
       keep_what_moved_along(found, to.depth(region), expected, options_.depth_tolerance);
     }

@@ -10,6 +10,8 @@ struct FlowTrackerOptions {
   FlowOptions flow;
   double depth_tolerance =
       0.05;  // ours: relative; ten sigma of depth noise, no body turns as much in a frame
+  double max_depth_change = 0.05;  // ours: relative, of a whole body in a frame: 3 m/s at 2 m and 30 Hz; more
+                                   // is something else in its place
 };
 
 /// Carries masks by dense flow. Pixels whose depth has not moved with the body's are left out: background

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <queue>
+#include <vector>
 
 #include "estimator/perception/outline.h"
 
@@ -14,6 +17,12 @@ namespace {
 constexpr double kThinCore = 0.3;  // a body is thin when less of its mask is farther inside than the reach
 
 enum Side : unsigned char { undecided, inside, outside, unmeasured };
+
+// What depth says of the pixels near a mask's outline.
+struct Band {
+  cv::Mat sides;    // CV_8UC1 of Side
+  cv::Mat inner_m;  // CV_32FC1: the body's depth nearby
+};
 
 // Mean depth over the chosen pixels of a window around each pixel; 0 where it holds none.
 cv::Mat local_depth(const cv::Mat& depth, const cv::Mat& chosen, int window) {
@@ -26,19 +35,58 @@ cv::Mat local_depth(const cv::Mat& depth, const cv::Mat& chosen, int window) {
   return mean;
 }
 
-// What depth says of the pixels near a mask's outline.
-struct Band {
-  cv::Mat sides;    // CV_8UC1 of Side
-  cv::Mat inner_m;  // CV_32FC1: the body's depth nearby
+struct Step {
+  float largest = 0;
+  cv::Point at;
+  bool operator>(const Step& other) const { return largest > other.largest; }
 };
 
-// The body's depth around each pixel: of its inside; of a body that has hardly any, as it was expected.
-cv::Mat body_depth(const cv::Mat& mask, const cv::Mat& core, const cv::Mat& depth, const cv::Mat& expected,
-                   int window) {
-  cv::Mat nearby = local_depth(depth, core, window);
-  if (expected.empty() || cv::countNonZero(core) > kThinCore * cv::countNonZero(mask)) return nearby;
-  local_depth(expected, expected > 0, window).copyTo(nearby, nearby == 0);
-  return nearby;
+// For each pixel of the band: over the paths from the seeds through the band the least of the largest
+// relative step of depth on the way; infinite where depth leaves no path. A slanted face is many small steps.
+cv::Mat least_steps(const cv::Mat& seeds, const cv::Mat& band, const cv::Mat& depth) {
+  cv::Mat steps(depth.size(), CV_32FC1, cv::Scalar(std::numeric_limits<float>::infinity()));
+  std::priority_queue<Step, std::vector<Step>, std::greater<>> open;
+  const auto go_on = [&](const Step& from) {
+    const float z = depth.at<float>(from.at);
+    for (int y = std::max(from.at.y - 1, 0); y <= std::min(from.at.y + 1, depth.rows - 1); ++y)
+      for (int x = std::max(from.at.x - 1, 0); x <= std::min(from.at.x + 1, depth.cols - 1); ++x) {
+        const float next = depth.at<float>(y, x);
+        if (!band.at<unsigned char>(y, x) || !(next > 0)) continue;
+        const float largest = std::max(from.largest, std::abs(next - z) / std::min(next, z));
+        if (largest >= steps.at<float>(y, x)) continue;
+        steps.at<float>(y, x) = largest;
+        open.push({largest, {x, y}});
+      }
+  };
+  cv::Mat beside;
+  cv::dilate(band, beside, {});
+  std::vector<cv::Point> starts;
+  cv::findNonZero(seeds & beside & (depth > 0), starts);
+  for (const cv::Point& start : starts) go_on({0, start});
+  while (!open.empty()) {
+    const Step next = open.top();
+    open.pop();
+    if (next.largest <= steps.at<float>(next.at)) go_on(next);
+  }
+  return steps;
+}
+
+// What depth tells of a pixel: how it is reached from inside and outside, and what is on either side nearby.
+struct Clues {
+  float z, step_in, step_out, in_m, nearer_m, farther_m;
+  bool in_mask;
+};
+
+Side side_of(const Clues& c, double jump) {
+  if (std::min(c.step_in, c.step_out) < jump && std::max(c.step_in, c.step_out) >= jump)
+    return c.step_in < c.step_out ? inside : outside;
+  if (c.z > 0 && c.step_in >= jump && !c.in_mask) return outside;  // something else that came into view
+  const bool looks_near = c.z > 0 ? c.z < c.in_m : !(c.farther_m > 0);
+  const float likely_m = looks_near ? c.nearer_m : c.farther_m;
+  const float out_m = likely_m > 0 ? likely_m : looks_near ? c.farther_m : c.nearer_m;
+  if (!(c.in_m > 0 && out_m > 0) || std::abs(c.in_m - out_m) < jump * c.in_m) return undecided;
+  if (!(c.z > 0)) return unmeasured;
+  return std::abs(c.z - c.in_m) < std::abs(c.z - out_m) ? inside : outside;
 }
 
 Band decide(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& expected,
@@ -48,17 +96,31 @@ Band decide(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& expected,
   cv::Mat core, wide;
   cv::erode(mask, core, square, {-1, -1}, 1, cv::BORDER_REPLICATE);  // the image's border is no outline
   cv::dilate(mask, wide, square);
-  Band band{cv::Mat(mask.size(), CV_8UC1, cv::Scalar(undecided)),
-            body_depth(mask, core, depth, expected, window)};
-  const cv::Mat outer_m = local_depth(depth, ~wide, window);
+  const cv::Mat between = wide & ~core;
+  const bool is_thin = cv::countNonZero(core) <= kThinCore * cv::countNonZero(mask);
+  Band band{cv::Mat(mask.size(), CV_8UC1, cv::Scalar(undecided)), local_depth(depth, core, window)};
+  cv::Mat steps_in = cv::Mat::zeros(mask.size(), CV_32FC1), steps_out = steps_in;
+  if (is_thin && !expected.empty())  // hardly anything is surely inside: as it was expected
+    local_depth(expected, expected > 0, window).copyTo(band.inner_m, band.inner_m == 0);
+  if (!is_thin) {
+    steps_in = least_steps(core, between, depth);
+    steps_out = least_steps(~wide, between, depth);
+  }
+  // What is nearer and what is farther than the body are told apart: their mean may be as far as the body.
+  const double middle_m = cv::mean(band.inner_m, band.inner_m > 0)[0];
+  const cv::Mat nearer_m = local_depth(depth, ~wide & (depth < middle_m), window);
+  const cv::Mat farther_m = local_depth(depth, ~wide & (depth >= middle_m), window);
   for (int v = 0; v < mask.rows; ++v)
     for (int u = 0; u < mask.cols; ++u) {
-      if (core.at<unsigned char>(v, u) || !wide.at<unsigned char>(v, u)) continue;
-      const float z = depth.at<float>(v, u), in = band.inner_m.at<float>(v, u), out = outer_m.at<float>(v, u);
-      if (!(in > 0 && out > 0) || std::abs(in - out) < options.jump * in) continue;
-      band.sides.at<unsigned char>(v, u) = !(z > 0)                               ? unmeasured
-                                           : std::abs(z - in) < std::abs(z - out) ? inside
-                                                                                  : outside;
+      if (!between.at<unsigned char>(v, u)) continue;
+      const Clues clues{depth.at<float>(v, u),
+                        steps_in.at<float>(v, u),
+                        steps_out.at<float>(v, u),
+                        band.inner_m.at<float>(v, u),
+                        nearer_m.at<float>(v, u),
+                        farther_m.at<float>(v, u),
+                        mask.at<unsigned char>(v, u) != 0};
+      band.sides.at<unsigned char>(v, u) = side_of(clues, options.jump);
     }
   return band;
 }

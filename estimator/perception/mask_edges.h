@@ -8,7 +8,6 @@ namespace uniquadric {
 struct MaskEdgeOptions {
   int reach_px = 4;    // ours: how far an outline may move; 0 leaves masks as they are
   double jump = 0.03;  // ours: relative; a smaller step of depth across an outline is not taken for an edge
-  double body_depth = 0.06;  // ours: relative; what is farther from the body's depth nearby is not the body
 };
 
 /// Moves the outlines of masks (CV_16UC1 ids, 0 none) to the edges of depth (CV_32FC1 [m], 0 none) near them:

@@ -17,11 +17,19 @@ namespace {
 
 constexpr int kFramesInFlight = 4;  // more cost memory and gain nothing on two cores
 
+// The outlines of a segmenter's result for an earlier frame.
+struct LateOutlines {
+  std::size_t index = 0;  // of that frame
+  std::map<int, Silhouette> silhouettes;
+};
+
 // What passes through the pipeline.
 struct Work {
   std::size_t index = 0;
   cv::Mat rgb, depth, masks;
+  std::vector<AotFrame::Arrived> arrived;
   PerceivedFrame result;
+  std::vector<LateOutlines> late;
   std::vector<StageTime> times;
 };
 
@@ -61,15 +69,28 @@ std::set<int> ids_in(const cv::Mat& masks) {
   return ids;
 }
 
+std::map<int, Silhouette> outlines(const cv::Mat& masks, const cv::Mat& depth, const Camera& camera,
+                                   const SilhouetteOptions& options, bool segmented,
+                                   std::int64_t known_at_frame) {
+  auto result = silhouettes(masks, depth, camera, options);
+  for (auto& [id, silhouette] : result) {
+    silhouette.segmented = segmented;
+    silhouette.known_at_frame = known_at_frame;
+  }
+  return result;
+}
+
 // Outlines and depth points of each body.
 void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work& work) {
   Stopwatch watch(work.result.frame, work.times);
   if (work.masks.empty()) return;
-  for (auto& [id, silhouette] : silhouettes(work.masks, work.depth, camera, options.silhouettes)) {
-    silhouette.segmented = true;
-    silhouette.known_at_frame = work.result.frame;
+  const std::int64_t frame = work.result.frame;
+  for (auto& [id, silhouette] :
+       outlines(work.masks, work.depth, camera, options.silhouettes, !options.aot.enabled, frame))
     body_of(work.result, id).silhouette = std::move(silhouette);
-  }
+  for (const auto& [index, masks, depth] : work.arrived)
+    work.late.push_back(
+        {static_cast<std::size_t>(index), outlines(masks, depth, camera, options.silhouettes, true, frame)});
   watch.stop("silhouettes");
   if (work.depth.empty()) return;
   for (const int id : ids_in(work.masks))
@@ -80,6 +101,27 @@ void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work
 void add_features(const TrackedFeatures& tracked, PerceivedFrame& frame) {
   for (const auto& [id, features] : tracked.bodies) body_of(frame, id).features = features;
   for (const auto& [id, motion] : tracked.motions) body_of(frame, id).motion = motion;
+}
+
+// A late outline goes to the frame that it is of. A body that was not tracked there had no pose, and its
+// outline says nothing without.
+void add_late_outlines(std::vector<LateOutlines>& late, std::vector<PerceivedFrame>& frames) {
+  for (auto& [index, silhouettes] : late)
+    for (BodyObservation& body : frames[index].bodies) {
+      const auto found = silhouettes.find(body.id);
+      if (found == silhouettes.end()) continue;
+      const bool is_late = found->second.known_at_frame > frames[index].frame;
+      (is_late ? body.segmented : body.silhouette) = std::move(found->second);
+    }
+}
+
+// The tracker, where the options want one.
+std::unique_ptr<AsyncObjectTracker> make_tracker(const Sequence& sequence, const Segmenter& segmenter,
+                                                 AotOptions options, std::uint64_t seed) {
+  if (!options.enabled) return nullptr;
+  options.trust_ids = options.trust_ids || segmenter.names_bodies;
+  return std::make_unique<AsyncObjectTracker>(sequence.camera,
+                                              slow_segmenter(sequence, segmenter, options, seed), options);
 }
 
 Camera without_distortion(Camera camera) {
@@ -99,6 +141,7 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
   if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
   FeatureTracker features(sequence.camera, options.features, run.seed);
   RgbdOdometry odometry(sequence.camera, options.odometry, run.seed);
+  const auto tracker = make_tracker(sequence, segmenter, options.aot, run.seed);
   Perception perception;
   perception.camera = without_distortion(sequence.camera);
   perception.frames.resize(sequence.frames.size());
@@ -119,11 +162,19 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
     work->rgb = read_rgb(sequence, frame);
     if (!frame.depth.empty()) work->depth = read_depth(sequence, frame);
     watch.stop("read");
+    if (tracker) return work;
     work->masks = segment(segmenter, sequence, frame, work->depth, run.seed);
     watch.stop("segment");
     work->result.has_masks = !work->masks.empty();
-    if (keeps_masks && !work->masks.empty())
-      write_png(run.masks_folder / fmt::format("{:06}.png", frame.frame), work->masks);
+    return work;
+  };
+  const auto carry = [&](std::shared_ptr<Work> work) {
+    if (!tracker) return work;
+    AotFrame tracked = tracker->track(sequence.frames[work->index], work->rgb, work->depth);
+    work->masks = tracked.masks;
+    work->arrived = std::move(tracked.arrived);
+    work->result.has_masks = tracked.has_masks;
+    work->times.insert(work->times.end(), tracked.times.begin(), tracked.times.end());
     return work;
   };
   const auto track = [&](std::shared_ptr<Work> work) {
@@ -137,6 +188,8 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
     return work;
   };
   const auto look = [&](std::shared_ptr<Work> work) {
+    if (keeps_masks && !work->masks.empty())
+      write_png(run.masks_folder / fmt::format("{:06}.png", work->result.frame), work->masks);
     look_at_bodies(perception.camera, options, *work);
     auto& bodies = work->result.bodies;
     std::sort(bodies.begin(), bodies.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
@@ -145,6 +198,7 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
   const auto keep = [&](const std::shared_ptr<Work>& work) {
     times.insert(times.end(), work->times.begin(), work->times.end());
     perception.frames[work->index] = std::move(work->result);
+    add_late_outlines(work->late, perception.frames);
     progress.advance();
   };
   using Handle = std::shared_ptr<Work>;
@@ -153,6 +207,7 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
     tbb::parallel_pipeline(kFramesInFlight,
                            tbb::make_filter<void, Handle>(tbb::filter_mode::serial_in_order, take) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, read) &
+                               tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, carry) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, track) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, look) &
                                tbb::make_filter<Handle, void>(tbb::filter_mode::serial_in_order, keep));

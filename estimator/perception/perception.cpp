@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSchema = 1;
-constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '1'};
+constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '2'};
 constexpr std::uint64_t kMaxCount = 1u << 28;  // of anything in a list; more is a damaged file
 
 // Appends values as they lie in memory (little-endian machines alone are supported).
@@ -121,8 +121,10 @@ Silhouette get_silhouette(Reader& in) {
 
 void put(Writer& out, const BodyObservation& body) {
   out.put(static_cast<std::int64_t>(body.id));
-  out.put(body.silhouette.has_value());
-  if (body.silhouette) put(out, *body.silhouette);
+  for (const auto& silhouette : {body.silhouette, body.segmented}) {
+    out.put(silhouette.has_value());
+    if (silhouette) put(out, *silhouette);
+  }
   out.put(body.motion.has_value());
   if (body.motion) put(out, *body.motion);
   out.put(static_cast<std::uint64_t>(body.features.size()));
@@ -139,7 +141,8 @@ void put(Writer& out, const BodyObservation& body) {
 BodyObservation get_body(Reader& in) {
   BodyObservation body;
   body.id = static_cast<int>(in.get<std::int64_t>());
-  if (in.get<char>() != 0) body.silhouette = get_silhouette(in);
+  for (auto* silhouette : {&body.silhouette, &body.segmented})
+    if (in.get<char>() != 0) *silhouette = get_silhouette(in);
   if (in.get<char>() != 0) body.motion = get_pose(in);
   body.features.resize(in.count(40));
   for (Feature& feature : body.features) {

@@ -46,7 +46,8 @@ struct Feature {
 /// What one frame shows of one body.
 struct BodyObservation {
   int id = 0;                            ///< of the mask tracker, positive
-  std::optional<Silhouette> silhouette;  ///< nothing: hidden, or the mask is too small
+  std::optional<Silhouette> silhouette;  ///< as known at its frame; nothing: hidden, or too small a mask
+  std::optional<Silhouette> segmented;   ///< the segmenter's of the same frame, where it came later
   std::vector<Feature> features;
   Eigen::Matrix3Xd points;     ///< from depth under the mask, camera frame [m]
   std::optional<Pose> motion;  ///< p_now = motion * p_before of the body's points in the two camera frames
@@ -55,7 +56,7 @@ struct BodyObservation {
 struct PerceivedFrame {
   std::int64_t frame = 0, stamp_ns = 0;
   std::optional<Pose> world_from_camera;  ///< nothing: the camera was lost
-  bool has_masks = false;                 ///< whether the segmenter had anything to say
+  bool has_masks = false;                 ///< whether a segmenter has said anything that is known by now
   std::vector<BodyObservation> bodies;    ///< in order of their ids
 };
 

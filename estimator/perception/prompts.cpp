@@ -177,6 +177,14 @@ std::vector<std::vector<PointPrompt>> read_point_prompts(const fs::path& path, c
   return frames;
 }
 
+bool have_ids(const Prompts& prompts) {
+  if (prompts.empty() || !fs::is_regular_file(prompts.path)) return false;
+  const std::size_t with_ids = prompts.kind == PromptKind::points ? 4 : 6;
+  bool found = false;
+  for_each_line(prompts.path, [&](int, const Fields& fields) { found = found || fields.size() == with_ids; });
+  return found;
+}
+
 double box_iou(const BoxPrompt& a, const BoxPrompt& b) {
   const double width = std::min(a.x + a.width, b.x + b.width) - std::max(a.x, b.x);
   const double height = std::min(a.y + a.height, b.y + b.height) - std::max(a.y, b.y);

@@ -56,6 +56,9 @@ std::vector<std::vector<BoxPrompt>> read_box_prompts(const std::filesystem::path
 std::vector<std::vector<PointPrompt>> read_point_prompts(const std::filesystem::path& path,
                                                          const Sequence& sequence);
 
+/// Whether prompts say which object each box or point is of (a last column id).
+bool have_ids(const Prompts& prompts);
+
 /// Names boxes over the frames: pairs with a track's last box by the greatest IoU, then the leftovers of a
 /// frame by the nearest centre within half the image's width; a box without a partner starts a track. Ids
 /// count from 1.

@@ -20,9 +20,9 @@ cv::Mat keep_selected(cv::Mat masks, const std::set<int>& selected) {
   return masks;
 }
 
-// A label that no other prompt of the frame has.
-int free_label(std::set<int>& taken) {
-  int label = std::numeric_limits<std::uint16_t>::max();
+// A label that no other prompt of the frame has, the tracked body's own id if that is a prompt's.
+int free_label(const Segmenter& segmenter, int id, std::set<int>& taken) {
+  int label = segmenter.names_bodies ? id : std::numeric_limits<std::uint16_t>::max();
   while (taken.contains(label)) --label;
   taken.insert(label);
   return label;
@@ -40,8 +40,9 @@ std::vector<BoxPrompt> boxes_of(const Segmenter& segmenter, const SegmenterInput
     const BoxPrompt box{0, rect.x - 0.5 - dx, rect.y - 0.5 - dy, rect.width + 2 * dx, rect.height + 2 * dy};
     const auto is_given = [&](const BoxPrompt& other) { return box_iou(box, other) > kSameBody; };
     if (std::any_of(given.begin(), given.end(), is_given)) continue;
+    if (segmenter.names_bodies && labels.contains(id)) continue;
     boxes.push_back(box);
-    boxes.back().id = free_label(labels);
+    boxes.back().id = free_label(segmenter, id, labels);
   }
   return boxes;
 }
@@ -67,9 +68,10 @@ std::vector<PointPrompt> points_of(const Segmenter& segmenter, const SegmenterIn
                                                       static_cast<int>(std::lround(point.u))));
   }
   for (const auto& [id, box] : id_boxes(input.tracked)) {
-    if (pointed_at.contains(id)) continue;
+    if (pointed_at.contains(id) || (segmenter.names_bodies && labels.contains(id))) continue;
     const cv::Point place = innermost(input.tracked(box) == id) + box.tl();
-    points.push_back({free_label(labels), static_cast<double>(place.x), static_cast<double>(place.y)});
+    points.push_back(
+        {free_label(segmenter, id, labels), static_cast<double>(place.x), static_cast<double>(place.y)});
   }
   return points;
 }

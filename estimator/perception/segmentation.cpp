@@ -88,7 +88,9 @@ void read_prompts(const Sequence& sequence, const Prompts& prompts, Segmenter& s
   segmenter.prompt_kind = prompts.kind;
   if (prompts.kind == PromptKind::boxes) segmenter.boxes = read_box_prompts(prompts.path, sequence);
   if (prompts.kind == PromptKind::points) segmenter.points = read_point_prompts(prompts.path, sequence);
-  if (prompts.empty() || segmenter.source != MaskSource::sequence) return;
+  if (prompts.empty()) return;
+  segmenter.names_bodies = segmenter.source != MaskSource::sequence && have_ids(prompts);
+  if (segmenter.source != MaskSource::sequence) return;
   segmenter.selected = ids_meant(sequence, segmenter);
   if (segmenter.selected->empty())
     throw InputError(prompts.path, fmt::format("no {} fits a mask of the sequence",

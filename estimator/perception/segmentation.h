@@ -40,6 +40,7 @@ struct Segmenter {
   MaskSource source = MaskSource::sequence;  ///< never automatic
   SegmentationOptions options;
   PromptKind prompt_kind = PromptKind::everything;
+  bool names_bodies = false;  ///< the prompts' own ids tell one body from another over the frames
   std::vector<std::vector<BoxPrompt>> boxes;     ///< of each frame; empty without box prompts
   std::vector<std::vector<PointPrompt>> points;  ///< of each frame; empty without point prompts
   std::optional<std::set<int>> selected;  ///< ids of the sequence's masks that a prompt means; nothing: all

@@ -207,6 +207,29 @@ TEST(Aot, ABodyThatOneResultMissesIsCarriedOn) {
   EXPECT_EQ(cv::countNonZero(gone.frames.back().masks), 0);
 }
 
+// A body that is gone from one frame to the next leaves no mask on what is seen in its place.
+TEST(Aot, ABodyThatIsGoneLeavesNoMaskOnTheWall) {
+  Sprite leaving = kRed;
+  leaving.corner_px = [](std::int64_t n) { return Eigen::Vector2d(n < 10 ? 100 : 1000, 80); };
+  const History result = run({leaving}, 14, perfect_segmenter({leaving}));
+  EXPECT_GT(cv::countNonZero(result.frames[9].masks), 3000);
+  for (std::size_t n = 10; n < 14; ++n) EXPECT_EQ(cv::countNonZero(result.frames[n].masks), 0) << n;
+}
+
+TEST(Aot, WithoutNewResultsMasksAreGivenUpAndSaidToBeMissing) {
+  SlowSegmenter segmenter = perfect_segmenter({kRed});
+  segmenter.latency_ns = [](const SequenceFrame& frame) {
+    return frame.frame < 6 ? std::optional(kLatency_ns) : std::nullopt;
+  };
+  AotOptions options;
+  options.max_silence_s = 0.31;  // nine frames after the last result, which is there at frame 6
+  const History result = run({kRed}, 20, segmenter, options);
+  for (std::size_t n = 0; n < 20; ++n) {
+    EXPECT_EQ(result.frames[n].has_masks, n >= 3 && n <= 15) << n;
+    EXPECT_EQ(cv::countNonZero(result.frames[n].masks) > 0, n >= 3 && n <= 15) << n;
+  }
+}
+
 TEST(Aot, NothingToSeeIsNoTrouble) {
   SlowSegmenter blind;
   blind.latency_ns = [](const SequenceFrame&) { return std::nullopt; };

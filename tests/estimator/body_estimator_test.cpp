@@ -73,6 +73,32 @@ TEST(BodyEstimator, AndOfAnEllipsoid) {
   EXPECT_LT(errors.axes_m, 0.006);
 }
 
+// The segmenter's outlines of early frames come four frames late, and say that the body is a tenth larger.
+// Nothing may be known of them before.
+TEST(BodyEstimator, WhatComesLateIsNotKnownBefore) {
+  constexpr int kLate = 4, kFirst = 20;
+  Perception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
+  std::vector<std::vector<Eigen::Vector3d>> axes;
+  for (const bool has_late : {false, true}) {
+    for (PerceivedFrame& frame : perception.frames) {
+      BodyObservation& body = frame.bodies.at(0);
+      if (!has_late || frame.frame < kFirst) continue;
+      body.segmented = body.silhouette;
+      body.segmented->known_at_frame = frame.frame + kLate;
+      const Eigen::Vector2d& center = body.silhouette->rot_bbox.center;
+      for (SupportLine& line : body.segmented->support)
+        line.offset_px += 0.1 * (line.offset_px - line.normal.dot(center));
+    }
+    BodyEstimator estimator(1, perception.camera, {}, 1);
+    auto& states = axes.emplace_back();
+    for (const PerceivedFrame& frame : perception.frames)
+      states.push_back(estimator.step(frame, &frame.bodies[0])->shape.semi_axes_m);
+  }
+  const auto size = [&](bool late, std::size_t frame) { return axes[late][frame].sum(); };
+  for (std::size_t n = 0; n < kFirst + kLate; ++n) EXPECT_EQ(axes[0][n], axes[1][n]) << n;
+  EXPECT_GT(size(true, 89), 1.02 * size(false, 89));  // then they take the place of the earlier ones
+}
+
 TEST(BodyEstimator, ABodyThatWasHiddenIsFoundAgainByItsPoints) {
   SyntheticOptions options = three_seconds();
   options.frames = 120;

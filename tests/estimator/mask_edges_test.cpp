@@ -70,6 +70,34 @@ TEST(MaskEdges, NeighboursPartAtTheStepBetweenThem) {
   EXPECT_GT(mask_iou(fitted == 4, drawn.masks == 4), 0.97);
 }
 
+// A face that recedes until it is nearly as far as the wall is the body's all the same: its depth runs on.
+TEST(MaskEdges, AFaceThatRecedesBelongsToItsBody) {
+  DrawnFrame drawn = draw_world({kBox}, 0);
+  drawn.depth.setTo(2.9);
+  const int left = 100, edge = left + kBox.size.width;  // of the box
+  for (int v = 80; v < 80 + kBox.size.height; ++v)
+    for (int u = left; u < edge; ++u)
+      drawn.depth.at<float>(v, u) = 2.0F + 0.025F * static_cast<float>(std::max(0, u - (edge - 30)));
+  cv::Mat short_mask = drawn.masks.clone();
+  short_mask.colRange(edge - 4, edge).setTo(0);
+  const cv::Mat fitted = fit_to_depth_edges(short_mask, drawn.depth, {}, {});
+  EXPECT_EQ(cv::countNonZero(fitted != drawn.masks), 0);
+}
+
+// A second body that looks out from behind the first is nearer to it in depth than the wall is; no part of
+// it.
+TEST(MaskEdges, WhatComesIntoViewBehindABodyIsNotTakenIn) {
+  Sprite behind = kBox;
+  behind.id = 5;
+  behind.depth_m = 2.3;
+  behind.corner_px = [](std::int64_t) { return Eigen::Vector2d(103, 85); };  // three pixels of it show
+  const DrawnFrame drawn = draw_world({kBox, behind}, 0);
+  cv::Mat first = drawn.masks.clone();
+  first.setTo(0, first == 5);
+  ASSERT_GT(cv::countNonZero(drawn.masks == 5), 100);
+  EXPECT_EQ(cv::countNonZero(fit_to_depth_edges(first, drawn.depth, {}, {}) != first), 0);
+}
+
 // A strip of five pixels has no inside four pixels from its outline: its expected depth tells it.
 TEST(MaskEdges, AThinBodyIsFoundByItsExpectedDepth) {
   Sprite strip = kBox;

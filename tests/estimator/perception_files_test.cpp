@@ -22,6 +22,10 @@ Perception two_frames() {
   perception.frames[1].world_from_camera.reset();
   perception.frames[0].has_masks = true;
   perception.frames[0].bodies[0].silhouette->support[3].free = false;
+  Silhouette late = *perception.frames[0].bodies[0].silhouette;
+  late.segmented = true;
+  late.known_at_frame = 1;
+  perception.frames[0].bodies[0].segmented = late;
   return perception;
 }
 
@@ -44,6 +48,9 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   EXPECT_EQ(a.motion->translation, b.motion->translation);
   EXPECT_EQ(a.silhouette->rot_bbox.angle_rad, b.silhouette->rot_bbox.angle_rad);
   EXPECT_FALSE(back.frames[0].bodies[0].silhouette->support[3].free);
+  ASSERT_TRUE(back.frames[0].bodies[0].segmented);
+  EXPECT_EQ(back.frames[0].bodies[0].segmented->known_at_frame, 1);
+  EXPECT_FALSE(back.frames[1].bodies[0].segmented);
 }
 
 TEST(PerceptionFiles, DamagedFilesAreRefusedWhereverTheyEnd) {

@@ -123,6 +123,20 @@ TEST(Prompts, PointsAreObjectsOfTheirOwnUnlessTheyHaveIds) {
   EXPECT_EQ(frames[0][1].id, 4);
 }
 
+TEST(Prompts, AFileSaysWhetherItNamesTheObjects) {
+  const TempFolder temp;
+  const auto names = [&](PromptKind kind, const std::string& text) {
+    write_text(temp.path() / "prompts.txt", text);
+    return have_ids({kind, temp.path() / "prompts.txt"});
+  };
+  EXPECT_TRUE(names(PromptKind::points, "# stamp u v id\n10.0 5 6 4\n"));
+  EXPECT_FALSE(names(PromptKind::points, "10.0 5 6\n"));
+  EXPECT_TRUE(names(PromptKind::boxes, "10.0 5 6 20 20 4\n"));
+  EXPECT_FALSE(names(PromptKind::boxes, "10.0 5 6 20 20\n"));
+  EXPECT_FALSE(have_ids({PromptKind::boxes, temp.path()}));  // a folder has none
+  EXPECT_FALSE(have_ids({}));
+}
+
 // The border pixels reach half a pixel beyond their centres; what is there must still index a pixel.
 TEST(Prompts, PointsOnTheImagesRimBelongToItsPixels) {
   const auto frames = read_points("10.0 -0.5 -0.5\n10.0 639.5 479.5\n");
