@@ -4,10 +4,13 @@
 // simulate draws with a process a core, each with an OSMesa context that rasterises in the process's one
 // thread; so does the bare loop, which is then what simulate does without everything else. A second bare loop
 // draws in one process, in which OSMesa has a thread a core, as it comes. The bare loops' clock starts when
-// their contexts are made and warm; of simulate there is the whole call, its frames with the making of the
-// contexts, and its frames but each worker's first. All take turns, each in processes of their own; the
-// ratios are those of medians. Measured for the scene as it is and with its triangles split until there are
-// 200 000: the same images of heavier geometry. Stages are milliseconds of one core a frame.
+// their contexts are made and warm; of simulate there is the whole call, and its frames with the making of
+// the contexts. On a machine that is busy otherwise frames a second say little; processor time a frame, each
+// worker's first left out, still tells what simulate does beside drawing.
+// Writing stands apart there: a virtual machine may pay far more for memory that it touches for the first
+// time than for copying to it (measured 2.7 ms a megabyte against 0.4), and new files lie in such memory.
+// All take turns, each in processes of their own; the ratios are those of medians. Measured for the scene as
+// it is and with its triangles split until there are 200 000: the same images of heavier geometry.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -48,9 +51,15 @@ double now_s() {
 struct Race {
   std::atomic<int> ready = 0;
   std::atomic<double> begin_s = 0, end_s = 0;
+  std::atomic<double> worked_s = 0;  // processor time of all
 };
 
-double bare_fps(const Scene& scene, std::int64_t frames, int processes, int threads) {
+struct Speed {
+  double fps = 0;
+  double core_ms = 0;  // processor time a frame, where each process has one thread
+};
+
+Speed bare_speed(const Scene& scene, std::int64_t frames, int processes, int threads) {
   const SharedCounter counter(frames);
   const std::shared_ptr<Race> race = make_shared_value<Race>();
   const auto work = [&](int) {
@@ -66,12 +75,15 @@ double bare_fps(const Scene& scene, std::int64_t frames, int processes, int thre
     for (++race->ready; race->ready < processes;) std::this_thread::yield();
     double never = 0;
     race->begin_s.compare_exchange_strong(never, now_s());
+    const double start_s = thread_seconds();
     for (std::int64_t frame = next.take(); frame < frames; frame = next.take()) draw(frame);
+    race->worked_s += thread_seconds() - start_s;
     for (double end_s = race->end_s; end_s < now_s();)
       if (race->end_s.compare_exchange_weak(end_s, now_s())) break;
   };
   run_workers(processes, work, [] {});
-  return static_cast<double>(frames) / (race->end_s - race->begin_s);
+  const auto count = static_cast<double>(frames);
+  return {count / (race->end_s - race->begin_s), 1e3 * race->worked_s / count};
 }
 
 using Stages = std::map<std::string, double>;  // ms of each; frame_...: of one core a frame
@@ -155,31 +167,40 @@ void print_row(const std::string& what, double fps, const Bare& bare) {
   fmt::print("  {:<46} {:7.1f} fps {:9.2f} {:9.2f}\n", what, fps, fps / bare.fps, fps / bare.threaded_fps);
 }
 
-void compare(Scene& scene, std::int64_t frames, std::int64_t rounds) {
-  std::vector<double> fps, threaded_fps;
-  std::map<std::string, std::vector<double>> times;
-  for (std::int64_t round = 0; round < rounds; ++round) {
-    fps.push_back(bare_fps(scene, frames, cores(), 1));
-    threaded_fps.push_back(bare_fps(scene, frames, 1, cores()));
-    for (const auto& [stage, ms] : simulate_stages(scene, frames)) times[stage].push_back(ms);
-  }
-  const Bare bare{median(fps), median(threaded_fps)};
+using Times = std::map<std::string, std::vector<double>>;  // of each stage, a round after the other
+
+// In processor time, all that is left of the ratio when nobody waits for a core.
+void print_simulate(Times& times, const Bare& bare, double bare_ms) {
   const auto ms = [&](const std::string& stage) { return median(times[stage]); };
   double frame_ms = 0;
   for (const char* stage : kFrameStages) frame_ms += ms(fmt::format("frame_{}", stage));
+  print_row(fmt::format("simulate ({} processes), its whole call", cores()), 1e3 / ms("whole"), bare);
+  print_row("  its frames, files written", 1e3 / ms("frames"), bare);
+  fmt::print("    processor time a frame {:.2f} ms =", frame_ms);
+  for (const char* stage : kFrameStages) fmt::print(" {} {:.2f}", stage, ms(fmt::format("frame_{}", stage)));
+  fmt::print(
+      "; bare loop {:.2f} ms\n    bare over simulate: {:.2f}; without writing {:.2f}; drawing alone {:.2f}\n",
+      bare_ms, bare_ms / frame_ms, bare_ms / (frame_ms - ms("frame_write")), bare_ms / ms("frame_draw"));
+  fmt::print("    once: a worker's first frame {:.0f} ms, truth and IMU {:.0f} ms, hashes {:.0f} ms\n",
+             ms("first_frame"), ms("truth_and_imu"), ms("hashes"));
+}
+
+void compare(Scene& scene, std::int64_t frames, std::int64_t rounds) {
+  std::vector<double> fps, core_ms, threaded_fps;
+  Times times;
+  for (std::int64_t round = 0; round < rounds; ++round) {
+    const Speed bare = bare_speed(scene, frames, cores(), 1);
+    fps.push_back(bare.fps), core_ms.push_back(bare.core_ms);
+    threaded_fps.push_back(bare_speed(scene, frames, 1, cores()).fps);
+    for (const auto& [stage, ms] : simulate_stages(scene, frames)) times[stage].push_back(ms);
+  }
+  const Bare bare{median(fps), median(threaded_fps)};
   fmt::print("scene {}, {} triangles, {}x{}: {} frames, {} rounds, {} cores; ratios to either bare loop\n",
              scene.name, count_triangles(scene), scene.camera.width, scene.camera.height, frames, rounds,
              cores());
   print_row(fmt::format("bare draw and read-back, {} processes, 1 thread", cores()), bare.fps, bare);
   print_row(fmt::format("bare draw and read-back, 1 process, {} threads", cores()), bare.threaded_fps, bare);
-  print_row(fmt::format("simulate ({} processes), its whole call", cores()), 1e3 / ms("whole"), bare);
-  print_row("simulate, its frames", 1e3 / ms("frames"), bare);
-  print_row("simulate, its frames but each worker's first", 1e3 * cores() / frame_ms, bare);
-  print_row("simulate, its drawing alone", 1e3 * cores() / ms("frame_draw"), bare);
-  fmt::print("  ms of one core a frame: bare {:.2f}; simulate", 1e3 * cores() / bare.fps);
-  for (const char* stage : kFrameStages) fmt::print(" {} {:.2f}", stage, ms(fmt::format("frame_{}", stage)));
-  fmt::print("; once: a worker's first frame {:.0f} ms, truth and IMU {:.0f} ms, hashes {:.0f} ms\n",
-             ms("first_frame"), ms("truth_and_imu"), ms("hashes"));
+  print_simulate(times, bare, median(core_ms));
 }
 
 void run(int argc, char** argv) {

@@ -92,6 +92,17 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
   }
 }
 
+// What needs no picture.
+void write_descriptions(const Scene& scene, const SimulateOptions& options, std::int64_t frames,
+                        const fs::path& folder, FrameTimes& times) {
+  const Stopwatch stopwatch;
+  write_sequence_files(scene, options.seed, frames, folder / "sequence");
+  write_truth_files(scene, frames, folder / "truth");
+  write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
+  times.add_descriptions(stopwatch.seconds());
+}
+
+// The first worker writes what needs no picture before it takes its first frame.
 void write_frames(const Scene& scene, const SimulateOptions& options, std::int64_t count,
                   const fs::path& folder, const fs::path& log_file, StageTimes& times) {
   const Stopwatch stopwatch;
@@ -105,7 +116,10 @@ void write_frames(const Scene& scene, const SimulateOptions& options, std::int64
   std::int64_t shown = 0;
   run_workers(
       static_cast<int>(workers),
-      [&](int) { write_frames_of(scene, options, folder, frames, log, frame_times); },
+      [&](int worker) {
+        if (worker == 0) write_descriptions(scene, options, count, folder, frame_times);
+        write_frames_of(scene, options, folder, frames, log, frame_times);
+      },
       [&] {
         if (const std::int64_t steps = frames.finished() - shown; steps > 0)
           progress.advance(steps), shown += steps;
@@ -137,12 +151,7 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
   const fs::path log_file = folder / "frames.log";
   StageTimes times;
   write_frames(scene, options, frames, folder, log_file, times);
-  const Stopwatch rest;
   write_visibility(folder, FrameLog(log_file).lines());
-  write_sequence_files(scene, options.seed, frames, folder / "sequence");
-  write_truth_files(scene, frames, folder / "truth");
-  write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
-  times.add("truth_and_imu", rest.seconds());
   if (lidar) write_lidar_files(scene, *lidar, options, frames, folder, times);
   hash_folders(folder, options.threads, times);
   fs::remove(log_file);

@@ -1,6 +1,7 @@
 #include "simulator/stage_times.h"
 
 #include <fmt/format.h>
+#include <time.h>
 
 #include <algorithm>
 
@@ -22,11 +23,18 @@ std::string StageTimes::csv() const {
   return text;
 }
 
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 void FrameTimes::add_to(StageTimes& times) const {
   times.add("first_frame", 1e-9 * static_cast<double>(sums_->first_ns), sums_->workers);
   for (std::size_t i = 0; i < kFrameStages.size(); ++i)
     times.add(fmt::format("frame_{}", kFrameStages[i]), 1e-9 * static_cast<double>(sums_->stage_ns[i]),
               sums_->frames);
+  times.add("truth_and_imu", 1e-9 * static_cast<double>(sums_->descriptions_ns));
 }
 
 }  // namespace uniquadric

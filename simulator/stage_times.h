@@ -46,8 +46,8 @@ class Stopwatch {
 enum class FrameStage { draw, color, depth, masks, write };
 inline constexpr std::array kFrameStages = {"draw", "color", "depth", "masks", "write"};
 
-/// Time that all workers together spend on each stage of their frames. A worker's first frame stands apart,
-/// with all that is prepared for it: OpenGL compiles what it draws with when it first draws.
+/// Processor time that all workers together spend on each stage of their frames. A worker's first frame
+/// stands apart, with all that is prepared for it: OpenGL compiles what it draws with when it first draws.
 class FrameTimes {
  public:
   void add(FrameStage stage, double seconds) {
@@ -58,30 +58,36 @@ class FrameTimes {
     sums_->first_ns += nanoseconds(seconds);
     ++sums_->workers;
   }
-  /// Rows `first_frame` (of each worker), and `frame_draw`, ... of the others.
+  void add_descriptions(double seconds) { sums_->descriptions_ns += nanoseconds(seconds); }
+  /// Rows `first_frame` (of each worker), `frame_draw`, ... of the others, and `truth_and_imu`: what is
+  /// written beside the frames.
   void add_to(StageTimes& times) const;
 
  private:
   static std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(1e9 * seconds); }
   struct Sums {
     std::array<std::atomic<std::int64_t>, kFrameStages.size()> stage_ns;
-    std::atomic<std::int64_t> first_ns = 0, frames = 0, workers = 0;
+    std::atomic<std::int64_t> first_ns = 0, frames = 0, workers = 0, descriptions_ns = 0;
   };
   std::shared_ptr<Sums> sums_ = make_shared_value<Sums>();
 };
 
-/// Gives the time since it was made, or since the last lap, to a stage.
+/// Processor time of the calling thread [s]: what else runs on the machine counts little.
+double thread_seconds();
+
+/// Gives the thread's time since it was made, or since the last lap, to a stage.
 class LapTimer {
  public:
-  explicit LapTimer(FrameTimes& times) : times_(times) {}
+  explicit LapTimer(FrameTimes& times) : times_(times), start_s_(thread_seconds()) {}
   void lap(FrameStage stage) {
-    times_.add(stage, stopwatch_.seconds());
-    stopwatch_ = {};
+    const double now_s = thread_seconds();
+    times_.add(stage, now_s - start_s_);
+    start_s_ = now_s;
   }
 
  private:
   FrameTimes& times_;
-  Stopwatch stopwatch_;
+  double start_s_;
 };
 
 }  // namespace uniquadric

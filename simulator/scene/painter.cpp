@@ -51,11 +51,12 @@ void add_value_noise(Painter& p, int octaves) {
     smooth(cv::Rect({0, 0}, p.image.size())).convertTo(scaled, CV_16SC1, strength / 128, -strength);
     sum += scaled;
   }
-  cv::Mat wide, three;
-  cv::merge(std::vector<cv::Mat>{sum, sum, sum}, three);
-  p.image.convertTo(wide, CV_16SC3);
-  wide += three;
-  wide.convertTo(p.image, CV_8UC3);
+  for (int v = 0; v < p.image.rows; ++v) {
+    auto* pixel = p.image.ptr<cv::Vec3b>(v);
+    const auto* noise = sum.ptr<std::int16_t>(v);
+    for (int u = 0; u < p.image.cols; ++u)
+      for (int c = 0; c < 3; ++c) pixel[u][c] = cv::saturate_cast<unsigned char>(pixel[u][c] + noise[u]);
+  }
 }
 
 }  // namespace uniquadric
