@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/vector_clones.h"
+
 namespace uniquadric {
 namespace {
 
@@ -32,7 +34,8 @@ Direction turned(const Direction& d, double left_rad, double up_rad) {
           scale * (d.z + up * level)};
 }
 
-// Beams of one ray: in arrays, so that the compiler turns two at once.
+// Beams of one ray: in arrays, so that the compiler turns several at once.
+UNIQUADRIC_VECTOR_CLONES
 void turn_beams(const BeamBlock& beams, const BeamDraws& draws, double sigma_rad, BeamBlock& rays) {
   const auto count = static_cast<std::size_t>(beams.count);
   std::copy_n(beams.time_ns.begin(), count, rays.time_ns.begin());

@@ -5,12 +5,14 @@
 #include <optional>
 
 #include "core/base/random.h"
+#include "core/base/vector_clones.h"
 #include "simulator/lidar/beam_aim.h"
 #include "simulator/lidar/beam_echoes.h"
 
 namespace uniquadric {
 namespace {
 
+UNIQUADRIC_VECTOR_CLONES
 void to_single(const BeamCasting& casting, const BeamBlock& beams, const WorldRays& from, RayBlock& to) {
   to.count = beams.count;
   const double start = static_cast<double>(casting.start_ns);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/base/vector_clones.h"
 #include "simulator/lidar/echoes.h"
 
 namespace uniquadric {
@@ -29,30 +30,29 @@ double quantised(double range_m, double quantum_m) {
   return (range_m / quantum_m + kNoFractions - kNoFractions) * quantum_m;
 }
 
-void measure(const LidarNoise& noise, const BeamDraws& draws, const EchoBlock::Row<double>& sigma_m,
-             int count, EchoBlock& echoes) {
-  for (int i = 0; i < count; ++i) echoes.measured_m[i] = echoes.range_m[i] + sigma_m[i] * draws.range[i];
+UNIQUADRIC_VECTOR_CLONES
+void quantise(const LidarNoise& noise, int count, EchoBlock& echoes) {
   if (noise.quantum_m > 0)
     for (int i = 0; i < count; ++i) echoes.measured_m[i] = quantised(echoes.measured_m[i], noise.quantum_m);
 }
 
-// Beams of one ray: in arrays, so that the compiler works on two at once. What nothing was hit for is not
+// Beams of one ray: in arrays, so that the compiler works on several at once. What nothing was hit for is not
 // found, whatever its other numbers.
+UNIQUADRIC_VECTOR_CLONES
 void single_echoes(const LidarNoise& noise, const RayBlock& rays, const BeamDraws& draws, EchoBlock& echoes) {
   const double limit = detection_limit(noise);
   const RangeSpread spread(noise);
-  EchoBlock::Row<double> sigma_m;
   for (int i = 0; i < rays.count; ++i) {
     const double range = rays.distance[i] * length_of(rays, i);
     echoes.range_m[i] = range;
     echoes.reflected[i] = reflected_by(rays, i);
-    sigma_m[i] = spread.sigma_m(range, rays.incidence_cos[i]);
+    echoes.measured_m[i] = range + spread.sigma_m(range, rays.incidence_cos[i]) * draws.range[i];
   }
   for (int i = 0; i < rays.count; ++i)
     echoes.is_found[i] =
         rays.distance[i] >= 0 && received_strength(noise, echoes.range_m[i], echoes.reflected[i]) >=
                                      limit_of(limit, noise, draws.detection[i]);
-  measure(noise, draws, sigma_m, rays.count, echoes);
+  quantise(noise, rays.count, echoes);
   std::copy_n(rays.incidence_cos.begin(), rays.count, echoes.incidence_cos.begin());
   std::copy_n(rays.instance.begin(), rays.count, echoes.instance.begin());
   std::fill_n(echoes.is_mixed.begin(), rays.count, false);
@@ -64,8 +64,6 @@ void merged_echoes(const LidarRig& rig, const RayBlock& rays, const BeamDraws& d
   const double limit = detection_limit(rig.noise);
   const int n = rig.beam.rays();
   std::vector<RayReturn> met;
-  EchoBlock::Row<double> sigma_m;
-  sigma_m.fill(rig.noise.range_sigma_m);
   for (int beam = 0; beam * n < rays.count; ++beam) {
     met.clear();
     for (int i = beam * n; i < (beam + 1) * n; ++i)
@@ -76,6 +74,7 @@ void merged_echoes(const LidarRig& rig, const RayBlock& rays, const BeamDraws& d
         reported_echo(met, rig.beam, rig.noise, limit_of(limit, rig.noise, draws.detection[beam]));
     echoes.is_found[beam] = echo.has_value();
     echoes.range_m[beam] = echo ? echo->range_m : 0;
+    echoes.measured_m[beam] = echoes.range_m[beam] + rig.noise.range_sigma_m * draws.range[beam];
     if (!echo) continue;
     echoes.reflected[beam] = echo->reflected;
     echoes.incidence_cos[beam] = echo->incidence_cos;
@@ -83,7 +82,7 @@ void merged_echoes(const LidarRig& rig, const RayBlock& rays, const BeamDraws& d
     echoes.is_mixed[beam] = echo->mixed;
     echoes.number[beam] = static_cast<std::uint8_t>(std::min(echo->number, 3));
   }
-  measure(rig.noise, draws, sigma_m, rays.count / n, echoes);
+  quantise(rig.noise, rays.count / n, echoes);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/base/vector_clones.h"
 #include "simulator/lidar/pattern_source.h"
 #include "simulator/lidar/phasors.h"
 
@@ -48,7 +49,7 @@ double gain(double eta, double c) {
   return eta * c - std::sqrt(1 - eta * eta * (1 - c * c));
 }
 
-void refract_flat(double eta, int n, double* x, double* y, double* z) {
+UNIQUADRIC_VECTOR_CLONES void refract_flat(double eta, int n, double* x, double* y, double* z) {
   for (int i = 0; i < n; ++i) {
     const double m = gain(eta, z[i]);
     x[i] *= eta;
@@ -57,6 +58,7 @@ void refract_flat(double eta, int n, double* x, double* y, double* z) {
   }
 }
 
+UNIQUADRIC_VECTOR_CLONES
 void refract(const Face& face, int n, const double* cosine, const double* sine, double* x, double* y,
              double* z) {
   for (int i = 0; i < n; ++i) {

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/base/vector_clones.h"
 #include "simulator/lidar/scan_pattern.h"
 
 namespace uniquadric {
@@ -63,8 +64,9 @@ void SensorPath::place(const BeamBlock& beams, WorldRays& rays) const {
   }
 }
 
-// In pieces that the compiler runs for two rays at once: whole numbers to places in the piece, then the
+// In pieces that the compiler runs for several rays at once: whole numbers to places in the piece, then the
 // poses. The copy and __restrict say that nothing that is written is read.
+UNIQUADRIC_VECTOR_CLONES
 void SensorPath::place_run(const Piece& piece, double piece_start_ns, int from, int to,
                            const BeamBlock& beams, WorldRays& rays) const {
   const Piece factors = piece;

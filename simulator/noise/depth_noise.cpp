@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/random.h"
+#include "core/base/vector_clones.h"
 #include "simulator/noise/normals.h"
 #include "simulator/noise/stereo_depth.h"
 
@@ -71,6 +72,7 @@ void drop_edges(cv::Mat& depth_m, const cv::Mat& edges, double probability, std:
   }
 }
 
+UNIQUADRIC_VECTOR_CLONES
 void drop_out_of_range(cv::Mat& depth_m, const DepthNoise& noise) {
   const float min_m = static_cast<float>(noise.min_range_m), max_m = static_cast<float>(noise.max_range_m);
   for (int v = 0; v < depth_m.rows; ++v) {
@@ -81,6 +83,7 @@ void drop_out_of_range(cv::Mat& depth_m, const DepthNoise& noise) {
 
 // Marks both pixels of each pair (a[i], b[i]) that an edge runs between. `edge` is a place to work in, so
 // that the compiler can look at many pairs at once.
+UNIQUADRIC_VECTOR_CLONES
 void mark_edges(const float* __restrict a_m, const float* __restrict b_m, int count,
                 std::uint8_t* __restrict edge, std::uint8_t* edge_a, std::uint8_t* edge_b) {
   for (int i = 0; i < count; ++i) {

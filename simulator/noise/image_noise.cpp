@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
+#include "core/base/vector_clones.h"
 #include "simulator/noise/normals.h"
 
 namespace uniquadric {
@@ -27,6 +28,7 @@ std::vector<std::int16_t> make_levels(double sigma) {
 }
 
 // Apart from the drawing, so that the compiler adds eight values at once.
+UNIQUADRIC_VECTOR_CLONES
 void add_clamped(std::span<const std::int16_t> noise, std::span<std::uint8_t> values) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto sum = static_cast<std::int16_t>(values[i] + noise[i]);

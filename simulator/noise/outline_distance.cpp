@@ -6,6 +6,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "core/base/vector_clones.h"
+
 namespace uniquadric {
 namespace {
 
@@ -30,6 +32,7 @@ cv::Mat column_distance(const cv::Mat& inside, std::int16_t most) {
 
 // Squares of the distances to the nearest pixel of the other side, of which the pixels [margin, ...) have
 // `squares` in their own columns: min over du of du^2 + squares[u + du].
+UNIQUADRIC_VECTOR_CLONES
 void row_squares(const Row& squares, int margin, Row& nearest) {
   const std::size_t count = nearest.size();
   std::fill(nearest.begin(), nearest.end(), std::int16_t{INT16_MAX});

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/random.h"
+#include "core/base/vector_clones.h"
 #include "simulator/noise/normals.h"
 #include "simulator/noise/outline_distance.h"
 
@@ -37,6 +38,7 @@ std::map<int, TrueMask> find_masks(const cv::Mat& ids) {
 }
 
 // Gives `id` to the pixels that the moved outline holds more deeply than what holds them so far.
+UNIQUADRIC_VECTOR_CLONES
 void add_mask(int id, const cv::Mat& distance_px, const cv::Mat& displacement_px, double sigma_px,
               cv::Mat depth_px, cv::Mat masks) {
   const auto sigma = static_cast<float>(sigma_px);
