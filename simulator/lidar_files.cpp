@@ -25,7 +25,8 @@ void cast_scans(const Scene& scene, const LidarRig& rig, const SimulateOptions& 
   const RayCaster caster(scene.world, scene.objects, rig.caster, rig.reflectivity);
   const PoseAt world_from_lidar = lidar_path(scene.camera_motion, rig);
   Progress progress(fmt::format("lidar {}", scene.name), static_cast<std::int64_t>(count), options.quiet);
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  const int most = tbb::this_task_arena::max_concurrency();  // TBB warns of more
+  tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, most) : most);
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
       const auto number = static_cast<std::int64_t>(k);

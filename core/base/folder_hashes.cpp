@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <map>
 
 #include "core/base/files.h"
@@ -27,7 +28,8 @@ std::vector<std::string> list_files(const fs::path& folder) {
 std::map<std::string, std::string> hash_files(const fs::path& folder, int threads) {
   const std::vector<std::string> names = list_files(folder);
   std::vector<std::uint64_t> hashes(names.size());
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  const int most = tbb::this_task_arena::max_concurrency();  // TBB warns of more
+  tbb::task_arena arena(threads > 0 ? std::min(threads, most) : most);
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, names.size(),
                       [&](std::size_t i) { hashes[i] = hash_file(folder / names[i]); });

@@ -25,13 +25,18 @@ cv::Rect pixels_of_box(const Eigen::AlignedBox3f& box, const Pose& camera_from_o
                        double near_m) {
   if (box.isEmpty()) return {};
   Eigen::AlignedBox2d pixels;
+  int near = 0;
   for (int i = 0; i < 8; ++i) {
     const Eigen::Vector3f corner = box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(i));
     const Eigen::Vector3d p = camera_from_object * corner.cast<double>();
-    if (p.z() < near_m) return {0, 0, camera.width, camera.height};
-    pixels.extend(
-        Eigen::Vector2d(camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy));
+    if (p.z() < near_m)
+      ++near;
+    else
+      pixels.extend(
+          Eigen::Vector2d(camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy));
   }
+  if (near == 8) return {};
+  if (near > 0) return {0, 0, camera.width, camera.height};
   const Span u = clip(pixels.min().x(), pixels.max().x(), camera.width),
              v = clip(pixels.min().y(), pixels.max().y(), camera.height);
   return {u.from, v.from, u.count, v.count};

@@ -65,6 +65,7 @@ GpuMesh upload_mesh(const GlFunctions& gl, const Mesh& mesh) {
   gpu.texture = upload_texture(gl, mesh.texture);
   gpu.index_count = static_cast<int>(3 * mesh.triangles.size());
   gpu.color = mesh.color;
+  for (const Eigen::Vector3f& p : mesh.positions) gpu.box.extend(p);
   check_gl(gl, "copying a mesh");
   return gpu;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "simulator/render/gl_functions.h"
 #include "simulator/scene/mesh.h"
@@ -12,6 +12,7 @@ struct GpuMesh {
   unsigned vertex_array = 0, texture = 0;
   int index_count = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Ones();  ///< (red, green, blue)
+  Eigen::AlignedBox3f box;                          ///< that holds it
 };
 
 /// Copies a mesh and its texture, with mipmaps. Asserts that normals and uvs match the positions in number.

@@ -26,7 +26,7 @@ GpuBody upload_body(const GlFunctions& gl, const Body& body) {
   GpuBody gpu{static_cast<unsigned>(body.id), {}, {}};
   for (const Mesh& mesh : body.meshes) {
     gpu.meshes.push_back(upload_mesh(gl, mesh));
-    for (const Eigen::Vector3f& p : mesh.positions) gpu.box.extend(p);
+    gpu.box.extend(gpu.meshes.back().box);
   }
   return gpu;
 }
@@ -97,6 +97,7 @@ void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_obj
   gl.UniformMatrix4fv(uniform_camera_from_object, 1, GL_FALSE, matrix.data());
   gl.Uniform1ui(uniform_instance_id, body.id);
   for (const GpuMesh& mesh : body.meshes) {
+    if (pixels_of_box(mesh.box, camera_from_object, camera, kNear_m).empty()) continue;  // most of a street
     gl.Uniform3fv(uniform_color, 1, mesh.color.data());
     gl.BindTextureUnit(0, mesh.texture);
     gl.BindVertexArray(mesh.vertex_array);
