@@ -11,6 +11,7 @@
 namespace uniquadric {
 namespace {
 
+constexpr double kNanosecond_s = 1e-9;
 constexpr double kSpeckShare = 0.02;  // of the largest part; others may be the body behind a pole
 
 // The masks of those ids that `keeps`.
@@ -121,11 +122,18 @@ void AsyncObjectTracker::jump(const cv::Mat& masks, std::size_t index) {
   const cv::Mat anew = select_ids(masks, [&](int id) { return !agreeing.contains(id); });
   cv::Mat newest = select_ids(seen_.back().masks, stays);
   cv::Mat carried = anew;
-  if (cv::countNonZero(anew) > 0)
-    for (std::size_t next = index + 1; next < seen_.size(); ++next)
-      carried = carry(carried, seen_[next - 1], seen_[next]);
+  for (std::size_t next = index + 1; next < seen_.size(); ++next) {
+    if (!is_near(seen_[next - 1], seen_[next])) return;
+    if (cv::countNonZero(anew) > 0) carried = carry(carried, seen_[next - 1], seen_[next]);
+  }
+  seen_.back().has_masks = true;
   carried.copyTo(newest, carried != 0);
   seen_.back().masks = newest;
+}
+
+// Whether masks can be carried from one frame to another.
+bool AsyncObjectTracker::is_near(const Seen& from, const Seen& to) const {
+  return kNanosecond_s * static_cast<double>(to.frame.stamp_ns - from.frame.stamp_ns) <= options_.max_gap_s;
 }
 
 cv::Mat AsyncObjectTracker::carry(const cv::Mat& masks, const Seen& from, const Seen& to) const {
@@ -138,7 +146,8 @@ cv::Mat AsyncObjectTracker::carry(const cv::Mat& masks, const Seen& from, const 
   return clean;
 }
 
-AotFrame AsyncObjectTracker::track(const SequenceFrame& frame, const cv::Mat& rgb, const cv::Mat& depth) {
+AotFrame AsyncObjectTracker::track(const SequenceFrame& frame, const cv::Mat& rgb, const cv::Mat& depth,
+                                   std::int64_t next_ns) {
   AotFrame out;
   Stopwatch watch(frame.frame, out.times);
   seen_.push_back({frame, {frame.frame, rgb, depth, {}, {}}, cv::Mat::zeros(rgb.size(), CV_16UC1)});
@@ -147,16 +156,17 @@ AotFrame AsyncObjectTracker::track(const SequenceFrame& frame, const cv::Mat& rg
   tracker_->prepare(newest.image, previous ? &previous->image : nullptr);
   watch.stop("mask_flow");
   const double silence_s =
-      last_arrival_ns_ ? 1e-9 * static_cast<double>(frame.stamp_ns - *last_arrival_ns_) : 0;
-  if (silence_s > options_.max_silence_s) last_arrival_ns_.reset();
-  if (previous && last_arrival_ns_) newest.masks = carry(previous->masks, *previous, newest);
+      last_arrival_ns_ ? kNanosecond_s * static_cast<double>(frame.stamp_ns - *last_arrival_ns_) : 0;
+  newest.has_masks =
+      previous && previous->has_masks && silence_s <= options_.max_silence_s && is_near(*previous, newest);
+  if (newest.has_masks) newest.masks = carry(previous->masks, *previous, newest);
   watch.stop("mask_tracker");
-  const auto results = clock_->step({frame, rgb, depth, newest.masks.clone()});
+  const auto results = clock_->step({frame, rgb, depth, newest.masks.clone()}, next_ns);
   watch.stop("segmenter");
   for (const auto& result : results) associate(result, out);
   watch.stop("association");
   out.masks = newest.masks.clone();
-  out.has_masks = last_arrival_ns_.has_value();
+  out.has_masks = newest.has_masks;
   while (seen_.size() > 1 && seen_.front().frame.frame < clock_->oldest_pending()) seen_.pop_front();
   return out;
 }

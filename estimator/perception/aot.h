@@ -38,7 +38,7 @@ enum class AotLatency {
 
 /// The asynchronous object tracker.
 struct AotOptions {
-  bool enabled = false;  // ours: off, the segmenter's masks count at their own frames, as if it took no time
+  bool enabled = true;  // off: the segmenter's masks count at their own frames, as if it took no time
   AotClock clock = AotClock::virtual_time;
   AotLatency latency = AotLatency::sequence;
   double latency_s =
@@ -55,12 +55,14 @@ struct AotOptions {
   int max_missing = 2;  // ours: results without a body after which its carried mask is given up: one in a
                         // hundred is missed by chance
   double max_silence_s = 5;  // ours: without any result; then carried masks are given up
+  double max_gap_s = 0.3;    // ours: between frames; flow finds nothing over more, and masks are not carried
 };
 
 /// What is known when a frame has been taken.
 struct AotFrame {
   cv::Mat masks;  ///< CV_16UC1 track ids, 0 none: of this frame, carried from the last segmented ones
-  bool has_masks = false;  ///< whether a result has come that still counts
+  bool has_masks =
+      false;  ///< whether they are known: none may mean that nothing is in view, or no result yet
   /// A segmenter's result that arrived with this frame, of its own, earlier frame, named by track ids.
   struct Arrived {
     std::int64_t frame = 0;
@@ -78,16 +80,22 @@ class AsyncObjectTracker {
   AsyncObjectTracker(const Camera& camera, SlowSegmenter segmenter, const AotOptions& options);
 
   /// Takes the next frame; frames come in order. `rgb` CV_8UC3, `depth` CV_32FC1 [m], 0 none; may be empty.
-  /// The images are kept for a while: they must not be written to.
-  AotFrame track(const SequenceFrame& frame, const cv::Mat& rgb, const cv::Mat& depth);
+  /// The images are kept for a while: they must not be written to. `next_ns`: when the frame after it comes;
+  /// a result for this frame that is there before counts at once.
+  AotFrame track(const SequenceFrame& frame, const cv::Mat& rgb, const cv::Mat& depth, std::int64_t next_ns);
+  AotFrame track(const SequenceFrame& frame, const cv::Mat& rgb, const cv::Mat& depth) {
+    return track(frame, rgb, depth, frame.stamp_ns);
+  }
 
  private:
   struct Seen {
     SequenceFrame frame;
     TrackedImage image;
     cv::Mat masks;  // as they were tracked
+    bool has_masks = false;
   };
   std::vector<Detection> detect(const Seen& seen, const cv::Mat& masks) const;
+  bool is_near(const Seen& from, const Seen& to) const;
   static cv::Mat expected_depth(const cv::Mat& named, const Seen& seen);
   void associate(const SegmenterResult& result, AotFrame& out);
   void jump(const cv::Mat& masks, std::size_t index);

@@ -60,6 +60,7 @@ void visit(Io& io, AotOptions& o) {
   io.number("jump_iou", o.jump_iou, 0.0, 1.0);
   io.number("max_missing", o.max_missing, 1);
   io.positive("max_silence_s", o.max_silence_s);
+  io.positive("max_gap_s", o.max_gap_s);
   io.choice(
       "tracker", o.tracker,
       Choices<MaskTrackerKind>{{"flow", MaskTrackerKind::flow}, {"nanotrack", MaskTrackerKind::nanotrack}});

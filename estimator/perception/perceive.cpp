@@ -124,6 +124,13 @@ std::unique_ptr<AsyncObjectTracker> make_tracker(const Sequence& sequence, const
                                               slow_segmenter(sequence, segmenter, options, seed), options);
 }
 
+// When the frame after this one comes; after the last one as long as before it.
+std::int64_t next_stamp_ns(const Sequence& sequence, std::size_t index) {
+  const auto& frames = sequence.frames;
+  if (index + 1 < frames.size()) return frames[index + 1].stamp_ns;
+  return index == 0 ? frames[0].stamp_ns : 2 * frames[index].stamp_ns - frames[index - 1].stamp_ns;
+}
+
 Camera without_distortion(Camera camera) {
   camera.distortion = {};
   return camera;
@@ -170,7 +177,8 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
   };
   const auto carry = [&](std::shared_ptr<Work> work) {
     if (!tracker) return work;
-    AotFrame tracked = tracker->track(sequence.frames[work->index], work->rgb, work->depth);
+    AotFrame tracked = tracker->track(sequence.frames[work->index], work->rgb, work->depth,
+                                      next_stamp_ns(sequence, work->index));
     work->masks = tracked.masks;
     work->arrived = std::move(tracked.arrived);
     work->result.has_masks = tracked.has_masks;

@@ -56,7 +56,7 @@ struct BodyObservation {
 struct PerceivedFrame {
   std::int64_t frame = 0, stamp_ns = 0;
   std::optional<Pose> world_from_camera;  ///< nothing: the camera was lost
-  bool has_masks = false;                 ///< whether a segmenter has said anything that is known by now
+  bool has_masks = false;                 ///< whether its masks are known: segmented, or carried to it
   std::vector<BodyObservation> bodies;    ///< in order of their ids
 };
 

@@ -178,10 +178,9 @@ std::vector<std::vector<PointPrompt>> read_point_prompts(const fs::path& path, c
 }
 
 bool have_ids(const Prompts& prompts) {
-  if (prompts.empty() || !fs::is_regular_file(prompts.path)) return false;
-  const std::size_t with_ids = prompts.kind == PromptKind::points ? 4 : 6;
+  if (prompts.kind != PromptKind::points) return prompts.kind == PromptKind::boxes;
   bool found = false;
-  for_each_line(prompts.path, [&](int, const Fields& fields) { found = found || fields.size() == with_ids; });
+  for_each_line(prompts.path, [&](int, const Fields& fields) { found = found || fields.size() == 4; });
   return found;
 }
 

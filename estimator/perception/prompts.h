@@ -56,7 +56,8 @@ std::vector<std::vector<BoxPrompt>> read_box_prompts(const std::filesystem::path
 std::vector<std::vector<PointPrompt>> read_point_prompts(const std::filesystem::path& path,
                                                          const Sequence& sequence);
 
-/// Whether prompts say which object each box or point is of (a last column id).
+/// Whether prompts say which object each box or point is of: boxes always, by a last column or as they were
+/// associated; points by a last column.
 bool have_ids(const Prompts& prompts);
 
 /// Names boxes over the frames: pairs with a track's last box by the greatest IoU, then the leftovers of a

@@ -15,12 +15,13 @@ class VirtualClock : public SegmenterClock {
  public:
   explicit VirtualClock(SlowSegmenter segmenter) : segmenter_(std::move(segmenter)) {}
 
-  std::vector<SegmenterResult> step(const SegmenterInput& input) override {
+  std::vector<SegmenterResult> step(const SegmenterInput& input, std::int64_t next_ns) override {
     std::vector<SegmenterResult> results;
     run_until(input.frame.stamp_ns - 1, results);
     waiting_ = input;  // a segmenter that is free at this very moment takes it
     run_until(input.frame.stamp_ns, results);
     newest_ = input.frame.frame;
+    if (pending_ && pending_->frame == newest_ && arrival_ns_ < next_ns) run_until(arrival_ns_, results);
     return results;
   }
 
@@ -62,7 +63,7 @@ class ThreadClock : public SegmenterClock {
   explicit ThreadClock(SlowSegmenter segmenter)
       : segmenter_(std::move(segmenter)), worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
-  std::vector<SegmenterResult> step(const SegmenterInput& input) override {
+  std::vector<SegmenterResult> step(const SegmenterInput& input, std::int64_t /*next_ns*/) override {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
     if (segmenter_.latency_ns(input.frame)) waiting_ = input;

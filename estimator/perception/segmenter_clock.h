@@ -31,8 +31,10 @@ struct SegmenterResult {
 class SegmenterClock {
  public:
   virtual ~SegmenterClock() = default;
-  /// Offers the next frame and returns the results that have arrived by its time.
-  virtual std::vector<SegmenterResult> step(const SegmenterInput& input) = 0;
+  /// Offers the next frame and returns the results that have arrived by its time, and its own if that comes
+  /// before `next_ns`, when the frame after it does: there is time for it.
+  virtual std::vector<SegmenterResult> step(const SegmenterInput& input, std::int64_t next_ns) = 0;
+  std::vector<SegmenterResult> step(const SegmenterInput& input) { return step(input, input.frame.stamp_ns); }
   /// The oldest frame whose result may still come.
   virtual std::int64_t oldest_pending() const = 0;
 };

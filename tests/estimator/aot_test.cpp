@@ -216,6 +216,30 @@ TEST(Aot, ABodyThatIsGoneLeavesNoMaskOnTheWall) {
   for (std::size_t n = 10; n < 14; ++n) EXPECT_EQ(cv::countNonZero(result.frames[n].masks), 0) << n;
 }
 
+// Between frames that are far apart there is time for a result, and nothing that flow could carry.
+TEST(Aot, OfFramesFarApartEachHasItsOwnMasks) {
+  const auto at = [](int n) {
+    DrawnFrame drawn = draw_world({kRed}, 12 * n);
+    drawn.frame.frame = n;
+    return drawn;
+  };
+  SlowSegmenter segmenter = perfect_segmenter({});
+  segmenter.segment = [&](const SegmenterInput& input) {
+    return input.frame.frame == 3 ? cv::Mat() : at(static_cast<int>(input.frame.frame)).masks;
+  };
+  AsyncObjectTracker tracker(drawn_camera(), segmenter, {});
+  for (int n = 0; n < 6; ++n) {
+    const DrawnFrame drawn = at(n);
+    const AotFrame result = tracker.track(drawn.frame, drawn.rgb, drawn.depth, at(n + 1).frame.stamp_ns);
+    ASSERT_EQ(result.arrived.size(), n == 3 ? 0u : 1u) << n;
+    EXPECT_EQ(result.has_masks, n != 3);
+    EXPECT_GT(mask_iou(result.masks == 1, n == 3 ? cv::Mat(drawn.masks == 7) : drawn.masks == 1), 0.99) << n;
+    if (n != 3) {
+      EXPECT_EQ(result.arrived[0].frame, n);
+    }
+  }
+}
+
 TEST(Aot, WithoutNewResultsMasksAreGivenUpAndSaidToBeMissing) {
   SlowSegmenter segmenter = perfect_segmenter({kRed});
   segmenter.latency_ns = [](const SequenceFrame& frame) {

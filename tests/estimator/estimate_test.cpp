@@ -89,17 +89,22 @@ TEST(Estimate, FramesWithoutDepthMasksOrPoseHaveNoStateAndAreCounted) {
   Sequence sequence = write_box_sequence(folder, 6, true);
   sequence.given_camera->erase(sequence.given_camera->begin() + 4);
   write_sequence_index(folder, sequence);
-  estimate(folder, Variant{}, quiet(), out);
-  std::vector<std::int64_t> frames;
-  const Tracks tracks = read_tracks(out);
-  for (const auto& state : tracks.objects.at(0).states) frames.push_back(state.frame);
-  EXPECT_EQ(frames, (std::vector<std::int64_t>{0, 1, 5}));
-  const ConfigNode run = ConfigNode::load(out / "run.yaml");
-  EXPECT_EQ(run.get<int>("frames"), 6);
-  EXPECT_EQ(run.get<int>("frames_with_states"), 3);
-  EXPECT_EQ(run.get<int>("frames_without_depth"), 1);
-  EXPECT_EQ(run.get<int>("frames_without_masks"), 1);
-  EXPECT_EQ(run.get<int>("frames_without_pose"), 1);
+  for (const bool carries : {false, true}) {  // with the tracker the frame without masks gets the last one's
+    Variant variant;
+    variant.perception.aot.enabled = carries;
+    estimate(folder, variant, quiet(), out);
+    std::vector<std::int64_t> frames;
+    const Tracks tracks = read_tracks(out);
+    for (const auto& state : tracks.objects.at(0).states) frames.push_back(state.frame);
+    EXPECT_EQ(frames,
+              carries ? (std::vector<std::int64_t>{0, 1, 3, 5}) : (std::vector<std::int64_t>{0, 1, 5}));
+    const ConfigNode run = ConfigNode::load(out / "run.yaml");
+    EXPECT_EQ(run.get<int>("frames"), 6);
+    EXPECT_EQ(run.get<int>("frames_with_states"), carries ? 4 : 3);
+    EXPECT_EQ(run.get<int>("frames_without_depth"), 1);
+    EXPECT_EQ(run.get<int>("frames_without_masks"), carries ? 0 : 1);
+    EXPECT_EQ(run.get<int>("frames_without_pose"), 1);
+  }
 }
 
 TEST(Estimate, TheSameBytesForAnyNumberOfThreads) {

