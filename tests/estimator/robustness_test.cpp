@@ -1,0 +1,237 @@
+// The whole estimator on sequences in which something is missing: it must not fail, and must not claim to
+// know what it cannot.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <opencv2/core.hpp>
+#include <set>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/text.h"
+#include "core/sequence/tracks.h"
+#include "drawn_world.h"
+#include "estimator/estimate.h"
+#include "estimator/perception/perceive.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr int kLatencyFrames = 3;
+using Damage = std::function<void(DrawnFrame&)>;
+
+const Sprite kRed{1,        11, {50, 60, 180},
+                  {70, 50}, 2,  [](std::int64_t n) {
+                                  return Eigen::Vector2d(60 + 2.0 * double(n), 80); }};
+
+Sequence write_drawn_sequence(const fs::path& folder, const std::vector<Sprite>& sprites, int frames,
+                              const Damage& damage = {}) {
+  for (const char* name : {"rgb", "depth", "masks"}) fs::create_directories(folder / name);
+  Sequence sequence;
+  sequence.folder = folder;
+  sequence.name = "drawn";
+  sequence.camera = drawn_camera();
+  sequence.rate_hz = 30;
+  sequence.given_camera.emplace();
+  for (int n = 0; n < frames; ++n) {
+    DrawnFrame drawn = draw_world(sprites, n);
+    if (damage) damage(drawn);
+    cv::Mat depth;
+    drawn.depth.convertTo(depth, CV_16U, sequence.depth_units_per_m);
+    const std::string file = fmt::format("{:06}.png", n);
+    SequenceFrame& frame = drawn.frame;
+    write_png(folder / (frame.rgb = fs::path("rgb") / file), drawn.rgb);
+    write_png(folder / (frame.depth = fs::path("depth") / file), depth);
+    write_png(folder / (frame.masks = fs::path("masks") / file), drawn.masks);
+    frame.masks_arrival_ns = draw_world({}, n + kLatencyFrames).frame.stamp_ns;
+    sequence.frames.push_back(frame);
+    sequence.given_camera->push_back({frame.stamp_ns, Pose{}});
+  }
+  write_sequence_index(folder, sequence);
+  return sequence;
+}
+
+Variant windows(EgoSource ego = EgoSource::given) {
+  Variant variant;
+  variant.backend = Backend::windows;
+  variant.perception.ego = ego;
+  return variant;
+}
+
+struct Outcome {
+  Tracks tracks;
+  std::map<std::string, std::string> files;
+};
+
+Outcome run(const fs::path& folder, int threads = 2, const Variant& variant = windows()) {
+  const TempFolder temp;
+  EstimateOptions options;
+  options.quiet = true;
+  options.threads = threads;
+  estimate(folder, variant, options, temp.path() / "out");
+  Outcome outcome{read_tracks(temp.path() / "out"), {}};
+  for (const auto& entry : fs::recursive_directory_iterator(temp.path() / "out"))
+    if (entry.is_regular_file() && entry.path().filename() != "timing.csv")
+      outcome.files[fs::relative(entry.path(), temp.path()).string()] = read_text(entry.path());
+  return outcome;
+}
+
+// Every number that a state gives is one, and no body is thin as nothing or as large as the room.
+void expect_sane(const Tracks& tracks) {
+  for (const ObjectTrack& track : tracks.objects)
+    for (const ObjectState& state : track.states) {
+      const Ellipsoid& e = state.ellipsoid;
+      EXPECT_TRUE(e.world_from_object.translation.allFinite() && e.semi_axes_m.allFinite()) << state.frame;
+      EXPECT_GT(e.semi_axes_m.minCoeff(), 0) << state.frame;
+      EXPECT_LT(e.semi_axes_m.maxCoeff(), 5) << state.frame;
+    }
+}
+
+// Carried outlines are known at their own frames; those of the segmenter three frames after theirs, which
+// is when the tracker is done with them.
+TEST(Robustness, WhatIsKnownWhen) {
+  const TempFolder temp;
+  const Sequence sequence = write_drawn_sequence(temp.path(), {kRed}, 16);
+  PerceptionOptions options;
+  PerceiveOptions quiet;
+  quiet.quiet = true;
+  std::vector<StageTime> times;
+  int late = 0;
+  for (const bool carries : {true, false}) {
+    options.aot.enabled = carries;
+    for (const PerceivedFrame& frame : perceive(sequence, options, quiet, times).frames) {
+      EXPECT_EQ(frame.has_masks, !carries || frame.frame >= kLatencyFrames);
+      ASSERT_EQ(frame.bodies.size(), frame.has_masks ? 1u : 0u) << frame.frame;
+      if (frame.bodies.empty()) continue;
+      const BodyObservation& body = frame.bodies[0];
+      ASSERT_TRUE(body.silhouette) << frame.frame;
+      EXPECT_EQ(body.silhouette->known_at_frame, frame.frame);
+      EXPECT_EQ(body.silhouette->segmented, !carries);
+      if (!body.segmented) continue;
+      EXPECT_TRUE(carries && body.segmented->segmented);
+      EXPECT_EQ(frame.frame % kLatencyFrames, 0);
+      EXPECT_EQ(body.segmented->known_at_frame, frame.frame + kLatencyFrames);
+      ++late;
+    }
+  }
+  EXPECT_EQ(late, 4);  // of frames 3, 6, 9 and 12
+}
+
+TEST(Robustness, NoMaskEverIsNoObject) {
+  const TempFolder temp;
+  write_drawn_sequence(temp.path(), {kRed}, 12, [](DrawnFrame& drawn) { drawn.masks.setTo(0); });
+  const Outcome outcome = run(temp.path());
+  EXPECT_TRUE(outcome.tracks.objects.empty());
+  EXPECT_EQ(outcome.tracks.camera.size(), 12u);
+}
+
+TEST(Robustness, NoDepthEverIsNoState) {
+  const TempFolder temp;
+  write_drawn_sequence(temp.path(), {kRed}, 12, [](DrawnFrame& drawn) { drawn.depth.setTo(0); });
+  const Outcome outcome = run(temp.path());
+  EXPECT_TRUE(outcome.tracks.objects.empty());
+}
+
+TEST(Robustness, OneBlackFrameCostsNoTrackAndLittlePrecision) {
+  const TempFolder temp;
+  const auto blacken = [](DrawnFrame& drawn) {
+    if (drawn.frame.frame == 20) drawn.rgb.setTo(0);
+  };
+  write_drawn_sequence(temp.path(), {kRed}, 36, blacken);
+  const Outcome outcome = run(temp.path());
+  expect_sane(outcome.tracks);
+  ASSERT_EQ(outcome.tracks.objects.size(), 1u);
+  const auto& states = outcome.tracks.objects[0].states;
+  ASSERT_GE(states.size(), 32u);
+  int checked = 0;
+  for (const ObjectState& state : states) {
+    if (state.frame < 12) continue;
+    // its middle: 69 of its 70 columns are between the outer ones' centres
+    const double x = (60 + 2.0 * double(state.frame) + 34.5 - drawn_camera().cx) / drawn_camera().fx * 2;
+    EXPECT_NEAR(state.ellipsoid.world_from_object.translation.x(), x, 0.03) << state.frame;  // m
+    ++checked;
+  }
+  EXPECT_EQ(checked, 24);
+}
+
+// The camera that follows itself: nothing to follow is no pose; a black frame has none, and the next ones do.
+TEST(Robustness, TheCamerasOwnWayIsLostWhereNothingIsSeenAndFoundAgain) {
+  const TempFolder temp;
+  const auto blacken = [](DrawnFrame& drawn) {
+    if (drawn.frame.frame == 8) drawn.rgb.setTo(0);
+  };
+  write_drawn_sequence(temp.path() / "black", {kRed}, 16, blacken);
+  const Outcome black = run(temp.path() / "black", 2, windows(EgoSource::rgbd));
+  EXPECT_EQ(black.tracks.camera.size(), 15u);
+  for (const auto& [stamp_ns, pose] : black.tracks.camera)
+    EXPECT_LT((pose.translation - black.tracks.camera[0].pose.translation).norm(),
+              0.01);  // m: it stands still
+  write_drawn_sequence(temp.path() / "blind", {kRed}, 6, [](DrawnFrame& drawn) { drawn.depth.setTo(0); });
+  const Outcome blind = run(temp.path() / "blind", 2, windows(EgoSource::rgbd));
+  EXPECT_TRUE(blind.tracks.camera.empty());
+  EXPECT_TRUE(blind.tracks.objects.empty());
+}
+
+TEST(Robustness, StampsThatStandTwiceAreRefused) {
+  const TempFolder temp;
+  Sequence sequence = write_drawn_sequence(temp.path() / "sequence", {kRed}, 4);
+  sequence.frames[2].stamp_ns = sequence.frames[1].stamp_ns;
+  write_sequence_index(temp.path() / "sequence", sequence);
+  const std::string message =
+      input_error([&] { estimate(temp.path() / "sequence", windows(), {}, temp.path() / "out"); });
+  EXPECT_NE(message.find("rgb.txt:4"), std::string::npos) << message;
+  EXPECT_FALSE(fs::exists(temp.path() / "out"));
+}
+
+// While it is away the body is occluded or lost, and when it is back it is the same one.
+TEST(Robustness, ABodyThatLeavesAndReturnsIsTheSameAndNeverActiveMeanwhile) {
+  Sprite visitor = kRed;
+  visitor.corner_px = [](std::int64_t n) {  // out at the right by frame 40, in again from 70
+    return Eigen::Vector2d(n < 55 ? 160 + 5.0 * double(n) : 160 + 5.0 * double(110 - n), 80);
+  };
+  const TempFolder temp;
+  write_drawn_sequence(temp.path(), {visitor}, 110);
+  const Outcome outcome = run(temp.path());
+  expect_sane(outcome.tracks);
+  ASSERT_EQ(outcome.tracks.objects.size(), 1u);
+  int before = 0, away = 0, after = 0;
+  for (const ObjectState& state : outcome.tracks.objects[0].states) {
+    const bool is_active = state.status == ObjectStatus::active || state.status == ObjectStatus::tentative;
+    if (state.frame < 25) before += is_active;
+    if (state.frame > 34 && state.frame < 76) {
+      EXPECT_FALSE(is_active) << state.frame;
+      ++away;
+    }
+    if (state.frame >= 100) after += is_active;
+  }
+  EXPECT_GE(before, 15);
+  EXPECT_GE(away, 20);
+  EXPECT_EQ(after, 10);
+}
+
+TEST(Robustness, ThirtyBodiesHaveTheSameBytesForAnyNumberOfThreads) {
+  std::vector<Sprite> crowd;
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector2d home(8 + 52 * (i % 6), 6 + 47 * (i / 6));
+    const double way = i % 2 ? 0.5 : -0.5;
+    crowd.push_back({i + 1,
+                     40U + static_cast<std::uint32_t>(i),
+                     {40.F + 6 * static_cast<float>(i), 200.F - 5 * static_cast<float>(i), 90},
+                     {40, 36},
+                     1.5 + 0.05 * i,
+                     [=](std::int64_t n) { return Eigen::Vector2d(home.x() + way * double(n), home.y()); }});
+  }
+  const TempFolder temp;
+  write_drawn_sequence(temp.path(), crowd, 12);
+  const Outcome one = run(temp.path(), 1), two = run(temp.path(), 2);
+  EXPECT_EQ(one.tracks.objects.size(), 30u);
+  expect_sane(one.tracks);
+  EXPECT_EQ(one.files, two.files);
+}
+
+}  // namespace
+}  // namespace uniquadric
