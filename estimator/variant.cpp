@@ -12,6 +12,7 @@ constexpr int kMaxIterations = 1'000'000;  // hours: a typing error
 
 template <typename Io>
 void visit(Io& io, PointOptions& o) {
+  io.number("smooth_px", o.smooth_px, 0, 20);
   io.number("erode_px", o.erode_px, 0, 100);
   io.positive("edge_ratio", o.edge_ratio);
   io.positive("max_depth_m", o.max_depth_m);
@@ -213,6 +214,7 @@ void visit(Io& io, LongWindowOptions& o) {
   io.positive("rigid_sigma_rad", o.rigid_sigmas.rotation_rad);
   io.flag("surface_points", o.surface_points);
   io.positive("surface_sigma_m", o.surface_sigma_m);
+  io.flag("extents", o.extents);
   io.flag("depth_sides", o.depth_sides);
   io.number("max_iterations", o.max_iterations, 1, kMaxIterations);
 }

@@ -1,14 +1,17 @@
 #include "estimator/objects/body_estimator.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 namespace uniquadric {
 namespace {
 
-constexpr double kPredictionSigma = 0.02;  // [m], [rad] of a prediction over one frame
-constexpr double kAlignedSigma = 0.02;     // [m], [rad] of a pose by outline and depth
-constexpr int kRecent = 6;                 // frames that the velocity is taken from
+constexpr double kPredictionSigma = 0.02;        // [m], [rad] of a prediction over one frame
+constexpr PoseSigmas kSettleSigmas{0.01, 0.03};  // of a pose by features against the surface
+constexpr double kSlid = 1.5,
+                 kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
+constexpr int kRecent = 6;        // frames that the velocity is taken from
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
@@ -35,6 +38,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   const bool is_global = options_.parameterisation == Parameterisation::global;
   if (body) pose = is_global ? stand_still(frame) : track(frame, *body);
   const bool by_points = pose.has_value();
+  if (pose && pose->keyframe && !is_global) settle(frame, *body, *pose);
   if (!pose && body && body->silhouette) pose = align(frame, *body);
   if (pose) {
     frames_unfound_ = by_points || pose->keyframe ? 0 : frames_unfound_ + 1;
@@ -80,6 +84,18 @@ std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const 
   return short_window_.track(frame, body, predict(frame, &body), stale, random);
 }
 
+// Where the surface that is known says that the features have slid off it, it counts.
+void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose) {
+  const Pose camera_from_world = frame.world_from_camera->inverse();
+  const auto found = align_to_cloud(camera_, body, shape_.surface(), camera_from_world * pose.world_from_body,
+                                    kSettleSigmas, false, options_.alignment);
+  if (!found || found->new_face) return;
+  if (found->predicted_distance_m < kSlid * found->distance_m + kSlidBy) return;
+  pose.world_from_body = *frame.world_from_camera * found->camera_from_body;
+  pose.world_from_body.rotation.normalize();
+  short_window_.start(frame, body, pose.world_from_body);
+}
+
 BodyPose BodyEstimator::stand_still(const PerceivedFrame& frame) const {
   BodyPose pose;
   pose.world_from_body = recent_.back().world_from_body;
@@ -95,24 +111,24 @@ PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) cons
           kPredictionSigma + o.angular_acceleration_radps2 * t * t / 2};
 }
 
-// The body is in view and too few of its points are found again: outline and depth place the known shape.
-// When that goes on, the short window starts anew from there.
+// The body is in view and too few of its points are found again: its surface places it. When that goes on,
+// the short window starts anew from there.
 std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
-  const Pose& offset = shape_.shape().body_from_object;
-  Pose predicted = predict(frame, &body) * offset;
-  const PoseSigmas sigmas = prediction_sigmas_at(frame);
+  Pose predicted = predict(frame, &body);
   const bool stale = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.search_after_s;
+  const Eigen::Vector3d& center_in_body = shape_.shape().body_from_object.translation;
   if (stale)
-    if (const auto center = shape_.center_of(frame, body)) predicted.translation = *center;
-  const auto camera_from_object =
-      align_to_shape(camera_, *body.silhouette, body.points, shape_.shape(),
-                     frame.world_from_camera->inverse() * predicted, sigmas, stale, options_.alignment);
-  if (!camera_from_object) return std::nullopt;
+    if (const auto center = shape_.center_of(frame, body))
+      predicted.translation = *center - predicted.rotation * center_in_body;
+  const auto found =
+      align_to_cloud(camera_, body, shape_.surface(), frame.world_from_camera->inverse() * predicted,
+                     prediction_sigmas_at(frame), stale, options_.alignment);
+  if (!found) return std::nullopt;
   BodyPose pose;
-  pose.world_from_body = *frame.world_from_camera * *camera_from_object * offset.inverse();
+  pose.world_from_body = *frame.world_from_camera * found->camera_from_body;
   pose.world_from_body.rotation.normalize();
-  pose.covariance = Matrix6d::Identity() * kAlignedSigma * kAlignedSigma;
-  pose.keyframe = frames_unfound_ + 1 >= options_.lifecycle.restart_frames;
+  pose.covariance = found->information.inverse();
+  pose.keyframe = found->new_face || frames_unfound_ + 1 >= options_.lifecycle.restart_frames;
   if (pose.keyframe) short_window_.start(frame, body, pose.world_from_body);
   return pose;
 }

@@ -9,7 +9,7 @@
 #include "core/sequence/tracks.h"
 #include "estimator/objects/shape_estimator.h"
 #include "estimator/perception/perception.h"
-#include "estimator/window/shape_alignment.h"
+#include "estimator/window/cloud_alignment.h"
 #include "estimator/window/short_window.h"
 
 namespace uniquadric {
@@ -35,7 +35,7 @@ struct BodyOptions {
   ShortWindowOptions short_window;
   ShapeOptions shape;
   LifecycleOptions lifecycle;
-  ShapeAlignmentOptions alignment;
+  CloudAlignmentOptions alignment;
 };
 
 /// What is known of a body at one frame: where its short window's frame is, and the shape in it.
@@ -66,6 +66,7 @@ class BodyEstimator {
 
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
+  void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);
   BodyPose stand_still(const PerceivedFrame& frame) const;
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
   PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame) const;

@@ -1,9 +1,11 @@
 #include "estimator/objects/shape_estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/geometry/box_symmetry.h"
+#include "estimator/shape/reach.h"
 
 namespace uniquadric {
 namespace {
@@ -12,12 +14,19 @@ constexpr double kSphereDepth = 0.6;    // centre of a sphere behind the median 
 constexpr int kMostAxes = 100;          // single-frame estimates that are fused: bounds memory and time
 constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
 constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
+constexpr double kTurnGain = 4;         // of the cost, for which the axes turn: 8 of chi-square for 3 numbers
+constexpr double kHeld = 1e-4;          // [rad]
 constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
   std::vector<double> z(points.row(2).begin(), points.row(2).end());
   std::nth_element(z.begin(), z.begin() + std::ssize(z) / 2, z.end());
   return z[z.size() / 2];
+}
+
+bool is_whole(const Silhouette& silhouette) {
+  return std::all_of(silhouette.support.begin(), silhouette.support.end(),
+                     [](const SupportLine& line) { return line.free; });
 }
 
 AxisFusion fusion_rule(AxisPrior prior) {
@@ -66,12 +75,11 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
   ++keyframes_;
   const Pose body_from_camera = keyframe.world_from_body.inverse() * keyframe.world_from_camera;
   cloud_.add(body.points, body_from_camera);
-  Eigen::Matrix3Xd points(3, body.points.cols());
-  for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) = body_from_camera * body.points.col(i);
-  surface_.add(points);
+  surface_.add(body.points, body.normals, body_from_camera);
+  Eigen::Matrix3Xd smooth = body.normals.cols() > 0 ? body.points : Eigen::Matrix3Xd(3, 0);
   for (const auto& silhouette : {body.silhouette, body.segmented}) {
     if (!silhouette) continue;
-    ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *silhouette};
+    ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *silhouette, smooth};
     (view.silhouette.known_at_frame <= keyframe.frame ? views_ : waiting_).push_back(std::move(view));
   }
   const AxisPrior prior = options_.long_window.axis_prior;
@@ -154,21 +162,55 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
   if (views_.empty()) return;
   thin_views(views_, options_.long_window.keyframes);
   const LongWindowOptions& window = options_.long_window;
-  const auto solve_from = [&](const Shape& start) {
+  const auto solve_from = [&](const Shape& start, bool turns = true) {
     std::optional<AccumulatedBox> box;
     if (window.depth_sides || window.axis_prior == AxisPrior::accumulated)
       box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
     DepthEvidence depth;
     if (window.surface_points) depth.surface_points = surface_.sample();
     if (window.depth_sides && box) depth.sides.assign(box->sides.begin(), box->sides.end());
-    return solve_shape(camera_, views_, depth, axis_beliefs(box), start, window);
+    LongWindowOptions options = window;
+    if (!turns) options.offset_sigmas.rotation_rad = kHeld;
+    return solve_shape(camera_, views_, depth, axis_beliefs(box), start, options);
   };
   ShapeSolution best = solve_from(shape_);
   if (other_start) {
     ShapeSolution other = solve_from(*other_start);
     if (other.cost < kClearlyBetter * best.cost - kClearGain) best = std::move(other);
+  } else if (keyframes_ > options_.search_keyframes) {
+    // axes that the evidence hardly tells apart, as a ball's, would wander from solve to solve
+    ShapeSolution held = solve_from(shape_, false);
+    if (held.cost < best.cost + kTurnGain) best = std::move(held);
   }
-  shape_ = best.shape;
+  shape_ = options_.long_window.extents ? with_seen_extents(best.shape) : best.shape;
+}
+
+// The model's family of shapes is small: where points show how far the body reaches along its axes, they
+// count.
+Shape ShapeEstimator::with_seen_extents(Shape shape) const {
+  std::vector<PointView> views;
+  for (const ShapeView& view : views_)
+    views.push_back(
+        {view.world_from_body.inverse() * view.world_from_camera, &view.points, is_whole(view.silhouette)});
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::array<double, 2> ends{};
+    for (int side = 0; side < 2; ++side) {
+      const Eigen::Vector3d direction =
+          (side ? -1 : 1) * (shape.body_from_object.rotation * Eigen::Vector3d::Unit(axis));
+      const double center = direction.dot(shape.body_from_object.translation);
+      ends[side] = shape.semi_axes_m[axis];
+      const auto reach = reach_along(views, direction);
+      if (!reach) continue;
+      const double end = reach->position_m - center;
+      ends[side] = reach->views > 0 ? end : std::max(ends[side], end);
+    }
+    if (!(ends[0] + ends[1] > 0)) continue;
+    shape.semi_axes_m[axis] = (ends[0] + ends[1]) / 2;
+    shift[axis] = (ends[0] - ends[1]) / 2;
+  }
+  shape.body_from_object.translation += shape.body_from_object.rotation * shift;
+  return shape;
 }
 
 }  // namespace uniquadric

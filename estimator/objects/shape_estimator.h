@@ -49,10 +49,12 @@ class ShapeEstimator {
   std::optional<Eigen::Vector3d> center_of(const PerceivedFrame& frame, const BodyObservation& body) const;
 
   const Shape& shape() const { return shape_; }
+  SurfaceModel surface() const { return surface_.model(); }
 
  private:
   std::vector<AxisBelief> axis_beliefs(const std::optional<AccumulatedBox>& box) const;
   std::optional<Shape> box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points);
+  Shape with_seen_extents(Shape shape) const;
   void solve(const std::optional<Shape>& other_start);
 
   int id_;

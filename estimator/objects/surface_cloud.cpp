@@ -5,6 +5,15 @@
 #include <vector>
 
 namespace uniquadric {
+namespace {
+
+Eigen::Matrix3Xd to_matrix(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Matrix3Xd matrix(3, std::ssize(points));
+  for (Eigen::Index i = 0; i < matrix.cols(); ++i) matrix.col(i) = points[i];
+  return matrix;
+}
+
+}  // namespace
 
 void SurfaceCloud::reset(double radius_m) {
   voxels_.clear();
@@ -12,14 +21,19 @@ void SurfaceCloud::reset(double radius_m) {
   reach_m_ = 3 * radius_m;
 }
 
-void SurfaceCloud::add(const Eigen::Matrix3Xd& points) {
+SurfaceCloud::Cell SurfaceCloud::cell_of(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d cell = (point / voxel_m_).array().floor();
+  return {static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())};
+}
+
+void SurfaceCloud::add(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals,
+                       const Pose& body_from_camera) {
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const Eigen::Vector3d p = points.col(i);
+    const Eigen::Vector3d p = body_from_camera * points.col(i);
     if (p.cwiseAbs().maxCoeff() > reach_m_) continue;
-    const Eigen::Vector3d cell = (p / voxel_m_).array().floor();
-    Voxel& voxel =
-        voxels_[{static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())}];
+    Voxel& voxel = voxels_[cell_of(p)];
     voxel.sum += p;
+    if (normals.cols() > 0) voxel.normal += body_from_camera.rotation * normals.col(i);
     ++voxel.hits;
   }
 }
@@ -32,6 +46,16 @@ Eigen::Matrix3Xd SurfaceCloud::sample() const {
   Eigen::Matrix3Xd points(3, n);
   for (std::ptrdiff_t i = 0; i < n; ++i) points.col(i) = means[i * std::ssize(means) / n];
   return points;
+}
+
+SurfaceModel SurfaceCloud::model() const {
+  std::vector<Eigen::Vector3d> points, normals;
+  for (const auto& [cell, voxel] : voxels_) {
+    if (voxel.hits < options_.min_hits || voxel.normal.isZero()) continue;
+    points.push_back(voxel.sum / voxel.hits);
+    normals.push_back(voxel.normal.normalized());
+  }
+  return {to_matrix(points), to_matrix(normals)};
 }
 
 }  // namespace uniquadric

@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <map>
 
+#include "core/geometry/pose.h"
+#include "estimator/window/cloud_alignment.h"
+
 namespace uniquadric {
 
 struct SurfaceCloudOptions {
@@ -21,19 +24,25 @@ class SurfaceCloud {
 
   /// Forgets everything and takes voxels for a body of this radius.
   void reset(double radius_m);
-  /// `points` (3 x n) in the body's frame [m].
-  void add(const Eigen::Matrix3Xd& points);
+  /// Points of one view (3 x n, camera frame [m]) with their normals. `whole`: nothing hid a part of the
+  /// body.
+  void add(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals, const Pose& body_from_camera);
   /// At most max_points means of voxels with enough hits, spread evenly (3 x n).
   Eigen::Matrix3Xd sample() const;
+  /// All of them, with normals.
+  SurfaceModel model() const;
 
  private:
+  using Cell = std::array<int, 3>;
   struct Voxel {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
     int hits = 0;
   };
+  Cell cell_of(const Eigen::Vector3d& point) const;
+
   SurfaceCloudOptions options_;
+  std::map<Cell, Voxel> voxels_;
   double voxel_m_ = 0.01, reach_m_ = 1;
-  std::map<std::array<int, 3>, Voxel> voxels_;
 };
 
 }  // namespace uniquadric

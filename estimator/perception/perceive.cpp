@@ -93,8 +93,16 @@ void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work
         {static_cast<std::size_t>(index), outlines(masks, depth, camera, options.silhouettes, true, frame)});
   watch.stop("silhouettes");
   if (work.depth.empty()) return;
-  for (const int id : ids_in(work.masks))
-    body_of(work.result, id).points = object_points(work.depth, work.masks == id, camera, options.points);
+  for (const int id : ids_in(work.masks)) {
+    BodyObservation& body = body_of(work.result, id);
+    if (options.points.smooth_px == 0) {
+      body.points = object_points(work.depth, work.masks == id, camera, options.points);
+      continue;
+    }
+    SurfacePoints surface = smoothed_points(work.depth, work.masks == id, camera, options.points);
+    body.points = std::move(surface.points);
+    body.normals = std::move(surface.normals);
+  }
   watch.stop("points");
 }
 

@@ -134,8 +134,10 @@ void put(Writer& out, const BodyObservation& body) {
     out.put(feature.depth_m);
     out.put(feature.depth_sigma_m);
   }
-  out.put(static_cast<std::uint64_t>(body.points.cols()));
-  out.numbers({body.points.data(), static_cast<std::size_t>(body.points.size())});
+  for (const Eigen::Matrix3Xd* vectors : {&body.points, &body.normals}) {
+    out.put(static_cast<std::uint64_t>(vectors->cols()));
+    out.numbers({vectors->data(), static_cast<std::size_t>(vectors->size())});
+  }
 }
 
 BodyObservation get_body(Reader& in) {
@@ -151,8 +153,10 @@ BodyObservation get_body(Reader& in) {
     feature.depth_m = in.get<double>();
     feature.depth_sigma_m = in.get<double>();
   }
-  body.points.resize(3, static_cast<Eigen::Index>(in.count(24)));
-  in.numbers({body.points.data(), static_cast<std::size_t>(body.points.size())});
+  for (Eigen::Matrix3Xd* vectors : {&body.points, &body.normals}) {
+    vectors->resize(3, static_cast<Eigen::Index>(in.count(24)));
+    in.numbers({vectors->data(), static_cast<std::size_t>(vectors->size())});
+  }
   return body;
 }
 

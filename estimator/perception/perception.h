@@ -50,6 +50,7 @@ struct BodyObservation {
   std::optional<Silhouette> segmented;   ///< the segmenter's of the same frame, where it came later
   std::vector<Feature> features;
   Eigen::Matrix3Xd points;     ///< from depth under the mask, camera frame [m]
+  Eigen::Matrix3Xd normals;    ///< of the points, unit, towards the camera; (3 x 0) where none were measured
   std::optional<Pose> motion;  ///< p_now = motion * p_before of the body's points in the two camera frames
 };
 

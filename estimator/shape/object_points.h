@@ -9,7 +9,8 @@ namespace uniquadric {
 
 /// How an object's points are taken from depth and mask. All numbers are ours: the paper gives none.
 struct PointOptions {
-  int erode_px = 1;          // each pixel shortens every axis: IoU 0.25, 0.30, 0.35 of a cube with 2, 1, 0 px
+  int smooth_px = 3;  // ours: half the window of the planes that take the noise off; 0: pixels as they are
+  int erode_px = 1;   // each pixel shortens every axis: IoU 0.25, 0.30, 0.35 of a cube with 2, 1, 0 px
   double edge_ratio = 0.03;  // relative jump to a neighbour; a face seen at 80 degrees has 0.01
   double max_depth_m = 50;   // beyond every sensor here; 65.535 m is a common mark of invalid depth
   double voxel_m = 0.01;     // evens out the density of near and far, frontal and slanted faces
@@ -26,6 +27,19 @@ struct PointOptions {
 /// Fewer than min_points come back as none.
 Eigen::Matrix3Xd object_points(const cv::Mat& depth, const cv::Mat& mask, const Camera& camera,
                                const PointOptions& options);
+
+/// Points of a surface with their normals.
+struct SurfacePoints {
+  Eigen::Matrix3Xd points;   ///< (3 x n) camera frame [m]
+  Eigen::Matrix3Xd normals;  ///< (3 x n) unit, towards the camera; (3 x 0) where none were measured
+};
+
+/// object_points with the noise taken off: each point is its pixel on a robust plane through the depths of
+/// its window (side 2 smooth_px + 1) under the mask; pixels without one, at edges and in strips of other
+/// things, are left out. At most max_points pixels at even steps. Half the noise of a pixel's depth over the
+/// window's half side is what stays.
+SurfacePoints smoothed_points(const cv::Mat& depth, const cv::Mat& mask, const Camera& camera,
+                              const PointOptions& options);
 
 /// One point per occupied cube of side `voxel_m`: the mean of those inside, in the order of the cubes.
 Eigen::Matrix3Xd voxel_means(const Eigen::Matrix3Xd& points, double voxel_m);

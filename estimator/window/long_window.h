@@ -49,6 +49,7 @@ struct LongWindowOptions {
   PoseSigmas rigid_sigmas{0.003, 0.006};  // ours: what short windows reach on the simulated scenes
   bool surface_points = true;             // ours: depth says where the surface is along the view
   double surface_sigma_m = 0.01;          // ours: of an averaged point of the cloud against a superellipsoid
+  bool extents = true;       // ours: where the body ends along its axes is what its points say, where seen
   bool depth_sides = false;  // ours: how far the accumulated points reach; surface_points say it better
   // ours: of the offset about its start, a solve: a ball has no axes to be found, what nothing holds stays
   PoseSigmas offset_sigmas{0.1, 0.05};
@@ -69,6 +70,7 @@ struct ShapeView {
   std::int64_t frame = 0;
   Pose world_from_camera, world_from_body;  ///< as the short window left them
   Silhouette silhouette;
+  Eigen::Matrix3Xd points;  ///< of depth (3 x n), camera frame [m], if their noise was taken off
 };
 
 /// A prior on the semi-axes (Eq. 15), each with its own sigma.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "box_scene.h"
 
 namespace uniquadric {
@@ -83,6 +85,43 @@ TEST(ObjectPoints, OutliersGoAndTheSurfaceStays) {
   Eigen::Matrix3Xd kept = drop_outliers(drop_outliers(cloud, 12, 2.5), 12, 2.5);
   EXPECT_GT(kept.cols(), 9 * clean / 10);
   for (const auto& p : kept.colwise()) EXPECT_LT(distance_to_surface(generic_box({0.2, 0.2, 0.2}), p), 1e-9);
+}
+
+TEST(SmoothedPoints, LoseTheNoiseOfPixelsAndKnowTheirNormals) {
+  const OrientedBox box = scene_box(0);
+  const Pose world_from_camera = scene_camera(0);
+  RandomStream random(1, "image"), noise(2, "noise");
+  const BoxImage image = render_box(kCamera, world_from_camera, box, random);
+  cv::Mat depth;
+  image.depth.convertTo(depth, CV_32F, 1 / 5000.0);
+  const double kNoise = 0.005;  // relative
+  for (float& z : cv::Mat_<float>(depth)) z *= static_cast<float>(1 + kNoise * noise.normal());
+  const SurfacePoints surface = smoothed_points(depth, image.mask == 1, kCamera, PointOptions{});
+  ASSERT_GT(surface.points.cols(), 500);
+  ASSERT_EQ(surface.normals.cols(), surface.points.cols());
+  std::vector<double> distances, cosines;
+  for (Eigen::Index i = 0; i < surface.points.cols(); ++i) {
+    const Eigen::Vector3d p = surface.points.col(i), n = surface.normals.col(i);
+    EXPECT_NEAR(n.norm(), 1, 1e-12);
+    EXPECT_LT(n.dot(p), 0);  // towards the camera
+    distances.push_back(distance_to_surface(box, world_from_camera * p) / p.z());
+    const Eigen::Vector3d in_box = box.axes.transpose() * (world_from_camera.rotation * n);
+    cosines.push_back(in_box.cwiseAbs().maxCoeff());  // with the face that it is nearest to
+  }
+  std::sort(distances.begin(), distances.end());
+  std::sort(cosines.begin(), cosines.end());
+  EXPECT_LT(distances[distances.size() / 2], kNoise / 4);
+  EXPECT_GT(cosines[cosines.size() / 2], std::cos(0.15));
+}
+
+TEST(SmoothedPoints, LeaveOutWhatAMaskTakesInBesideTheBody) {
+  cv::Mat depth(240, 320, CV_32FC1, cv::Scalar(3));
+  depth(cv::Rect(100, 80, 60, 50)).setTo(2);  // a plate before a wall
+  cv::Mat mask = cv::Mat::zeros(240, 320, CV_8UC1);
+  mask(cv::Rect(98, 78, 64, 54)).setTo(255);  // a mask that is 2 px too large
+  const SurfacePoints surface = smoothed_points(depth, mask, kCamera, PointOptions{});
+  ASSERT_GT(surface.points.cols(), 1000);
+  for (const auto& p : surface.points.colwise()) EXPECT_NEAR(p.z(), 2, 1e-6);
 }
 
 }  // namespace

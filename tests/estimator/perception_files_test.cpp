@@ -44,6 +44,7 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   EXPECT_FALSE(back.frames[1].world_from_camera);
   const BodyObservation &a = perception.frames[1].bodies[0], &b = back.frames[1].bodies[0];
   EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.normals, b.normals);
   EXPECT_EQ(a.features.back().pixel, b.features.back().pixel);
   EXPECT_EQ(a.motion->translation, b.motion->translation);
   EXPECT_EQ(a.silhouette->rot_bbox.angle_rad, b.silhouette->rot_bbox.angle_rad);

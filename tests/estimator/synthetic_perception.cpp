@@ -137,15 +137,22 @@ Perception synthetic_perception(const std::vector<SyntheticBody>& bodies, const 
         feature.depth_sigma_m = options.depth_sigma_m;
         body.features.push_back(feature);
       }
-      std::vector<Eigen::Vector3d> cloud;
+      std::vector<Eigen::Vector3d> cloud, normals;
       for (int k = 0; k < kCloud; ++k) {
         const Eigen::Index i = random.below(static_cast<std::uint32_t>(view.body.points.cols()));
         if (!view.sees(i)) continue;
         const Eigen::Vector3d p = view.at(i);
         cloud.push_back(p + options.point_sigma_m * random.normal() * p / p.z());
+        const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+        const Eigen::Vector3d normal = view.camera_from_body.rotation * view.body.normals.col(i);
+        normals.push_back((normal + options.normal_sigma * noise).normalized());
       }
       body.points.resize(3, std::ssize(cloud));
-      for (int k = 0; k < std::ssize(cloud); ++k) body.points.col(k) = cloud[k];
+      body.normals.resize(3, std::ssize(cloud));
+      for (int k = 0; k < std::ssize(cloud); ++k) {
+        body.points.col(k) = cloud[k];
+        body.normals.col(k) = normals[k];
+      }
       frame.bodies.push_back(std::move(body));
     }
     perception.frames.push_back(std::move(frame));

@@ -27,7 +27,8 @@ struct SyntheticOptions {
   double pixel_sigma_px = 0.2;  ///< of features
   double depth_sigma_m = 0.003;
   double outline_sigma_px = 0.7;  ///< of each support line
-  double point_sigma_m = 0.011;   ///< of the cloud, along the ray
+  double point_sigma_m = 0.002;   ///< of the cloud, along the ray
+  double normal_sigma = 0.1;      ///< of each component of its normals
   int directions = 16;
   std::function<Pose(double)> world_from_camera;
   /// Whether a body (index) is hidden at a time; its features have new track ids after it, unless found

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose.h"
+
+namespace uniquadric {
+
+/// Points of one view of a body.
+struct PointView {
+  Pose body_from_camera;
+  const Eigen::Matrix3Xd* points = nullptr;  ///< (3 x n) camera frame [m], noise taken off (smoothed_points)
+  bool whole = true;                         ///< nothing hid a part of the body
+};
+
+/// How far a body reaches along a direction.
+struct Reach {
+  double position_m = 0;
+  int views = 0;  ///< that show the end itself; none: the body reaches so far at least
+};
+
+/// All numbers are ours.
+struct ReachOptions {
+  double top_share = 0.01;      // of a view's points: their mean is off by -1 to 3 mm on the simulated bodies
+  double min_sine = 0.25;       // of the angle between the touching plane and the line to the camera
+  double least_quantile = 0.9;  // of all views where none shows the end: one view's outliers do not count
+};
+
+/// From the points of many views; `direction`: unit, in the body's frame. A body shows its furthest point to
+/// every camera beyond the plane that touches it there: the median of those views counts. Nothing without
+/// points.
+std::optional<Reach> reach_along(const std::vector<PointView>& views, const Eigen::Vector3d& direction,
+                                 const ReachOptions& options = {});
+
+}  // namespace uniquadric

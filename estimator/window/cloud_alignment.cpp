@@ -1,0 +1,222 @@
+#include "estimator/window/cloud_alignment.h"
+
+#include <pcl/kdtree/kdtree_flann.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace uniquadric {
+namespace {
+
+constexpr int kIterations = 15;
+constexpr int kPartners = 6;         // model points among which one with a like normal is looked for
+constexpr int kLeastModel = 50;      // points of a model that a pose is taken from
+constexpr double kMinDepth = 0.1;    // [m]
+constexpr double kConverged = 1e-5;  // [m], [rad]
+
+using Cloud = pcl::PointCloud<pcl::PointXYZ>;
+using Tree = pcl::KdTreeFLANN<pcl::PointXYZ>;
+
+pcl::PointXYZ to_pcl(const Eigen::Vector3d& p) {
+  return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+}
+
+Tree tree_of(const Eigen::Matrix3Xd& points) {
+  auto cloud = std::make_shared<Cloud>();
+  for (const auto& p : points.colwise()) cloud->push_back(to_pcl(p));
+  Tree tree;
+  tree.setInputCloud(cloud);
+  return tree;
+}
+
+struct SeenPoint {
+  Eigen::Vector3d position, normal;  // camera frame
+};
+
+std::vector<SeenPoint> evenly_drawn(const BodyObservation& body, int most) {
+  std::vector<SeenPoint> result;
+  if (body.normals.cols() == 0) return result;
+  const Eigen::Index n = std::min<Eigen::Index>(body.points.cols(), most);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index k = i * body.points.cols() / n;
+    result.push_back({body.points.col(k), body.normals.col(k)});
+  }
+  return result;
+}
+
+struct NormalEquations {
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  double cost = 0;
+
+  void add(const Vector6d& row, double residual) {  // Cauchy's loss
+    const double weight = 1 / (1 + residual * residual / 4);
+    information += weight * row * row.transpose();
+    gradient += weight * residual * row;
+    cost += 2 * std::log1p(residual * residual / 4);
+  }
+};
+
+struct Fit {
+  Pose pose;
+  Matrix6d information = Matrix6d::Zero();
+  double cost = std::numeric_limits<double>::infinity();
+  double matched = 0, distance_m = 0, outline_px = 0;
+};
+
+class Aligner {
+ public:
+  Aligner(const Camera& camera, const BodyObservation& body, const SurfaceModel& model, const Pose& predicted,
+          const PoseSigmas& sigmas, const CloudAlignmentOptions& options)
+      : camera_(camera),
+        model_(model),
+        predicted_(predicted),
+        sigmas_(sigmas),
+        options_(options),
+        seen_(evenly_drawn(body, options.max_points)),
+        tree_(tree_of(model.points)) {
+    std::copy_if(body.silhouette->support.begin(), body.silhouette->support.end(), std::back_inserter(lines_),
+                 [](const SupportLine& line) { return line.free; });
+  }
+
+  std::ptrdiff_t lines() const { return std::ssize(lines_); }
+
+  double distance_at(const Pose& pose) const {
+    Fit fit;
+    fit.pose = pose;
+    NormalEquations equations;
+    add_points(fit, options_.far_m, equations);
+    return fit.distance_m;
+  }
+
+  Fit fit_from(const Pose& start) const {
+    Fit fit;
+    fit.pose = start;
+    for (int i = 0; i < kIterations; ++i) {
+      const double share = static_cast<double>(i) / (kIterations - 1);
+      const double reach_m =
+          options_.far_m * std::pow(options_.near_m / options_.far_m, std::min(1.0, 1.5 * share));
+      NormalEquations equations;
+      add_points(fit, reach_m, equations);
+      add_outline(fit, equations);
+      add_prior(fit.pose, equations);
+      fit.cost = equations.cost;
+      fit.information = equations.information;
+      const Vector6d step = -equations.information.ldlt().solve(equations.gradient);
+      if (!step.allFinite()) return {};
+      fit.pose.translation += fit.pose.rotation * step.head<3>();
+      fit.pose.rotation = (fit.pose.rotation * exp_so3(step.tail<3>())).normalized();
+      if (fit.pose.translation.z() < kMinDepth) return {};
+      if (2 * i > kIterations && step.norm() < kConverged) break;
+    }
+    return fit;
+  }
+
+ private:
+  void add_points(Fit& fit, double reach_m, NormalEquations& equations) const {
+    const Pose body_from_camera = fit.pose.inverse();
+    pcl::Indices indices;
+    std::vector<float> squared;
+    int matched = 0;
+    double sum = 0;
+    for (const SeenPoint& seen : seen_) {
+      const Eigen::Vector3d p = body_from_camera * seen.position;
+      const Eigen::Vector3d normal = body_from_camera.rotation * seen.normal;
+      tree_.nearestKSearch(to_pcl(p), kPartners, indices, squared);
+      for (std::size_t k = 0; k < indices.size() && squared[k] < reach_m * reach_m; ++k) {
+        const Eigen::Vector3d n = model_.normals.col(indices[k]);
+        if (n.dot(normal) < options_.min_normal_cosine) continue;
+        const double distance = n.dot(p - model_.points.col(indices[k]));
+        Vector6d row;
+        row << -n, -p.cross(n);
+        equations.add(row / options_.point_sigma_m, distance / options_.point_sigma_m);
+        sum += std::abs(distance);
+        ++matched;
+        break;
+      }
+    }
+    // what has no partner costs as much as what lies at the reach's end: else fewer would be better
+    equations.cost += (std::ssize(seen_) - matched) * 2 * std::log1p(9 / 4.0);
+    fit.matched = seen_.empty() ? 0 : matched / static_cast<double>(std::ssize(seen_));
+    fit.distance_m = matched ? sum / matched : 0;
+  }
+
+  void add_outline(Fit& fit, NormalEquations& equations) const {
+    const Eigen::Matrix3Xd in_camera =
+        (fit.pose.rotation.toRotationMatrix() * model_.points).colwise() + fit.pose.translation;
+    if (in_camera.row(2).minCoeff() < kMinDepth) return;
+    const Eigen::RowVectorXd u =
+        camera_.fx * in_camera.row(0).cwiseQuotient(in_camera.row(2)).array() + camera_.cx;
+    const Eigen::RowVectorXd v =
+        camera_.fy * in_camera.row(1).cwiseQuotient(in_camera.row(2)).array() + camera_.cy;
+    double sum = 0;
+    for (const SupportLine& line : lines_) {
+      Eigen::Index at = 0;
+      const double off = (line.normal.x() * u + line.normal.y() * v).maxCoeff(&at) - line.offset_px;
+      const Eigen::Vector3d p = in_camera.col(at), body = model_.points.col(at);
+      const double z = p.z();
+      const Eigen::RowVector3d by_point(
+          camera_.fx * line.normal.x() / z, camera_.fy * line.normal.y() / z,
+          -(camera_.fx * line.normal.x() * p.x() + camera_.fy * line.normal.y() * p.y()) / (z * z));
+      const Eigen::RowVector3d turned = by_point * fit.pose.rotation.toRotationMatrix();
+      Vector6d row;
+      row << turned.transpose(), body.cross(Eigen::Vector3d(turned.transpose()));
+      equations.add(row / options_.outline_sigma_px, off / options_.outline_sigma_px);
+      sum += std::abs(off);
+    }
+    fit.outline_px = lines_.empty() ? 0 : sum / static_cast<double>(std::ssize(lines_));
+  }
+
+  void add_prior(const Pose& pose, NormalEquations& equations) const {
+    const Eigen::Matrix3d R = pose.rotation.toRotationMatrix();
+    const Eigen::Vector3d turn = log_so3(predicted_.rotation.conjugate() * pose.rotation);
+    const Eigen::Vector3d shift = R.transpose() * (pose.translation - predicted_.translation);
+    const double t = 1 / (sigmas_.translation_m * sigmas_.translation_m),
+                 r = 1 / (sigmas_.rotation_rad * sigmas_.rotation_rad);
+    equations.information.diagonal().head<3>().array() += t;
+    equations.information.diagonal().tail<3>().array() += r;
+    equations.gradient.head<3>() += t * shift;
+    equations.gradient.tail<3>() += r * turn;
+    equations.cost += (t * shift.squaredNorm() + r * turn.squaredNorm()) / 2;
+  }
+
+  const Camera& camera_;
+  const SurfaceModel& model_;
+  Pose predicted_;
+  PoseSigmas sigmas_;
+  const CloudAlignmentOptions& options_;
+  std::vector<SeenPoint> seen_;
+  std::vector<SupportLine> lines_;
+  Tree tree_;
+};
+
+}  // namespace
+
+std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObservation& body,
+                                             const SurfaceModel& model, const Pose& predicted,
+                                             const PoseSigmas& sigmas, bool stale,
+                                             const CloudAlignmentOptions& options) {
+  if (!body.silhouette || model.points.cols() < kLeastModel) return std::nullopt;
+  if (predicted.translation.z() < kMinDepth) return std::nullopt;
+  std::vector<Pose> starts = {predicted};
+  for (int axis = 0; stale && axis < 3; ++axis)
+    for (const double turn : {-options.turn_rad, options.turn_rad}) {
+      starts.push_back(predicted);
+      starts.back().rotation = predicted.rotation * exp_so3(turn * Eigen::Vector3d::Unit(axis));
+    }
+  const Aligner aligner(camera, body, model, predicted, sigmas, options);
+  Fit best;
+  for (const Pose& start : starts)
+    if (const Fit fit = aligner.fit_from(start); fit.cost < best.cost) best = fit;
+  // A face that was never seen matches nothing; soon after the last pose the outline is enough to go on.
+  const bool known = best.matched > options.min_matched;
+  const bool fits = best.distance_m < options.max_distance_m && best.outline_px < options.max_outline_px;
+  if (!fits || (!known && (stale || aligner.lines() < options.min_lines))) return std::nullopt;
+  return CloudAlignment{
+      best.pose, best.information, best.matched, best.distance_m, aligner.distance_at(predicted), !known};
+}
+
+}  // namespace uniquadric

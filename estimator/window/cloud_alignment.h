@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "core/geometry/camera.h"
+#include "core/geometry/pose.h"
+#include "estimator/factors/pose_jacobian.h"
+#include "estimator/factors/pose_prior.h"
+#include "estimator/perception/perception.h"
+
+namespace uniquadric {
+
+/// What has been seen of a body's surface, in the body's frame.
+struct SurfaceModel {
+  Eigen::Matrix3Xd points, normals;  ///< (3 x n) [m]; unit, outward
+};
+
+/// How a body that shows too few of its features is found by its surface. All numbers are ours.
+struct CloudAlignmentOptions {
+  int max_points = 200;          // of the frame's cloud
+  double point_sigma_m = 0.005;  // of a smoothed point off the model's plane: its voxels' roughness
+  double outline_sigma_px = 2;   // of a tangent about the model's points, whose outline is not complete
+  double far_m = 0.08, near_m = 0.015;  // within which a point's partner is looked for: at first, and at last
+  double min_normal_cosine = 0.5;       // of a point's normal and its partner's
+  double min_matched = 0.5;       // share of the points that lie on the model, or it is a face not seen yet
+  int min_lines = 10;             // free tangents that will do instead, soon after the last pose
+  double max_distance_m = 0.006;  // their mean distance from its planes beyond which it is not found
+  double max_outline_px = 5;      // the same of the tangents
+  double turn_rad = 0.5;          // starts turned by so much about each axis, where the prediction is stale
+};
+
+struct CloudAlignment {
+  Pose camera_from_body;
+  Matrix6d information;  ///< of a right-hand perturbation (translation, rotation vector)
+  double matched = 0;    ///< share of the points that lie on the model
+  double distance_m = 0, predicted_distance_m = 0;  ///< mean off the model, here and at the predicted pose
+  bool new_face = false;                            ///< fewer than there should be
+};
+
+/// Pose of a body of known surface from one outline and depth cloud (3 x n, camera frame, noise taken off)
+/// and a predicted camera_from_body with its sigmas: iterated closest points, point to plane; the outline's
+/// tangents touch the model's points. `stale`: tries starts that are turned about the predicted one. Nothing
+/// where it does not fit.
+std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObservation& body,
+                                             const SurfaceModel& model, const Pose& predicted,
+                                             const PoseSigmas& sigmas, bool stale,
+                                             const CloudAlignmentOptions& options);
+
+}  // namespace uniquadric

@@ -1,0 +1,100 @@
+#include "estimator/window/cloud_alignment.h"
+
+#include <gtest/gtest.h>
+
+#include "synthetic_perception.h"
+
+namespace uniquadric {
+namespace {
+
+const Eigen::Vector3d kAxes(0.3, 0.2, 0.15);
+
+Pose still(double) {
+  return {exp_so3({0.2, -0.1, 0.4}), {0, 0, 1}};
+}
+
+// Above it, so that the top and two sides are seen.
+Pose camera(double) {
+  const Eigen::Vector3d from(1.2, -1.6, 2), z = (Eigen::Vector3d(0, 0, 1) - from).normalized();
+  const Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
+  Eigen::Matrix3d R;
+  R << x, z.cross(x), z;
+  return {Eigen::Quaterniond(R), from};
+}
+
+struct Scene {
+  SyntheticBody body = box_body(kAxes, still);
+  Perception perception;
+  Pose camera_from_body = camera(0).inverse() * still(0);
+  const BodyObservation& seen() const { return perception.frames[0].bodies[0]; }
+
+  Scene() {
+    SyntheticOptions options;
+    options.frames = 1;
+    options.world_from_camera = camera;
+    perception = synthetic_perception({body}, options);
+  }
+};
+
+Pose moved(const Pose& pose, const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
+  return pose * Pose{exp_so3(turn), shift};
+}
+
+void expect_near(const Pose& found, const Pose& truth, double translation_m, double rotation_rad) {
+  EXPECT_LT((found.translation - truth.translation).norm(), translation_m);
+  EXPECT_LT(found.rotation.angularDistance(truth.rotation), rotation_rad);
+}
+
+TEST(CloudAlignment, FindsABodyFromAPredictionThatIsCentimetresOff) {
+  const Scene scene;
+  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000)};
+  const Pose predicted = moved(scene.camera_from_body, {0.03, -0.02, 0.02}, {0.08, -0.05, 0.06});
+  const auto found =
+      align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.05, 0.1}, false, {});
+  ASSERT_TRUE(found);
+  expect_near(found->camera_from_body, scene.camera_from_body, 0.004, 0.01);
+  EXPECT_GT(found->matched, 0.9);
+  EXPECT_FALSE(found->new_face);
+  EXPECT_GT(found->predicted_distance_m, 2 * found->distance_m);
+}
+
+TEST(CloudAlignment, TriesTurnedStartsWhenThePredictionIsStale) {
+  const Scene scene;
+  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000)};
+  const Pose predicted = moved(scene.camera_from_body, {0.02, 0, 0}, {0, 0, 0.6});
+  const auto found =
+      align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.2, 1.0}, true, {});
+  ASSERT_TRUE(found);
+  expect_near(found->camera_from_body, scene.camera_from_body, 0.005, 0.02);
+}
+
+// The model knows the faces that the camera does not see.
+TEST(CloudAlignment, GoesOnByTheOutlineWhenAFaceIsNewAndThePoseBeforeIsFresh) {
+  const Scene scene;
+  std::vector<Eigen::Index> hidden;
+  for (Eigen::Index i = 0; i < 2000; ++i) {
+    const Eigen::Vector3d n = scene.camera_from_body.rotation * scene.body.normals.col(i);
+    if (n.dot(scene.camera_from_body * Eigen::Vector3d(scene.body.points.col(i))) > 0) hidden.push_back(i);
+  }
+  const SurfaceModel model{scene.body.points(Eigen::all, hidden), scene.body.normals(Eigen::all, hidden)};
+  const Pose predicted = moved(scene.camera_from_body, {0.005, -0.005, 0}, {0.02, 0, -0.02});
+  const auto align = [&](bool stale) {
+    return align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.02, 0.03}, stale, {});
+  };
+  const auto found = align(false);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->new_face);
+  expect_near(found->camera_from_body, scene.camera_from_body, 0.05, 0.06);
+  EXPECT_FALSE(align(true));
+}
+
+TEST(CloudAlignment, OfABodyThatIsNotThereIsNothing) {
+  const Scene scene;
+  const SyntheticBody other = ellipsoid_body({0.1, 0.1, 0.4}, still);
+  const SurfaceModel model{other.points, other.normals};
+  EXPECT_FALSE(align_to_cloud(scene.perception.camera, scene.seen(), model, scene.camera_from_body,
+                              {0.02, 0.03}, true, {}));
+}
+
+}  // namespace
+}  // namespace uniquadric

@@ -1,0 +1,82 @@
+#include "estimator/shape/reach.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/random.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kHalf = 0.2;
+
+// Points of the faces of a cube of half side 0.2 m that a camera sees, in its frame.
+Eigen::Matrix3Xd seen_cube(const Pose& body_from_camera, RandomStream& random) {
+  std::vector<Eigen::Vector3d> points;
+  for (int k = 0; k < 3000; ++k) {
+    const int axis = k % 3, sign = k % 2 ? 1 : -1;
+    Eigen::Vector3d p(random.uniform(), random.uniform(), random.uniform());
+    p = kHalf * (2 * p - Eigen::Vector3d::Ones());
+    p[axis] = sign * kHalf;
+    if (sign * body_from_camera.translation[axis] < kHalf) continue;
+    points.push_back(body_from_camera.inverse() * p);
+  }
+  Eigen::Matrix3Xd matrix(3, std::ssize(points));
+  for (Eigen::Index i = 0; i < matrix.cols(); ++i) matrix.col(i) = points[i];
+  return matrix;
+}
+
+Pose camera_at(double x, double y, double z) {
+  return {exp_so3({0.1 * x, 0.2, -0.3 * y}), {x, y, z}};
+}
+
+struct Scene {
+  std::vector<Eigen::Matrix3Xd> clouds;
+  std::vector<PointView> views;
+};
+
+Scene views_from(const std::vector<Pose>& cameras) {
+  Scene scene;
+  RandomStream random(3, "reach");
+  for (const Pose& camera : cameras) scene.clouds.push_back(seen_cube(camera, random));
+  for (std::size_t i = 0; i < cameras.size(); ++i) scene.views.push_back({cameras[i], &scene.clouds[i]});
+  return scene;
+}
+
+TEST(Reach, EndsWhereTheFaceThatIsSeenLies) {
+  const Scene scene = views_from({camera_at(1, 0.5, 1.5), camera_at(1.2, -0.5, 1.4), camera_at(0.9, 0, 1.6)});
+  for (const int axis : {0, 2}) {
+    const auto reach = reach_along(scene.views, Eigen::Vector3d::Unit(axis));
+    ASSERT_TRUE(reach);
+    EXPECT_NEAR(reach->position_m, kHalf, 1e-3);
+    EXPECT_EQ(reach->views, 3);
+  }
+}
+
+TEST(Reach, OfASideThatNoCameraSeesIsWhatIsSeenOfTheFacesBesideIt) {
+  const Scene scene = views_from({camera_at(1, 0.5, 1.5), camera_at(1.2, 0.4, 1.4)});
+  const auto below = reach_along(scene.views, -Eigen::Vector3d::UnitZ());
+  ASSERT_TRUE(below);
+  EXPECT_EQ(below->views, 0);
+  EXPECT_NEAR(below->position_m, kHalf, 0.01);  // the lower edges of the side faces
+}
+
+TEST(Reach, OneViewWithStrayPointsOrAPartHiddenDoesNotMoveTheEnd) {
+  Scene scene = views_from(
+      {camera_at(1, 0.5, 1.5), camera_at(1.2, -0.5, 1.4), camera_at(0.9, 0, 1.6), camera_at(1, 0.1, 1.5)});
+  for (Eigen::Index i = 0; i < 60; ++i)  // something behind, in the mask of the first
+    scene.clouds[0].col(i) = scene.views[0].body_from_camera.inverse() * Eigen::Vector3d(0.6, 0, 0);
+  Eigen::Matrix3Xd half = scene.clouds[1].leftCols(10);
+  scene.views[1].points = &half;  // the rest hidden
+  scene.views[1].whole = false;
+  const auto reach = reach_along(scene.views, Eigen::Vector3d::UnitX());
+  ASSERT_TRUE(reach);
+  EXPECT_NEAR(reach->position_m, kHalf, 2e-3);
+  EXPECT_GE(reach->views, 2);
+}
+
+TEST(Reach, OfNothingIsNothing) {
+  EXPECT_FALSE(reach_along({}, Eigen::Vector3d::UnitX()));
+}
+
+}  // namespace
+}  // namespace uniquadric
