@@ -79,6 +79,8 @@ TEST(BodyEstimator, WhatComesLateIsNotKnownBefore) {
   constexpr int kLate = 4, kFirst = 20;
   Perception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
   std::vector<std::vector<Eigen::Vector3d>> axes;
+  BodyOptions by_outlines;
+  by_outlines.shape.long_window.extents = false;
   for (const bool has_late : {false, true}) {
     for (PerceivedFrame& frame : perception.frames) {
       BodyObservation& body = frame.bodies.at(0);
@@ -89,7 +91,7 @@ TEST(BodyEstimator, WhatComesLateIsNotKnownBefore) {
       for (SupportLine& line : body.segmented->support)
         line.offset_px += 0.1 * (line.offset_px - line.normal.dot(center));
     }
-    BodyEstimator estimator(1, perception.camera, {}, 1);
+    BodyEstimator estimator(1, perception.camera, by_outlines, 1);
     auto& states = axes.emplace_back();
     for (const PerceivedFrame& frame : perception.frames)
       states.push_back(estimator.step(frame, &frame.bodies[0])->shape.semi_axes_m);
