@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
-#include <queue>
 #include <vector>
 
 #include "estimator/perception/outline.h"
@@ -35,52 +33,39 @@ cv::Mat local_depth(const cv::Mat& depth, const cv::Mat& chosen, int window) {
   return mean;
 }
 
-struct Step {
-  float largest = 0;
-  cv::Point at;
-  bool operator>(const Step& other) const { return largest > other.largest; }
-};
-
-// For each pixel of the band: over the paths from the seeds through the band the least of the largest
-// relative step of depth on the way; infinite where depth leaves no path. A slanted face is many small steps.
-cv::Mat least_steps(const cv::Mat& seeds, const cv::Mat& band, const cv::Mat& depth) {
-  cv::Mat steps(depth.size(), CV_32FC1, cv::Scalar(std::numeric_limits<float>::infinity()));
-  std::priority_queue<Step, std::vector<Step>, std::greater<>> open;
-  const auto go_on = [&](const Step& from) {
-    const float z = depth.at<float>(from.at);
-    for (int y = std::max(from.at.y - 1, 0); y <= std::min(from.at.y + 1, depth.rows - 1); ++y)
-      for (int x = std::max(from.at.x - 1, 0); x <= std::min(from.at.x + 1, depth.cols - 1); ++x) {
-        const float next = depth.at<float>(y, x);
-        if (!band.at<unsigned char>(y, x) || !(next > 0)) continue;
-        const float largest = std::max(from.largest, std::abs(next - z) / std::min(next, z));
-        if (largest >= steps.at<float>(y, x)) continue;
-        steps.at<float>(y, x) = largest;
-        open.push({largest, {x, y}});
-      }
-  };
-  cv::Mat beside;
+// 255 on the pixels of the band that are reached from the seeds through the band without a step of depth of
+// `jump` or more. A slanted face is many small steps.
+cv::Mat reached(const cv::Mat& seeds, const cv::Mat& band, const cv::Mat& depth, double jump) {
+  cv::Mat beside, result = cv::Mat::zeros(depth.size(), CV_8UC1);
   cv::dilate(band, beside, {});
-  std::vector<cv::Point> starts;
-  cv::findNonZero(seeds & beside & (depth > 0), starts);
-  for (const cv::Point& start : starts) go_on({0, start});
+  std::vector<cv::Point> open;
+  cv::findNonZero(seeds & beside & (depth > 0), open);
   while (!open.empty()) {
-    const Step next = open.top();
-    open.pop();
-    if (next.largest <= steps.at<float>(next.at)) go_on(next);
+    const cv::Point from = open.back();
+    open.pop_back();
+    const float z = depth.at<float>(from);
+    for (int y = std::max(from.y - 1, 0); y <= std::min(from.y + 1, depth.rows - 1); ++y)
+      for (int x = std::max(from.x - 1, 0); x <= std::min(from.x + 1, depth.cols - 1); ++x) {
+        const float next = depth.at<float>(y, x);
+        if (!band.at<unsigned char>(y, x) || result.at<unsigned char>(y, x) || !(next > 0) ||
+            std::abs(next - z) >= jump * std::min(next, z))
+          continue;
+        result.at<unsigned char>(y, x) = 255;
+        open.emplace_back(x, y);
+      }
   }
-  return steps;
+  return result;
 }
 
-// What depth tells of a pixel: how it is reached from inside and outside, and what is on either side nearby.
+// What depth tells of a pixel: whether it is reached from inside and from outside, and what is near it.
 struct Clues {
-  float z, step_in, step_out, in_m, nearer_m, farther_m;
-  bool in_mask;
+  float z, in_m, nearer_m, farther_m;
+  bool from_inside, from_outside, in_mask;
 };
 
 Side side_of(const Clues& c, double jump) {
-  if (std::min(c.step_in, c.step_out) < jump && std::max(c.step_in, c.step_out) >= jump)
-    return c.step_in < c.step_out ? inside : outside;
-  if (c.z > 0 && c.step_in >= jump && !c.in_mask) return outside;  // something else that came into view
+  if (c.from_inside != c.from_outside) return c.from_inside ? inside : outside;
+  if (c.z > 0 && !c.from_inside && !c.in_mask) return outside;  // something else that came into view
   const bool looks_near = c.z > 0 ? c.z < c.in_m : !(c.farther_m > 0);
   const float likely_m = looks_near ? c.nearer_m : c.farther_m;
   const float out_m = likely_m > 0 ? likely_m : looks_near ? c.farther_m : c.nearer_m;
@@ -99,12 +84,12 @@ Band decide(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& expected,
   const cv::Mat between = wide & ~core;
   const bool is_thin = cv::countNonZero(core) <= kThinCore * cv::countNonZero(mask);
   Band band{cv::Mat(mask.size(), CV_8UC1, cv::Scalar(undecided)), local_depth(depth, core, window)};
-  cv::Mat steps_in = cv::Mat::zeros(mask.size(), CV_32FC1), steps_out = steps_in;
   if (is_thin && !expected.empty())  // hardly anything is surely inside: as it was expected
     local_depth(expected, expected > 0, window).copyTo(band.inner_m, band.inner_m == 0);
+  cv::Mat from_inside(mask.size(), CV_8UC1, cv::Scalar(255)), from_outside = from_inside;
   if (!is_thin) {
-    steps_in = least_steps(core, between, depth);
-    steps_out = least_steps(~wide, between, depth);
+    from_inside = reached(core, between, depth, options.jump);
+    from_outside = reached(~wide, between, depth, options.jump);
   }
   // What is nearer and what is farther than the body are told apart: their mean may be as far as the body.
   const double middle_m = cv::mean(band.inner_m, band.inner_m > 0)[0];
@@ -114,11 +99,11 @@ Band decide(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& expected,
     for (int u = 0; u < mask.cols; ++u) {
       if (!between.at<unsigned char>(v, u)) continue;
       const Clues clues{depth.at<float>(v, u),
-                        steps_in.at<float>(v, u),
-                        steps_out.at<float>(v, u),
                         band.inner_m.at<float>(v, u),
                         nearer_m.at<float>(v, u),
                         farther_m.at<float>(v, u),
+                        from_inside.at<unsigned char>(v, u) != 0,
+                        from_outside.at<unsigned char>(v, u) != 0,
                         mask.at<unsigned char>(v, u) != 0};
       band.sides.at<unsigned char>(v, u) = side_of(clues, options.jump);
     }
