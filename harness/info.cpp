@@ -11,6 +11,7 @@
 #include "estimator/variant.h"
 #include "evaluation/report/report.h"
 #include "harness/bench/config.h"
+#include "simulator/lidar_files.h"
 #include "simulator/scene/scene.h"
 
 namespace uniquadric {
@@ -50,6 +51,10 @@ std::string describe_sequence(const fs::path& path) {
                       seconds(frames.back().stamp_ns - frames.front().stamp_ns),
                       count([](const SequenceFrame& f) { return !f.depth.empty(); }),
                       count([](const SequenceFrame& f) { return !f.masks.empty(); }));
+  if (const auto& lidar = sequence.lidar)
+    text +=
+        fmt::format("lidar: {}, {} Hz; {} scans\n", lidar->pattern, lidar->rate_hz, sequence.scans.size());
+  if (sequence.imu) text += fmt::format("imu: {} Hz\n", sequence.imu->rate_hz);
   text += "camera poses given: " +
           (sequence.given_camera ? describe_trajectory(*sequence.given_camera) : "none") + "\n";
   return text;
@@ -75,6 +80,9 @@ std::string describe_scene(const fs::path& path) {
   const Scene scene = load_scene(path);
   std::string text = fmt::format("scene '{}' ({}): {} frames at {} Hz, {}x{} px\n", scene.name, scene.hash,
                                  scene.frames, scene.rate_hz, scene.camera.width, scene.camera.height);
+  if (const auto lidar = lidar_of(scene))
+    text += fmt::format("lidar: {}, {} Hz\n", lidar->pattern_name, lidar->rate_hz);
+  if (scene.imu) text += fmt::format("imu: {} Hz\n", scene.imu->calibration.rate_hz);
   for (const Body& body : scene.objects) {
     std::size_t triangles = 0;
     for (const Mesh& mesh : body.meshes) triangles += mesh.triangles.size();

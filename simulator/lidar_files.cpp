@@ -21,7 +21,7 @@ void cast_scans(const Scene& scene, const LidarRig& rig, const SimulateOptions& 
                 const fs::path& folder, StageTimes& times) {
   std::int64_t missing = 0;
   for (std::size_t k = 0; k < count; ++k) missing += !scan_files(folder, k).complete();
-  const Stopwatch stopwatch;
+  const StageClock clock;
   const RayCaster caster(scene.world, scene.objects, rig.caster, rig.reflectivity);
   const PoseAt world_from_lidar = lidar_path(scene.camera_motion, rig);
   Progress progress(fmt::format("lidar {}", scene.name), static_cast<std::int64_t>(count), options.quiet);
@@ -36,7 +36,7 @@ void cast_scans(const Scene& scene, const LidarRig& rig, const SimulateOptions& 
       progress.advance();
     });
   });
-  times.add("lidar", stopwatch.seconds(), missing);
+  times.add("lidar", clock.seconds(), missing);
 }
 
 }  // namespace

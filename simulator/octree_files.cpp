@@ -96,10 +96,10 @@ void write_octree_scans(Scene scene, const LidarRig& rig, const SimulateOptions&
   for (std::size_t k = 0; k < count; ++k) {
     const auto number = static_cast<std::int64_t>(k);
     const double start_s = static_cast<double>(rig.start_ns(number)) * 1e-9;
-    const Stopwatch octree_time;
+    const StageClock octree_time;
     const LidarScan scan = take_octree_scan(camera.look(start_s, world_from_lidar(start_s)), rig, number);
     times.add("lidar_octree", octree_time.seconds());
-    const Stopwatch embree_time;
+    const StageClock embree_time;
     const LidarScan reference = take_scan(caster, reference_rig, world_from_lidar, number, options.seed, 1);
     times.add("lidar_embree", embree_time.seconds());
     write_scan(scan_files(folder, k), scan, world_from_lidar(start_s));

@@ -82,11 +82,11 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
     if (!log.has(frame) && maker) {
       maker->make(frame, log, times);
     } else if (!log.has(frame)) {
-      const Stopwatch stopwatch;
+      const StageClock clock;
       FrameTimes first;
       maker.reset(new FrameMaker{scene, Renderer(scene, options.gl), {scene, options.seed, folder}});
       maker->make(frame, log, first);
-      times.add_first_frame(stopwatch.seconds());
+      times.add_first_frame(clock.seconds());
     }
     frames.finish();
   }
@@ -95,17 +95,17 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
 // What needs no picture.
 void write_descriptions(const Scene& scene, const SimulateOptions& options, std::int64_t frames,
                         const fs::path& folder, FrameTimes& times) {
-  const Stopwatch stopwatch;
+  const StageClock clock;
   write_sequence_files(scene, options.seed, frames, folder / "sequence");
   write_truth_files(scene, frames, folder / "truth");
   write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
-  times.add_descriptions(stopwatch.seconds());
+  times.add_descriptions(clock.seconds());
 }
 
 // The first worker writes what needs no picture before it takes its first frame.
 void write_frames(const Scene& scene, const SimulateOptions& options, std::int64_t count,
                   const fs::path& folder, const fs::path& log_file, StageTimes& times) {
-  const Stopwatch stopwatch;
+  const StageClock clock;
   const int machine = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const std::int64_t workers = std::min<std::int64_t>(options.threads > 0 ? options.threads : machine, count);
   SharedCounter frames(count);
@@ -124,14 +124,14 @@ void write_frames(const Scene& scene, const SimulateOptions& options, std::int64
         if (const std::int64_t steps = frames.finished() - shown; steps > 0)
           progress.advance(steps), shown += steps;
       });
-  times.add("frames", stopwatch.seconds(), missing);
+  times.add("frames", clock.seconds(), missing);
   frame_times.add_to(times);
 }
 
 void hash_folders(const fs::path& folder, int threads, StageTimes& times) {
-  const Stopwatch stopwatch;
+  const StageClock clock;
   for (const char* part : {"sequence", "truth"}) write_hashes(folder / part, threads);
-  times.add("hashes", stopwatch.seconds());
+  times.add("hashes", clock.seconds());
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ class StageTimes {
 };
 
 /// Wall time since it was made.
-class Stopwatch {
+class StageClock {
  public:
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

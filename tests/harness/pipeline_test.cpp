@@ -85,6 +85,18 @@ TEST_F(Pipeline, SameBytesForAnyThreads) {
   EXPECT_EQ(folder_hash(folder() / "e1", {"timing.csv"}), folder_hash(folder() / "e2", {"timing.csv"}));
 }
 
+TEST_F(Pipeline, InfoNamesEverySensor) {
+  const fs::path all_sensors = scene_with_lidar();
+  ok({"simulate", all_sensors, folder() / "data", "--quiet"});
+  const ProgramRun of_scene = run_program({"info", all_sensors}),
+                   of_data = run_program({"info", folder() / "data"});
+  for (const std::string line : {"\nlidar: livox_mid40, 10 Hz\n", "\nimu: 200 Hz\n"})
+    EXPECT_NE(of_scene.out.find(line), std::string::npos) << of_scene.out << of_scene.err;
+  for (const std::string line : {"\nlidar: livox_mid40, 10 Hz; 3 scans\n", "\nimu: 200 Hz\n",
+                                 "\nframes: 4 over 0.300 s; 4 with depth, 4 with masks\n"})
+    EXPECT_NE(of_data.out.find(line), std::string::npos) << of_data.out << of_data.err;
+}
+
 // Every sensor's errors are others, and nothing of the truth is but what says of a measurement how wrong it
 // is: the biases in imu.csv, and of each point that came back what it met.
 TEST_F(Pipeline, AnotherSeedChangesTheNoiseAndNothingOfTheTruth) {
