@@ -53,6 +53,8 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     }
     return state_at(frame, pose->world_from_body, pose->covariance);
   }
+  if (keyframes_ == 1 && body && restart(frame, *body))
+    return state_at(frame, recent_.back().world_from_body, recent_.back().covariance);
   const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
   if (hidden_s > options_.lifecycle.lost_after_s) return std::nullopt;
   const PoseSigmas sigmas = prediction_sigmas_at(frame);
@@ -76,6 +78,15 @@ bool BodyEstimator::start(const PerceivedFrame& frame, const BodyObservation& bo
       {frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, Matrix6d::Zero()});
   keyframes_ = 1;
   return true;
+}
+
+// Of a body that has not been found again since its first sight no more is known than of a new one.
+bool BodyEstimator::restart(const PerceivedFrame& frame, const BodyObservation& body) {
+  if (!body.silhouette || body.points.cols() == 0) return false;
+  recent_.clear();
+  short_window_ = ShortWindow(camera_, options_.short_window);
+  shape_ = ShapeEstimator(id_, camera_, options_.shape, seed_);
+  return start(frame, body);
 }
 
 std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const BodyObservation& body) {

@@ -65,6 +65,7 @@ class BodyEstimator {
   };
 
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
+  bool restart(const PerceivedFrame& frame, const BodyObservation& body);
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
   void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);
   BodyPose stand_still(const PerceivedFrame& frame) const;

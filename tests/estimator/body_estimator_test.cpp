@@ -101,6 +101,20 @@ TEST(BodyEstimator, WhatComesLateIsNotKnownBefore) {
   EXPECT_GT(size(true, 89), 1.02 * size(false, 89));  // then they take the place of the earlier ones
 }
 
+// The first sight is a glimpse of some points, none of which is seen again: the next one is another first.
+TEST(BodyEstimator, AGlimpseThatLeadsNowhereIsForgotten) {
+  Perception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
+  BodyObservation& glimpse = perception.frames[0].bodies.at(0);
+  glimpse.points = glimpse.points.leftCols(20).eval();
+  glimpse.normals = glimpse.normals.leftCols(std::min<Eigen::Index>(20, glimpse.normals.cols())).eval();
+  for (Feature& feature : glimpse.features) feature.track += 1'000'000;
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  std::optional<BodyState> state;
+  for (const PerceivedFrame& frame : perception.frames) state = estimator.step(frame, &frame.bodies[0]);
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->status, ObjectStatus::active);
+}
+
 TEST(BodyEstimator, ABodyThatWasHiddenIsFoundAgainByItsPoints) {
   SyntheticOptions options = three_seconds();
   options.frames = 120;
