@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace uniquadric {
 namespace {
@@ -11,7 +12,10 @@ constexpr double kPredictionSigma = 0.02;        // [m], [rad] of a prediction o
 constexpr PoseSigmas kSettleSigmas{0.01, 0.03};  // of a pose by features against the surface
 constexpr double kSlid = 1.5,
                  kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
-constexpr int kRecent = 6;        // frames that the velocity is taken from
+constexpr double kLeastBase = 0.2, kMostBase = 0.6;  // [s] of the time that the velocity is taken from
+constexpr int kPatience = 6;  // times the frames of a restart, until a part of the body in view will do
+constexpr double kRest =
+    0.7;  // [s]: the turn of a body that is not seen fades, which a wrong velocity would carry furthest
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
@@ -40,11 +44,20 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   const bool by_points = pose.has_value();
   if (pose && pose->keyframe && !is_global) settle(frame, *body, *pose);
   if (!pose && body && body->silhouette) pose = align(frame, *body);
-  if (pose) {
-    frames_unfound_ = by_points || pose->keyframe ? 0 : frames_unfound_ + 1;
+  if (pose && !by_points && !pose->keyframe && is_stale(frame)) {  // a guess until more of it is in view
+    ++frames_unfound_;
     recent_.push_back(
         {frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, pose->covariance});
-    if (std::ssize(recent_) > kRecent) recent_.pop_front();
+    BodyState state = state_at(frame, pose->world_from_body, pose->covariance);
+    state.status = ObjectStatus::occluded;
+    return state;
+  }
+  if (pose) {
+    frames_unfound_ = by_points || pose->keyframe ? 0 : frames_unfound_ + 1;
+    sure_ns_ = frame.stamp_ns;
+    recent_.push_back(
+        {frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, pose->covariance});
+    while (seconds(recent_.front().stamp_ns, frame.stamp_ns) > kMostBase) recent_.pop_front();
     if (pose->keyframe) {
       ++keyframes_;
       if (!is_global) shape_.follow(short_window_.keyframes());
@@ -56,6 +69,11 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   if (keyframes_ == 1 && body && restart(frame, *body))
     return state_at(frame, recent_.back().world_from_body, recent_.back().covariance);
   const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
+  if (body && keyframes_ < options_.lifecycle.confirm_keyframes &&
+      hidden_s > options_.lifecycle.search_after_s) {
+    *this = BodyEstimator(id_, camera_, options_, seed_);  // what it began with was nothing to go on
+    return step(frame, body);
+  }
   if (hidden_s > options_.lifecycle.lost_after_s) return std::nullopt;
   const PoseSigmas sigmas = prediction_sigmas_at(frame);
   Matrix6d covariance = recent_.back().covariance;
@@ -77,6 +95,7 @@ bool BodyEstimator::start(const PerceivedFrame& frame, const BodyObservation& bo
   recent_.push_back(
       {frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, Matrix6d::Zero()});
   keyframes_ = 1;
+  sure_ns_ = frame.stamp_ns;
   return true;
 }
 
@@ -91,8 +110,7 @@ bool BodyEstimator::restart(const PerceivedFrame& frame, const BodyObservation& 
 
 std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const BodyObservation& body) {
   RandomStream random(seed_, "find_pose", frame.frame, id_);
-  const bool stale = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.search_after_s;
-  return short_window_.track(frame, body, predict(frame, &body), stale, random);
+  return short_window_.track(frame, body, predict(frame, &body), is_stale(frame), random);
 }
 
 // Where the surface that is known says that the features have slid off it, it counts.
@@ -115,6 +133,10 @@ BodyPose BodyEstimator::stand_still(const PerceivedFrame& frame) const {
   return pose;
 }
 
+bool BodyEstimator::is_stale(const PerceivedFrame& frame) const {
+  return seconds(sure_ns_, frame.stamp_ns) > options_.lifecycle.search_after_s;
+}
+
 PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) const {
   const double t = seconds(recent_.back().stamp_ns, frame.stamp_ns);
   const LifecycleOptions& o = options_.lifecycle;
@@ -126,7 +148,7 @@ PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) cons
 // the short window starts anew from there.
 std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
   Pose predicted = predict(frame, &body);
-  const bool stale = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.search_after_s;
+  const bool stale = is_stale(frame);
   const Eigen::Vector3d& center_in_body = shape_.shape().body_from_object.translation;
   if (stale)
     if (const auto center = shape_.center_of(frame, body))
@@ -139,7 +161,9 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   pose.world_from_body = *frame.world_from_camera * found->camera_from_body;
   pose.world_from_body.rotation.normalize();
   pose.covariance = found->information.inverse();
-  pose.keyframe = found->new_face || frames_unfound_ + 1 >= options_.lifecycle.restart_frames;
+  const int unfound = frames_unfound_ + 1, enough = options_.lifecycle.restart_frames;
+  const bool sure = (is_whole(*body.silhouette) && !found->new_face) || unfound >= kPatience * enough;
+  pose.keyframe = stale ? unfound >= enough && sure : found->new_face || unfound >= enough;
   if (pose.keyframe) short_window_.start(frame, body, pose.world_from_body);
   return pose;
 }
@@ -149,15 +173,18 @@ Pose BodyEstimator::predict(const PerceivedFrame& frame, const BodyObservation* 
   const Tracked& last = recent_.back();
   if (body && body->motion && last.frame == frame.frame - 1)
     return *frame.world_from_camera * *body->motion * last.world_from_camera.inverse() * last.world_from_body;
-  const Tracked& first = recent_.front();
-  const double base_s = seconds(first.stamp_ns, last.stamp_ns),
-               ahead_s = seconds(last.stamp_ns, frame.stamp_ns);
+  const double ahead_s = seconds(last.stamp_ns, frame.stamp_ns);
+  const Tracked& first = *std::find_if(recent_.begin(), std::prev(recent_.end()), [&](const Tracked& t) {
+    return seconds(t.stamp_ns, last.stamp_ns) <= std::clamp(ahead_s, kLeastBase, kMostBase);
+  });
+  const double base_s = seconds(first.stamp_ns, last.stamp_ns);
   if (base_s <= 0) return last.world_from_body;
   const double share = ahead_s / base_s;
   Pose pose;
   const Eigen::Vector3d turn =
       log_so3(last.world_from_body.rotation * first.world_from_body.rotation.inverse());
-  pose.rotation = (exp_so3(share * turn) * last.world_from_body.rotation).normalized();
+  const double faded = kRest * -std::expm1(-ahead_s / kRest) / base_s;
+  pose.rotation = (exp_so3(faded * turn) * last.world_from_body.rotation).normalized();
   // what moves steadily is the centre, not the origin of the window's frame
   const Eigen::Vector3d& c = shape_.shape().body_from_object.translation;
   const Eigen::Vector3d center =

@@ -19,7 +19,7 @@ struct LifecycleOptions {
   int confirm_keyframes = 3;     // tentative until its windows agree on so many keyframes
   int restart_frames = 3;        // in view, but none of its points found again: its short window starts anew
   double acceleration_mps2 = 2;  // how the prediction's sigma grows: hands, swings, cars
-  double angular_acceleration_radps2 = 3;  // the same
+  double angular_acceleration_radps2 = 1;  // the same
   double search_after_s = 0.25;            // a prediction older than this is not trusted
   double lost_after_s = 3;                 // of prediction alone
 };
@@ -70,6 +70,7 @@ class BodyEstimator {
   void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);
   BodyPose stand_still(const PerceivedFrame& frame) const;
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
+  bool is_stale(const PerceivedFrame& frame) const;
   PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame) const;
   Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;
   BodyState state_at(const PerceivedFrame& frame, const Pose& world_from_body,
@@ -82,6 +83,7 @@ class BodyEstimator {
   ShortWindow short_window_;
   ShapeEstimator shape_;
   std::deque<Tracked> recent_;  // frames with a tracked pose, the newest last
+  std::int64_t sure_ns_ = 0;    // stamp of the last that was no guess
   int keyframes_ = 0, frames_unfound_ = 0;
 };
 

@@ -24,11 +24,6 @@ double median_depth(const Eigen::Matrix3Xd& points) {
   return z[z.size() / 2];
 }
 
-bool is_whole(const Silhouette& silhouette) {
-  return std::all_of(silhouette.support.begin(), silhouette.support.end(),
-                     [](const SupportLine& line) { return line.free; });
-}
-
 AxisFusion fusion_rule(AxisPrior prior) {
   switch (prior) {
     case AxisPrior::mean:

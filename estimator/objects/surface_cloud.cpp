@@ -7,6 +7,8 @@
 namespace uniquadric {
 namespace {
 
+constexpr std::ptrdiff_t kFewVoxels = 300;
+
 Eigen::Matrix3Xd to_matrix(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Matrix3Xd matrix(3, std::ssize(points));
   for (Eigen::Index i = 0; i < matrix.cols(); ++i) matrix.col(i) = points[i];
@@ -49,9 +51,12 @@ Eigen::Matrix3Xd SurfaceCloud::sample() const {
 }
 
 SurfaceModel SurfaceCloud::model() const {
+  const auto known = std::count_if(voxels_.begin(), voxels_.end(),
+                                   [&](const auto& entry) { return entry.second.hits >= options_.min_hits; });
+  const int least = known < kFewVoxels ? 1 : options_.min_hits;  // of the first view each has one or two
   std::vector<Eigen::Vector3d> points, normals;
   for (const auto& [cell, voxel] : voxels_) {
-    if (voxel.hits < options_.min_hits || voxel.normal.isZero()) continue;
+    if (voxel.hits < least || voxel.normal.isZero()) continue;
     points.push_back(voxel.sum / voxel.hits);
     normals.push_back(voxel.normal.normalized());
   }

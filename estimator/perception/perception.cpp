@@ -1,6 +1,7 @@
 #include "estimator/perception/perception.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <cstring>
 #include <span>
@@ -161,6 +162,11 @@ BodyObservation get_body(Reader& in) {
 }
 
 }  // namespace
+
+bool is_whole(const Silhouette& silhouette) {
+  return std::all_of(silhouette.support.begin(), silhouette.support.end(),
+                     [](const SupportLine& line) { return line.free; });
+}
 
 void write_perception(const fs::path& folder, const Perception& perception) {
   Trajectory camera;

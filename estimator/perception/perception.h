@@ -35,6 +35,9 @@ struct Silhouette {
   std::int64_t known_at_frame = 0;
 };
 
+/// Whether nothing hides a part of the outline.
+bool is_whole(const Silhouette& silhouette);
+
 /// One sighting of a point of a body (or of the background).
 struct Feature {
   std::int64_t track = 0;  ///< the same for all sightings of one point, over the whole sequence

@@ -14,6 +14,8 @@ namespace {
 constexpr int kIterations = 15;
 constexpr int kPartners = 6;         // model points among which one with a like normal is looked for
 constexpr int kLeastModel = 50;      // points of a model that a pose is taken from
+constexpr double kUnmatched = 0.45;  // the cost of a point one sigma off
+constexpr double kEvidence = 0.1;    // of the points' cost where fits are compared: neighbours err together
 constexpr double kMinDepth = 0.1;    // [m]
 constexpr double kConverged = 1e-5;  // [m], [rad]
 
@@ -102,8 +104,8 @@ class Aligner {
       NormalEquations equations;
       add_points(fit, reach_m, equations);
       add_outline(fit, equations);
-      add_prior(fit.pose, equations);
-      fit.cost = equations.cost;
+      const double prior = add_prior(fit.pose, equations);
+      fit.cost = kEvidence * equations.cost + prior;
       fit.information = equations.information;
       const Vector6d step = -equations.information.ldlt().solve(equations.gradient);
       if (!step.allFinite()) return {};
@@ -138,8 +140,8 @@ class Aligner {
         break;
       }
     }
-    // what has no partner costs as much as what lies at the reach's end: else fewer would be better
-    equations.cost += (std::ssize(seen_) - matched) * 2 * std::log1p(9 / 4.0);
+    // what has no partner costs a little, else fewer would be better; not more, as it may be a new face
+    equations.cost += static_cast<double>(std::ssize(seen_) - matched) * kUnmatched;
     fit.matched = seen_.empty() ? 0 : matched / static_cast<double>(std::ssize(seen_));
     fit.distance_m = matched ? sum / matched : 0;
   }
@@ -170,7 +172,7 @@ class Aligner {
     fit.outline_px = lines_.empty() ? 0 : sum / static_cast<double>(std::ssize(lines_));
   }
 
-  void add_prior(const Pose& pose, NormalEquations& equations) const {
+  double add_prior(const Pose& pose, NormalEquations& equations) const {
     const Eigen::Matrix3d R = pose.rotation.toRotationMatrix();
     const Eigen::Vector3d turn = log_so3(predicted_.rotation.conjugate() * pose.rotation);
     const Eigen::Vector3d shift = R.transpose() * (pose.translation - predicted_.translation);
@@ -180,7 +182,7 @@ class Aligner {
     equations.information.diagonal().tail<3>().array() += r;
     equations.gradient.head<3>() += t * shift;
     equations.gradient.tail<3>() += r * turn;
-    equations.cost += (t * shift.squaredNorm() + r * turn.squaredNorm()) / 2;
+    return (t * shift.squaredNorm() + r * turn.squaredNorm()) / 2;
   }
 
   const Camera& camera_;
@@ -211,10 +213,11 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
   Fit best;
   for (const Pose& start : starts)
     if (const Fit fit = aligner.fit_from(start); fit.cost < best.cost) best = fit;
-  // A face that was never seen matches nothing; soon after the last pose the outline is enough to go on.
+  // A face that was never seen matches nothing: the outline is enough to go on.
   const bool known = best.matched > options.min_matched;
-  const bool fits = best.distance_m < options.max_distance_m && best.outline_px < options.max_outline_px;
-  if (!fits || (!known && (stale || aligner.lines() < options.min_lines))) return std::nullopt;
+  if (best.distance_m > options.max_distance_m || best.outline_px > options.max_outline_px ||
+      (!known && aligner.lines() < options.min_lines))
+    return std::nullopt;
   return CloudAlignment{
       best.pose, best.information, best.matched, best.distance_m, aligner.distance_at(predicted), !known};
 }
