@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "core/geometry/box_symmetry.h"
 #include "estimator/shape/reach.h"
@@ -15,13 +16,18 @@ constexpr int kMostAxes = 100;          // single-frame estimates that are fused
 constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
 constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
 constexpr double kTurnGain = 4;         // of the cost, for which the axes turn: 8 of chi-square for 3 numbers
-constexpr double kHeld = 1e-4;          // [rad]
+constexpr PoseSigmas kBoxSigmas{0.01, 0.02};  // of the box that most of Alg. 1's agree with
+constexpr double kHeld = 1e-4;                // [rad]
 constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
   std::vector<double> z(points.row(2).begin(), points.row(2).end());
   std::nth_element(z.begin(), z.begin() + std::ssize(z) / 2, z.end());
   return z[z.size() / 2];
+}
+
+bool fuses(AxisPrior prior) {
+  return prior != AxisPrior::none && prior != AxisPrior::accumulated;
 }
 
 AxisFusion fusion_rule(AxisPrior prior) {
@@ -77,10 +83,9 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
     ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *silhouette, smooth};
     (view.silhouette.known_at_frame <= keyframe.frame ? views_ : waiting_).push_back(std::move(view));
   }
-  const AxisPrior prior = options_.long_window.axis_prior;
-  const bool fuses = prior != AxisPrior::none && prior != AxisPrior::accumulated;
   std::optional<Shape> box;
-  if (fuses || keyframes_ <= options_.search_keyframes) box = box_of(keyframe, body.points);
+  if (fuses(options_.long_window.axis_prior) || keyframes_ <= options_.search_keyframes)
+    box = box_of(keyframe, body.points);
   if (keyframes_ == 1 && box) shape_ = *box;
   solve(keyframes_ <= options_.search_keyframes ? box : std::nullopt);
 }
@@ -116,11 +121,15 @@ std::optional<Shape> ShapeEstimator::box_of(const BodyKeyframe& keyframe, const 
   const auto obb = fit_obb_ransac(points, options_.obb, axes_in_camera, random);
   if (!obb) return std::nullopt;
   axes_.push_back({obb->box.half_extents_m, obb->semi_axes_std_m});
-  if (std::ssize(axes_) > kMostAxes) axes_.pop_front();
   const Ellipsoid box = inscribed_ellipsoid(obb->box);
   Shape shape = shape_;
   shape.body_from_object = body_from_camera * box.world_from_object;
   shape.body_from_object.rotation.normalize();
+  boxes_.push_back(shape.body_from_object);
+  if (std::ssize(axes_) > kMostAxes) {
+    axes_.pop_front();
+    boxes_.pop_front();
+  }
   // what is not seen of a body is no thinner than this; the box's seen face stays where it is
   shape.semi_axes_m = box.semi_axes_m.cwiseMax(kThinnest * radius_m_);
   const Eigen::Vector3d view = shape.body_from_object.translation - body_from_camera.translation;
@@ -128,6 +137,19 @@ std::optional<Shape> ShapeEstimator::box_of(const BodyKeyframe& keyframe, const 
   const Eigen::Vector3d grown = (shape.semi_axes_m - box.semi_axes_m).cwiseProduct(away.cwiseSign());
   shape.body_from_object.translation += shape.body_from_object.rotation * grown;
   return shape;
+}
+
+// The one that the others are nearest to, as a mode is: partial views are off in ways of their own.
+Pose ShapeEstimator::usual_box() const {
+  const auto far = [&](const Pose& a, const Pose& b) {
+    return (a.translation - b.translation).norm() + radius_m_ * a.rotation.angularDistance(b.rotation);
+  };
+  const auto sum = [&](const Pose& a) {
+    return std::accumulate(boxes_.begin(), boxes_.end(), 0.0,
+                           [&](double all, const Pose& b) { return all + std::min(far(a, b), radius_m_); });
+  };
+  return *std::min_element(boxes_.begin(), boxes_.end(),
+                           [&](const Pose& a, const Pose& b) { return sum(a) < sum(b); });
 }
 
 // The sphere's weak one, and the one that the options ask for (Eq. 15).
@@ -143,7 +165,7 @@ std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<Accumul
         belief.sigma_m[axis] = box->half_extent_sigma_m(axis);
       }
     beliefs.push_back(belief);
-  } else if (prior != AxisPrior::none && prior != AxisPrior::accumulated) {
+  } else if (fuses(prior)) {
     AxisFusionOptions fusion = options_.fusion;
     fusion.rule = fusion_rule(prior);
     const std::vector<AxisEstimate> axes(axes_.begin(), axes_.end());
@@ -165,8 +187,13 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
     if (window.surface_points) depth.surface_points = surface_.sample();
     if (window.depth_sides && box) depth.sides.assign(box->sides.begin(), box->sides.end());
     LongWindowOptions options = window;
+    Shape from = start;
+    if (fuses(window.axis_prior) && !boxes_.empty()) {  // Alg. 1's boxes say where the quadric is, too
+      from.body_from_object = usual_box();
+      options.offset_sigmas = kBoxSigmas;
+    }
     if (!turns) options.offset_sigmas.rotation_rad = kHeld;
-    return solve_shape(camera_, views_, depth, axis_beliefs(box), start, options);
+    return solve_shape(camera_, views_, depth, axis_beliefs(box), from, options);
   };
   ShapeSolution best = solve_from(shape_);
   if (other_start) {

@@ -52,6 +52,7 @@ class ShapeEstimator {
   SurfaceModel surface() const { return surface_.model(); }
 
  private:
+  Pose usual_box() const;
   std::vector<AxisBelief> axis_beliefs(const std::optional<AccumulatedBox>& box) const;
   std::optional<Shape> box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points);
   Shape with_seen_extents(Shape shape) const;
@@ -66,6 +67,7 @@ class ShapeEstimator {
   int keyframes_ = 0;
   std::vector<ShapeView> views_, waiting_;
   std::deque<AxisEstimate> axes_;  // of single keyframes by Alg. 1
+  std::deque<Pose> boxes_;         // body_from_box of the same
   AccumulatedCloud cloud_;
   SurfaceCloud surface_;
 };
