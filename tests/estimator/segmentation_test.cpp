@@ -192,6 +192,16 @@ TEST(DepthParts, AreTheBodiesBeforeAWall) {
       cv::countNonZero(depth_parts(cv::Mat::zeros(240, 320, CV_32FC1), drawn_camera(), options, random)), 0);
 }
 
+// A face that fills a twelfth of the image is a plane, but neither floor nor wall.
+TEST(DepthParts, ANearBodysFaceIsNoWall) {
+  Sprite near = kLeft;
+  near.size = {90, 70};
+  const DrawnFrame drawn = draw_world({near}, 0);
+  RandomStream random(3, "parts");
+  EXPECT_EQ(
+      cv::countNonZero((depth_parts(drawn.depth, drawn_camera(), {}, random) == 1) != (drawn.masks != 0)), 0);
+}
+
 // Two bodies side by side at one depth are one part, until they move apart from each other.
 TEST(DepthParts, TouchingBodiesPartByTheirMotion) {
   const DrawnFrame drawn = draw_world({kLeft, kRight}, 0);
