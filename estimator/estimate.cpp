@@ -67,9 +67,13 @@ bool is_kept(const fs::path& folder, const std::string& key) {
 // With a folder to keep it in, its masks and times are kept there too, so that what is written does not
 // depend on whether the result was there.
 Perception kept_perception(const Sequence& sequence, const Variant& variant, const EstimateOptions& options,
-                           std::vector<StageTime>& times) {
+                           bool force, std::vector<StageTime>& times) {
+  const fs::path& folder = options.perception;
   if (!is_kept(options.perception, perception_key(sequence, variant, options))) {
-    PendingFolder pending(options.perception, true);
+    const bool is_older = fs::exists(folder / "perception.yaml");
+    if (!force && !is_older && fs::is_directory(folder) && !fs::is_empty(folder))
+      throw InputError(folder, "is not empty and holds no perception; give another folder");
+    PendingFolder pending(folder, true);
     write_perception(pending.path(),
                      perceive_into(sequence, variant, options, pending.path() / "masks", times));
     write_text(pending.path() / "timing.csv", timing_csv(times));
@@ -133,7 +137,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   const Perception perception =
       options.perception.empty() ? perceive_into(sequence, variant, options, pending.path() / "masks", times)
-                                 : kept_perception(sequence, variant, options, times);
+                                 : kept_perception(sequence, variant, options, false, times);
   BackendResult result = variant.backend == Backend::single_frame
                              ? estimate_single_frames(perception, variant, options.seed)
                              : estimate_windows(perception, variant, options.seed);
@@ -154,7 +158,7 @@ void keep_perception(const fs::path& sequence_folder, const Variant& variant,
                      const EstimateOptions& options) {
   const Sequence sequence = open_sequence(sequence_folder);
   std::vector<StageTime> times;
-  kept_perception(sequence, variant, options, times);
+  kept_perception(sequence, variant, options, options.force, times);
 }
 
 }  // namespace uniquadric

@@ -29,7 +29,8 @@ struct EstimateOptions {
 void estimate(const std::filesystem::path& sequence, const Variant& variant, const EstimateOptions& options,
               const std::filesystem::path& out);
 
-/// The perception stage alone, into options.perception, unless its result is there already.
+/// The perception stage alone, into options.perception, unless its result is there already; `force` lets it
+/// replace a folder that holds anything else than an older result.
 void keep_perception(const std::filesystem::path& sequence, const Variant& variant,
                      const EstimateOptions& options);
 

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <limits>
 
+#include "core/base/apart.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
 #include "core/sequence/import_tum.h"
@@ -85,6 +86,8 @@ void add_simulate(CLI::App& app, Common& common) {
     options.quiet = common.quiet;
     options.force = common.force;
     if (count->count() > 0) options.frames = frames;
+    require_apart(out, {scene});
+    require_apart(options.timing, {scene});
     simulate(load_scene(scene), options, out);
   });
 }
@@ -97,7 +100,10 @@ void add_preview(CLI::App& app, Common& common) {
   sub->add_option("OUT", out, "the picture (JPEG)")->required();
   sub->add_option("--frames", options.frames, "how many, side by side")->check(whole_number(1, 100));
   sub->add_option("--width", options.width_px, "of the picture, in pixels")->check(whole_number(1, 16384));
-  sub->callback([] { write_preview(load_scene(scene), options, out); });
+  sub->callback([] {
+    require_apart(out, {scene});
+    write_preview(load_scene(scene), options, out);
+  });
 }
 
 void add_estimate(CLI::App& app, Common& common) {
@@ -117,6 +123,8 @@ void add_estimate(CLI::App& app, Common& common) {
     options.force = common.force;
     options.perception = perception;
     options.prompts = parse_prompts(prompt);
+    require_apart(out, {sequence, variant, perception, options.prompts.path});
+    require_apart(perception, {sequence, variant, options.prompts.path});
     estimate(sequence, variant.empty() ? Variant{} : load_variant(variant), options, out);
   });
 }
@@ -135,8 +143,10 @@ void add_perceive(CLI::App& app, Common& common) {
   sub->callback([&common] {
     options.threads = common.threads;
     options.quiet = common.quiet;
+    options.force = common.force;
     options.perception = out;
     options.prompts = parse_prompts(prompt);
+    require_apart(out, {sequence, variant, options.prompts.path});
     keep_perception(sequence, variant.empty() ? Variant{} : load_variant(variant), options);
   });
 }
@@ -162,6 +172,7 @@ void add_evaluate(CLI::App& app, Common& common) {
     options.quiet = common.quiet;
     options.force = common.force;
     options.alignment = parse_alignment_kind(alignment);
+    require_apart(out, {truth, estimate_folder});
     evaluate(truth, estimate_folder, options, out);
   });
 }
@@ -217,16 +228,20 @@ void add_overlay(CLI::App& app, Common& common) {
   sub->add_option("ESTIMATE", estimate_folder, "estimate folder")->required();
   sub->add_option("OUT", out, "folder for the pictures and sheet.jpg")->required();
   sub->add_option("--truth", truth, "truth folder, to draw true outlines too");
-  sub->add_option("--count", count, "frames, evenly spaced")->check(whole_number(0, kMaxCount));
+  sub->add_option("--count", count, "frames, evenly spaced")->check(whole_number(1, kMaxCount));
   add_force(sub, common);
-  sub->callback([&common] { write_overlays(sequence, truth, estimate_folder, out, count, common.force); });
+  sub->callback([&common] {
+    require_apart(out, {sequence, truth, estimate_folder});
+    write_overlays(sequence, truth, estimate_folder, out, count, common.force);
+  });
 }
 
 void add_info(CLI::App& app, Common& common, int& exit_code) {
   auto* sub = subcommand(app, "info", "what a folder or file is", common);
   static std::string path;
   static bool check = false;
-  sub->add_option("PATH", path, "anything this program reads or writes")->required();
+  sub->add_option("PATH", path, "sequence, truth, estimate, results; scene, variant, bench or .tum file")
+      ->required();
   sub->add_flag("--check", check, "verify a sequence: counts, stamps, images, calibration, hashes");
   sub->callback([&exit_code] {
     std::cout << describe(path);
@@ -265,6 +280,7 @@ void add_import(CLI::App& app, Common& common) {
     options.camera = camera;
     options.quiet = common.quiet;
     options.force = common.force;
+    require_apart(out, {source, camera});
     import_tum(source, options, out);
   });
 }
@@ -288,6 +304,7 @@ void add_export(CLI::App& app, Common& common) {
     options.truth = truth;
     options.quiet = common.quiet;
     options.force = common.force;
+    require_apart(out, {sequence, truth});
     export_sequence(format, sequence, out, options);
   });
 }

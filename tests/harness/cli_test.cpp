@@ -51,9 +51,12 @@ class Cli : public testing::Test {
 };
 
 TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
-  for (const std::string command : {"simulate", "preview", "estimate", "evaluate", "bench", "report",
-                                    "overlay", "info", "metric", "import"}) {
-    const ProgramRun run = run_program({command, "--help"});
+  for (const std::string command :
+       {"simulate", "preview", "estimate", "evaluate", "bench", "report", "overlay", "info", "metric",
+        "import", "import tum", "export", "perceive"}) {
+    std::vector<std::string> arguments{command, "--help"};
+    if (command == "import tum") arguments = {"import", "tum", "--help"};
+    const ProgramRun run = run_program(arguments);
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 40) << command;
     EXPECT_NE(run.out.find("Usage"), std::string::npos);
@@ -133,7 +136,7 @@ TEST_F(Cli, RefusesBadSequences) {
 
 TEST_F(Cli, RefusesBadVariantsAndBenches) {
   const fs::path variant = write("variant.yaml", "schema: 1\nbackedn: single_frame\n");
-  expect_refusal({"estimate", folder(), out(), "--variant", variant},
+  expect_refusal({"estimate", folder() / "none", out(), "--variant", variant},
                  "variant.yaml:2: unknown key 'backedn'");
   const fs::path bench = write("bench.yaml", "scenes: [none.yaml]\nvariants: [v.yaml]\nseeds: [1]\n");
   expect_refusal({"bench", bench, out()}, "bench.yaml:1: scenes[0]: file");
@@ -157,6 +160,39 @@ TEST_F(Cli, ARefusedOutputStaysAsItWas) {
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("not empty"), std::string::npos);
   EXPECT_EQ(read_text(folder() / "taken/precious.txt"), "precious");
+}
+
+// --force replaces a result, never what the result is made of.
+TEST_F(Cli, ForceNeverReplacesAnInput) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
+  ASSERT_EQ(run_program({"simulate", scene, data, "--quiet"}).exit_code, 0);
+  const fs::path sequence = data / "sequence", truth = data / "truth";
+  const std::string before = folder_hash(folder());
+  expect_refusal({"estimate", sequence, sequence, "--force"}, "sequence: is the input");
+  expect_refusal({"estimate", sequence, data, "--force"}, "data: holds the input");
+  expect_refusal({"estimate", sequence, sequence / "out"}, "out: lies inside the input");
+  expect_refusal({"estimate", sequence, out(), "--perception", sequence}, "sequence: is the input");
+  expect_refusal({"perceive", sequence, data, "--force"}, "data: holds the input");
+  expect_refusal({"evaluate", truth, truth, truth, "--force"}, "truth: is the input");
+  expect_refusal({"overlay", sequence, truth, data, "--force"}, "data: holds the input");
+  expect_refusal({"export", "tum", sequence, sequence, "--force"}, "sequence: is the input");
+  expect_refusal({"import", "tum", sequence, sequence, "--force"}, "sequence: is the input");
+  expect_refusal({"simulate", scene, folder(), "--force"}, "holds the input");
+  expect_refusal({"preview", scene, scene}, "scene.yaml: is the input");
+  EXPECT_EQ(folder_hash(folder()), before);
+}
+
+TEST_F(Cli, AForeignFolderIsNotTakenForAKeptPerception) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
+  ASSERT_EQ(run_program({"simulate", scene, data, "--quiet"}).exit_code, 0);
+  const fs::path precious = write("taken/precious.txt", "precious");
+  expect_refusal({"estimate", data / "sequence", out(), "--quiet", "--perception", folder() / "taken"},
+                 "taken: is not empty and holds no perception");
+  EXPECT_EQ(read_text(precious), "precious");
+  const fs::path kept = folder() / "kept";
+  ASSERT_EQ(run_program({"perceive", data / "sequence", kept, "--quiet"}).exit_code, 0);
+  const ProgramRun again = run_program({"perceive", data / "sequence", kept, "--quiet", "--seed", "7"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;  // an older result is replaced
 }
 
 TEST_F(Cli, MetricAnswersLineByLine) {
