@@ -80,8 +80,18 @@ void put_cloud_point(const LidarPoint& p, std::uint8_t* bytes) {
 
 }  // namespace
 
+// rosbag::Bag closes in its destructor, where what a full disk makes it throw would end the program: a bag
+// that cannot be closed is never destroyed.
 struct BagWriter::Impl {
-  rosbag::Bag bag;
+  ~Impl() {
+    try {
+      owner->close();
+    } catch (const std::exception&) {
+      static_cast<void>(owner.release());
+    }
+  }
+  std::unique_ptr<rosbag::Bag> owner = std::make_unique<rosbag::Bag>();
+  rosbag::Bag& bag = *owner;
 };
 
 BagWriter::BagWriter(const std::filesystem::path& path) : impl_(std::make_unique<Impl>()) {

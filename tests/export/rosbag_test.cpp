@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "core/base/files.h"
+#include "harness/export/bag_writer.h"
 #include "tests/export/bag_reader.h"
 #include "tests/export/exported_scene.h"
 
@@ -29,6 +30,15 @@ class RosbagExport : public Export {
     return static_cast<std::uint64_t>(sequence_.frames[frame].stamp_ns) + kShiftNs;
   }
 };
+
+TEST(BagWriter, OnAFullDiskThrowsAndDoesNotEndTheProgram) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  EXPECT_ANY_THROW({
+    BagWriter writer("/dev/full");
+    writer.image("/image", {1, "camera"}, cv::Mat::zeros(480, 640, CV_8UC3));
+    writer.close();
+  });
+}
 
 TEST_F(RosbagExport, HoldsEveryMessageInOrderOfTime) {
   std::map<std::string, int> counts;
