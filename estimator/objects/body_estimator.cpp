@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kPredictionSigma = 0.02;        // [m], [rad] of a prediction over one frame
 constexpr PoseSigmas kSettleSigmas{0.01, 0.03};  // of a pose by features against the surface
+constexpr PoseSigmas kStraySigmas{0.03, 0.1};    // of a pose that goes by a new face
+constexpr double kBack = 0.7;                    // share of the points on the surface of before
 constexpr double kSlid = 1.5,
                  kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
 constexpr double kLeastBase = 0.2, kMostBase = 0.6;  // [s] of the time that the velocity is taken from
@@ -115,14 +117,34 @@ std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const 
 
 // Where the surface that is known says that the features have slid off it, it counts.
 void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose) {
-  const Pose camera_from_world = frame.world_from_camera->inverse();
-  const auto found = align_to_cloud(camera_, body, shape_.surface(), camera_from_world * pose.world_from_body,
-                                    kSettleSigmas, false, options_.alignment);
+  if (come_back(frame, body, pose.world_from_body)) {
+    short_window_.start(frame, body, pose.world_from_body);
+    return;
+  }
+  const auto found = align_to_cloud(camera_, body, shape_.surface(),
+                                    frame.world_from_camera->inverse() * pose.world_from_body, kSettleSigmas,
+                                    false, options_.alignment);
   if (!found || found->new_face) return;
   if (found->predicted_distance_m < kSlid * found->distance_m + kSlidBy) return;
   pose.world_from_body = *frame.world_from_camera * found->camera_from_body;
   pose.world_from_body.rotation.normalize();
   short_window_.start(frame, body, pose.world_from_body);
+}
+
+// Over a new face the body went on by its outline alone. On the surface of before again, that is where it is,
+// and what was seen in between is where nobody knows exactly.
+bool BodyEstimator::come_back(const PerceivedFrame& frame, const BodyObservation& body,
+                              Pose& world_from_body) {
+  if (!strayed_) return false;
+  const auto found =
+      align_to_cloud(camera_, body, strayed_->surface, frame.world_from_camera->inverse() * world_from_body,
+                     kStraySigmas, false, options_.alignment);
+  if (!found || found->matched < kBack) return false;
+  world_from_body = *frame.world_from_camera * found->camera_from_body;
+  world_from_body.rotation.normalize();
+  shape_.go_back_to(strayed_->frame, strayed_->shape);
+  strayed_.reset();
+  return true;
 }
 
 BodyPose BodyEstimator::stand_still(const PerceivedFrame& frame) const {
@@ -164,7 +186,10 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   const int unfound = frames_unfound_ + 1, enough = options_.lifecycle.restart_frames;
   const bool sure = (is_whole(*body.silhouette) && !found->new_face) || unfound >= kPatience * enough;
   pose.keyframe = stale ? unfound >= enough && sure : found->new_face || unfound >= enough;
-  if (pose.keyframe) short_window_.start(frame, body, pose.world_from_body);
+  if (!pose.keyframe) return pose;
+  if (found->new_face && !strayed_) strayed_ = Strayed{frame.frame, shape_.shape(), shape_.surface()};
+  come_back(frame, body, pose.world_from_body);
+  short_window_.start(frame, body, pose.world_from_body);
   return pose;
 }
 

@@ -67,6 +67,7 @@ class BodyEstimator {
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
   bool restart(const PerceivedFrame& frame, const BodyObservation& body);
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
+  bool come_back(const PerceivedFrame& frame, const BodyObservation& body, Pose& world_from_body);
   void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);
   BodyPose stand_still(const PerceivedFrame& frame) const;
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
@@ -84,6 +85,12 @@ class BodyEstimator {
   ShapeEstimator shape_;
   std::deque<Tracked> recent_;  // frames with a tracked pose, the newest last
   std::int64_t sure_ns_ = 0;    // stamp of the last that was no guess
+  struct Strayed {
+    std::int64_t frame;
+    Shape shape;
+    SurfaceModel surface;
+  };
+  std::optional<Strayed> strayed_;  // since when it goes by what it saw of a new face
   int keyframes_ = 0, frames_unfound_ = 0;
 };
 
