@@ -137,12 +137,12 @@ bool BodyEstimator::come_back(const PerceivedFrame& frame, const BodyObservation
                               Pose& world_from_body) {
   if (!strayed_) return false;
   const auto found =
-      align_to_cloud(camera_, body, strayed_->surface, frame.world_from_camera->inverse() * world_from_body,
+      align_to_cloud(camera_, body, strayed_->surface(), frame.world_from_camera->inverse() * world_from_body,
                      kStraySigmas, false, options_.alignment);
   if (!found || found->matched < kBack) return false;
   world_from_body = *frame.world_from_camera * found->camera_from_body;
   world_from_body.rotation.normalize();
-  shape_.go_back_to(strayed_->frame, strayed_->shape);
+  shape_ = *strayed_;
   strayed_.reset();
   return true;
 }
@@ -187,7 +187,7 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   const bool sure = (is_whole(*body.silhouette) && !found->new_face) || unfound >= kPatience * enough;
   pose.keyframe = stale ? unfound >= enough && sure : found->new_face || unfound >= enough;
   if (!pose.keyframe) return pose;
-  if (found->new_face && !strayed_) strayed_ = Strayed{frame.frame, shape_.shape(), shape_.surface()};
+  if (found->new_face && !strayed_) strayed_ = shape_;
   come_back(frame, body, pose.world_from_body);
   short_window_.start(frame, body, pose.world_from_body);
   return pose;

@@ -90,12 +90,6 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
   solve(keyframes_ <= options_.search_keyframes ? box : std::nullopt);
 }
 
-void ShapeEstimator::go_back_to(std::int64_t frame, const Shape& shape) {
-  shape_ = shape;
-  for (std::vector<ShapeView>* views : {&views_, &waiting_})
-    std::erase_if(*views, [&](const ShapeView& view) { return view.frame >= frame; });
-}
-
 void ShapeEstimator::receive(std::int64_t frame) {
   const auto known = [&](const ShapeView& view) { return view.silhouette.known_at_frame <= frame; };
   const auto first =

@@ -42,9 +42,6 @@ class ShapeEstimator {
   /// Takes over the poses that the short window has refined.
   void follow(const std::deque<BodyKeyframe>& window);
 
-  /// Takes up the shape of before a frame and forgets the views since; their points stay on the surface.
-  void go_back_to(std::int64_t frame, const Shape& shape);
-
   /// Takes in silhouettes that are known by now, and solves if there are any.
   void receive(std::int64_t frame);
 
