@@ -16,6 +16,7 @@
 #include "simulator/frame_log.h"
 #include "simulator/imu/imu_files.h"
 #include "simulator/lidar_files.h"
+#include "simulator/map/occupancy_map.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene_files.h"
 #include "simulator/stage_times.h"
@@ -138,6 +139,7 @@ void hash_folders(const fs::path& folder, int threads, StageTimes& times) {
 
 void simulate(const Scene& scene, const SimulateOptions& options, const fs::path& out) {
   check_can_render(scene);
+  check_occupancy_map(scene.world, scene.map_resolution_m);
   const std::optional<LidarRig> lidar = lidar_of(scene);
   const std::int64_t frames = options.frames.value_or(scene.frames);
   if (frames < 1)

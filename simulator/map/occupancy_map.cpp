@@ -4,8 +4,10 @@
 #include <octomap/OcTree.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
+#include "core/base/error.h"
 #include "core/base/files.h"
 
 namespace uniquadric {
@@ -51,6 +53,22 @@ void occupy(octomap::OcTree& tree, const Triangle& triangle, double resolution_m
   occupy(tree, triangle, first, size, resolution_m);
 }
 
+constexpr double kReach_cells = 32'768;  // OctoMap's keys have 16 bits; it drops what lies beyond
+constexpr double kMostCells = 3e7;       // ours: about 1 GB and a minute
+
+template <typename Visit>
+void for_each_triangle(const std::vector<Body>& world, const Visit& visit) {
+  for (const Body& body : world) {
+    const Pose world_from_body = body.motion.at(0);
+    for (const Mesh& mesh : body.meshes)
+      for (const auto& corners : mesh.triangles) {
+        Triangle triangle;
+        for (int k = 0; k < 3; ++k) triangle[k] = world_from_body * mesh.positions[corners[k]].cast<double>();
+        visit(triangle);
+      }
+  }
+}
+
 }  // namespace
 
 bool triangle_meets_cube(const Triangle& triangle, const Eigen::Vector3d& center, double half_edge) {
@@ -64,18 +82,25 @@ bool triangle_meets_cube(const Triangle& triangle, const Eigen::Vector3d& center
   return !is_separated(t, (t[1] - t[0]).cross(t[2] - t[0]), half_edge);
 }
 
+void check_occupancy_map(const std::vector<Body>& world, double resolution_m) {
+  double reach_m = 0, area_m2 = 0;
+  for_each_triangle(world, [&](const Triangle& t) {
+    for (const Eigen::Vector3d& corner : t) reach_m = std::max(reach_m, corner.cwiseAbs().maxCoeff());
+    area_m2 += 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm();
+  });
+  const double least_m = std::max(reach_m / (kReach_cells - 2), std::sqrt(area_m2 / kMostCells));
+  if (resolution_m < least_m)
+    throw InputError(
+        fmt::format("map.resolution_m: cells of {} m are too small for a world that reaches {:.3g} m "
+                    "and has {:.3g} m^2 of surface; the least is {:.2g} m",
+                    resolution_m, reach_m, area_m2, least_m));
+}
+
 void write_occupancy_map(const std::filesystem::path& path, const std::vector<Body>& world,
                          double resolution_m) {
+  check_occupancy_map(world, resolution_m);
   octomap::OcTree tree(resolution_m);
-  for (const Body& body : world) {
-    const Pose world_from_body = body.motion.at(0);
-    for (const Mesh& mesh : body.meshes)
-      for (const auto& corners : mesh.triangles) {
-        Triangle triangle;
-        for (int k = 0; k < 3; ++k) triangle[k] = world_from_body * mesh.positions[corners[k]].cast<double>();
-        occupy(tree, triangle, resolution_m);
-      }
-  }
+  for_each_triangle(world, [&](const Triangle& triangle) { occupy(tree, triangle, resolution_m); });
   tree.updateInnerOccupancy();
   tree.toMaxLikelihood();
   tree.prune();

@@ -162,6 +162,18 @@ TEST_F(Cli, ARefusedOutputStaysAsItWas) {
   EXPECT_EQ(read_text(folder() / "taken/precious.txt"), "precious");
 }
 
+TEST_F(Cli, RefusesAMapOfTooManyCellsBeforeItDraws) {
+  const auto refused = [&](const std::string& text) {
+    expect_refusal({"simulate", write("scene.yaml", text), out()}, "map.resolution_m: cells of ");
+    expect_refusal({"simulate", "", out()}, "(empty name): ");
+  };
+  refused(small_scene_yaml() + "map: {resolution_m: 1e-9}\n");
+  refused(small_scene_yaml() + "map: {resolution_m: 1e-3}\n");  // 110 m^2: 110 million cells
+  std::string wide = small_scene_yaml();                        // 0.1 m cells reach 3.2 km
+  wide.replace(wide.find("size_m: [5, 5, 3]"), 17, "size_m: [9000, 5, 3]");
+  refused(wide);
+}
+
 // --force replaces a result, never what the result is made of.
 TEST_F(Cli, ForceNeverReplacesAnInput) {
   const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
