@@ -44,6 +44,8 @@ std::string reason(const cv::Exception& e) {
 
 OnnxModel::OnnxModel(const std::filesystem::path& file) : state_(std::make_shared<State>()) {
   state_->file = file;
+  if (file.empty())
+    throw InputError("segmentation or tracking by a network: the variant names no ONNX file for it");
   if (!std::filesystem::is_regular_file(file)) throw InputError(file, "no such ONNX file");
   const Silence silence;
   try {

@@ -114,6 +114,8 @@ TEST_F(Cli, RefusesBadSequences) {
   const auto estimate_refused = [&](const std::string& what) {
     expect_refusal({"estimate", data / "sequence", out(), "--quiet"}, what);
   };
+  const fs::path sam = write("sam.yaml", "schema: 1\nsegmentation: {source: sam}\n");
+  expect_refusal({"estimate", data / "sequence", out(), "--variant", sam, "--quiet"}, "names no ONNX file");
   const fs::path depth = data / "sequence/depth/000001.png";
   const std::string depth_image = read_text(depth);
   write_text(depth, depth_image.substr(0, depth_image.size() / 2));

@@ -85,6 +85,16 @@ TEST_F(Pipeline, SameBytesForAnyThreads) {
   EXPECT_EQ(folder_hash(folder() / "e1", {"timing.csv"}), folder_hash(folder() / "e2", {"timing.csv"}));
 }
 
+// A single frame lies within the first scan's time: there is no scan, and nothing is wrong.
+TEST_F(Pipeline, OneFrameOfEverySensorIsACompleteSequence) {
+  const fs::path data = folder() / "data";
+  ok({"simulate", scene_with_lidar(), data, "--frames", "1", "--quiet"});
+  ok({"info", data, "--check"});
+  ok({"estimate", data / "sequence", folder() / "estimate", "--quiet"});
+  ok({"simulate", scene_with_lidar(), data, "--frames", "2", "--quiet", "--force"});
+  ok({"info", data, "--check"});
+}
+
 TEST_F(Pipeline, InfoNamesEverySensor) {
   const fs::path all_sensors = scene_with_lidar();
   ok({"simulate", all_sensors, folder() / "data", "--quiet"});
