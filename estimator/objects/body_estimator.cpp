@@ -57,6 +57,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   if (pose) {
     frames_unfound_ = by_points || pose->keyframe ? 0 : frames_unfound_ + 1;
     sure_ns_ = frame.stamp_ns;
+    sure_frame_ = frame.frame;
     recent_.push_back(
         {frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, pose->covariance});
     while (seconds(recent_.front().stamp_ns, frame.stamp_ns) > kMostBase) recent_.pop_front();
@@ -98,6 +99,7 @@ bool BodyEstimator::start(const PerceivedFrame& frame, const BodyObservation& bo
       {frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, Matrix6d::Zero()});
   keyframes_ = 1;
   sure_ns_ = frame.stamp_ns;
+  sure_frame_ = frame.frame;
   return true;
 }
 
@@ -156,7 +158,8 @@ BodyPose BodyEstimator::stand_still(const PerceivedFrame& frame) const {
 }
 
 bool BodyEstimator::is_stale(const PerceivedFrame& frame) const {
-  return seconds(sure_ns_, frame.stamp_ns) > options_.lifecycle.search_after_s;
+  return frame.frame > sure_frame_ + 1 &&
+         seconds(sure_ns_, frame.stamp_ns) > options_.lifecycle.search_after_s;
 }
 
 PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) const {
@@ -185,7 +188,8 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   pose.covariance = found->information.inverse();
   const int unfound = frames_unfound_ + 1, enough = options_.lifecycle.restart_frames;
   const bool sure = (is_whole(*body.silhouette) && !found->new_face) || unfound >= kPatience * enough;
-  pose.keyframe = stale ? unfound >= enough && sure : found->new_face || unfound >= enough;
+  const bool young = keyframes_ < options_.lifecycle.confirm_keyframes;  // each view is needed
+  pose.keyframe = stale ? unfound >= enough && sure : young || found->new_face || unfound >= enough;
   if (!pose.keyframe) return pose;
   if (found->new_face && !strayed_) strayed_ = shape_;
   come_back(frame, body, pose.world_from_body);

@@ -83,9 +83,9 @@ class BodyEstimator {
   std::uint64_t seed_;
   ShortWindow short_window_;
   ShapeEstimator shape_;
-  std::deque<Tracked> recent_;             // frames with a tracked pose, the newest last
-  std::int64_t sure_ns_ = 0;               // stamp of the last that was no guess
-  std::optional<ShapeEstimator> strayed_;  // as it was before a new face alone was to go by
+  std::deque<Tracked> recent_;                 // frames with a tracked pose, the newest last
+  std::int64_t sure_ns_ = 0, sure_frame_ = 0;  // of the last pose that was no guess
+  std::optional<ShapeEstimator> strayed_;      // as it was before a new face alone was to go by
   int keyframes_ = 0, frames_unfound_ = 0;
 };
 

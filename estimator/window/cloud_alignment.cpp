@@ -215,7 +215,9 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
     if (const Fit fit = aligner.fit_from(start); fit.cost < best.cost) best = fit;
   // A face that was never seen matches nothing: the outline is enough to go on.
   const bool known = best.matched > options.min_matched;
-  if (best.distance_m > options.max_distance_m || best.outline_px > options.max_outline_px ||
+  const double most_px =
+      std::max(options.max_outline_px, options.max_outline_share * 2 * body.silhouette->rot_bbox.semi_minor);
+  if (best.distance_m > options.max_distance_m || best.outline_px > most_px ||
       (!known && aligner.lines() < options.min_lines))
     return std::nullopt;
   return CloudAlignment{

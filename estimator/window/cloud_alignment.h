@@ -27,7 +27,9 @@ struct CloudAlignmentOptions {
   int min_lines = 10;             // free tangents that will do instead, soon after the last pose
   double max_distance_m = 0.006;  // their mean distance from its planes beyond which it is not found
   double max_outline_px = 5;      // the same of the tangents
-  double turn_rad = 0.5;          // starts turned by so much about each axis, where the prediction is stale
+  double max_outline_share =
+      0.05;               // or this, of the outline's width, where it is more: masks of large things err more
+  double turn_rad = 0.5;  // starts turned by so much about each axis, where the prediction is stale
 };
 
 struct CloudAlignment {
