@@ -19,6 +19,16 @@ constexpr int kPatience = 6;  // times the frames of a restart, until a part of 
 constexpr double kRest =
     0.7;  // [s]: the turn of a body that is not seen fades, which a wrong velocity would carry furthest
 
+bool can_start(const BodyObservation& body) {
+  return body.silhouette && body.points.cols() > 0;
+}
+
+Pose in_world(const PerceivedFrame& frame, const Pose& camera_from_body) {
+  Pose pose = *frame.world_from_camera * camera_from_body;
+  pose.rotation.normalize();
+  return pose;
+}
+
 double seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
 }
@@ -48,8 +58,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   if (!pose && body && body->silhouette) pose = align(frame, *body);
   if (pose && !by_points && !pose->keyframe && is_stale(frame)) {  // a guess until more of it is in view
     ++frames_unfound_;
-    recent_.push_back(
-        {frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, pose->covariance});
+    remember(frame, pose->world_from_body, pose->covariance);
     BodyState state = state_at(frame, pose->world_from_body, pose->covariance);
     state.status = ObjectStatus::occluded;
     return state;
@@ -58,9 +67,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     frames_unfound_ = by_points || pose->keyframe ? 0 : frames_unfound_ + 1;
     sure_ns_ = frame.stamp_ns;
     sure_frame_ = frame.frame;
-    recent_.push_back(
-        {frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, pose->covariance});
-    while (seconds(recent_.front().stamp_ns, frame.stamp_ns) > kMostBase) recent_.pop_front();
+    remember(frame, pose->world_from_body, pose->covariance);
     if (pose->keyframe) {
       ++keyframes_;
       if (!is_global) shape_.follow(short_window_.keyframes());
@@ -69,12 +76,9 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     }
     return state_at(frame, pose->world_from_body, pose->covariance);
   }
-  if (keyframes_ == 1 && body && restart(frame, *body))
-    return state_at(frame, recent_.back().world_from_body, recent_.back().covariance);
   const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
-  if (body && keyframes_ < options_.lifecycle.confirm_keyframes &&
-      hidden_s > options_.lifecycle.search_after_s) {
-    *this = BodyEstimator(id_, camera_, options_, seed_);  // what it began with was nothing to go on
+  if (body && can_start(*body) && was_a_glimpse(hidden_s)) {
+    *this = BodyEstimator(id_, camera_, options_, seed_);
     return step(frame, body);
   }
   if (hidden_s > options_.lifecycle.lost_after_s) return std::nullopt;
@@ -88,28 +92,29 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
 }
 
 bool BodyEstimator::start(const PerceivedFrame& frame, const BodyObservation& body) {
-  if (!body.silhouette || body.points.cols() == 0) return false;
-  const auto center = shape_.start(frame, body);
+  const auto center = can_start(body) ? shape_.start(frame, body) : std::nullopt;
   if (!center) return false;
   Pose world_from_body;
   world_from_body.translation = *center;
   short_window_.start(frame, body, world_from_body);
   shape_.add_keyframe(short_window_.keyframes().back(), body);
-  recent_.push_back(
-      {frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, Matrix6d::Zero()});
+  remember(frame, world_from_body, Matrix6d::Zero());
   keyframes_ = 1;
   sure_ns_ = frame.stamp_ns;
   sure_frame_ = frame.frame;
   return true;
 }
 
-// Of a body that has not been found again since its first sight no more is known than of a new one.
-bool BodyEstimator::restart(const PerceivedFrame& frame, const BodyObservation& body) {
-  if (!body.silhouette || body.points.cols() == 0) return false;
-  recent_.clear();
-  short_window_ = ShortWindow(camera_, options_.short_window);
-  shape_ = ShapeEstimator(id_, camera_, options_.shape, seed_);
-  return start(frame, body);
+// Of a body that has not been found again since its first sights no more is known than of a new one.
+bool BodyEstimator::was_a_glimpse(double hidden_s) const {
+  const LifecycleOptions& o = options_.lifecycle;
+  return keyframes_ == 1 || (keyframes_ < o.confirm_keyframes && hidden_s > o.search_after_s);
+}
+
+void BodyEstimator::remember(const PerceivedFrame& frame, const Pose& world_from_body,
+                             const Matrix6d& covariance) {
+  recent_.push_back({frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, covariance});
+  while (seconds(recent_.front().stamp_ns, frame.stamp_ns) > kMostBase) recent_.pop_front();
 }
 
 std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const BodyObservation& body) {
@@ -128,8 +133,7 @@ void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& b
                                     false, options_.alignment);
   if (!found || found->new_face) return;
   if (found->predicted_distance_m < kSlid * found->distance_m + kSlidBy) return;
-  pose.world_from_body = *frame.world_from_camera * found->camera_from_body;
-  pose.world_from_body.rotation.normalize();
+  pose.world_from_body = in_world(frame, found->camera_from_body);
   short_window_.start(frame, body, pose.world_from_body);
 }
 
@@ -142,8 +146,7 @@ bool BodyEstimator::come_back(const PerceivedFrame& frame, const BodyObservation
       align_to_cloud(camera_, body, strayed_->surface(), frame.world_from_camera->inverse() * world_from_body,
                      kStraySigmas, false, options_.alignment);
   if (!found || found->matched < kBack) return false;
-  world_from_body = *frame.world_from_camera * found->camera_from_body;
-  world_from_body.rotation.normalize();
+  world_from_body = in_world(frame, found->camera_from_body);
   shape_ = *strayed_;
   strayed_.reset();
   return true;
@@ -183,8 +186,7 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
                      prediction_sigmas_at(frame), stale, options_.alignment);
   if (!found) return std::nullopt;
   BodyPose pose;
-  pose.world_from_body = *frame.world_from_camera * found->camera_from_body;
-  pose.world_from_body.rotation.normalize();
+  pose.world_from_body = in_world(frame, found->camera_from_body);
   pose.covariance = found->information.inverse();
   const int unfound = frames_unfound_ + 1, enough = options_.lifecycle.restart_frames;
   const bool sure = (is_whole(*body.silhouette) && !found->new_face) || unfound >= kPatience * enough;

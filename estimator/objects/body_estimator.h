@@ -65,7 +65,8 @@ class BodyEstimator {
   };
 
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
-  bool restart(const PerceivedFrame& frame, const BodyObservation& body);
+  bool was_a_glimpse(double hidden_s) const;
+  void remember(const PerceivedFrame& frame, const Pose& world_from_body, const Matrix6d& covariance);
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
   bool come_back(const PerceivedFrame& frame, const BodyObservation& body, Pose& world_from_body);
   void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);

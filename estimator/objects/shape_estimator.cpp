@@ -30,6 +30,11 @@ bool fuses(AxisPrior prior) {
   return prior != AxisPrior::none && prior != AxisPrior::accumulated;
 }
 
+// The box of all points.
+bool needs_box(const LongWindowOptions& options) {
+  return options.depth_sides || options.axis_prior == AxisPrior::accumulated;
+}
+
 AxisFusion fusion_rule(AxisPrior prior) {
   switch (prior) {
     case AxisPrior::mean:
@@ -75,7 +80,7 @@ std::optional<Eigen::Vector3d> ShapeEstimator::center_of(const PerceivedFrame& f
 void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObservation& body) {
   ++keyframes_;
   const Pose body_from_camera = keyframe.world_from_body.inverse() * keyframe.world_from_camera;
-  cloud_.add(body.points, body_from_camera);
+  if (needs_box(options_.long_window)) cloud_.add(body.points, body_from_camera);
   surface_.add(body.points, body.normals, body_from_camera);
   Eigen::Matrix3Xd smooth = body.normals.cols() > 0 ? body.points : Eigen::Matrix3Xd(3, 0);
   for (const auto& silhouette : {body.silhouette, body.segmented}) {
@@ -181,8 +186,7 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
   const LongWindowOptions& window = options_.long_window;
   const auto solve_from = [&](const Shape& start, bool turns = true) {
     std::optional<AccumulatedBox> box;
-    if (window.depth_sides || window.axis_prior == AxisPrior::accumulated)
-      box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
+    if (needs_box(window)) box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
     DepthEvidence depth;
     if (window.surface_points) depth.surface_points = surface_.sample();
     if (window.depth_sides && box) depth.sides.assign(box->sides.begin(), box->sides.end());
