@@ -3,6 +3,7 @@
 
 #include "core/base/version.h"
 #include "evaluation/evaluation_files.h"
+#include "evaluation/view_arc.h"
 
 namespace uniquadric {
 namespace {
@@ -74,6 +75,13 @@ json after_start(const ObjectEvaluation& object, std::optional<double> ObjectFra
   return to_json(statistics(values));
 }
 
+// Of the frames by which the camera has seen a wide arc of the object.
+json from_wide_arc(const ObjectEvaluation& object, std::optional<double> ObjectFrame::*member) {
+  return over_frames(object, [member](const ObjectFrame& frame) {
+    return frame.arc_deg && *frame.arc_deg >= kWideArc_deg ? frame.*member : std::nullopt;
+  });
+}
+
 json semi_axes_errors(const ObjectEvaluation& object) {
   json errors;
   for (int i = 0; i < 3; ++i)
@@ -111,6 +119,7 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"iou2d_ellipse", figure(&ObjectFrame::iou2d_ellipse)},
                  {"iou3d_after_3s", after_start(object, &ObjectFrame::iou3d)},
                  {"iou2d_after_3s", after_start(object, &ObjectFrame::iou2d)},
+                 {"iou3d_from_40deg", from_wide_arc(object, &ObjectFrame::iou3d)},
                  {"semi_axes_change_occluded_max", or_null(semi_axes_change_occluded(object.frames))},
                  {"d_shape_m", figure(&ObjectFrame::d_shape_m)},
                  {"semi_axes_error_m", semi_axes_errors(object)}};

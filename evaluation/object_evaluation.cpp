@@ -5,6 +5,7 @@
 #include "evaluation/align/symmetry.h"
 #include "evaluation/image_overlap.h"
 #include "evaluation/iou/ellipsoid_iou.h"
+#include "evaluation/view_arc.h"
 
 namespace uniquadric {
 namespace {
@@ -64,6 +65,18 @@ void fill_relative(const ObjectTrack& truth, std::vector<ObjectFrame>& frames) {
   }
 }
 
+// From the true poses: what a view shows does not depend on the estimate.
+void fill_arcs(const ObjectTrack& truth, const ObjectContext& context, std::vector<ObjectFrame>& frames) {
+  std::vector<std::optional<Eigen::Vector3d>> directions(frames.size());
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (!frames[k].visible) continue;
+    const Pose* camera = nearest_pose(context.truth_camera, frames[k].stamp_ns, context.max_difference_ns);
+    if (camera) directions[k] = view_direction(truth.states[k].ellipsoid.world_from_object, *camera);
+  }
+  const auto arcs = view_arcs_deg(directions);
+  for (std::size_t k = 0; k < frames.size(); ++k) frames[k].arc_deg = arcs[k];
+}
+
 std::optional<Drift> object_drift(const ObjectTrack& truth, const std::vector<ObjectFrame>& frames) {
   PosePairs poses;
   for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -112,6 +125,7 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
     fill_image_overlap(matched.truth[i], matched.estimate[i], context, frame);
   }
   fill_relative(truth, result.frames);
+  fill_arcs(truth, context, result.frames);
   result.matched_frames = settled.estimate.size();
   result.presence = object_presence(result.frames);
   result.drift = object_drift(truth, result.frames);

@@ -17,6 +17,9 @@ struct ObjectFrame {
   std::optional<double> visible_fraction;  ///< of the true silhouette; empty where the truth does not say
   bool visible = true;                     ///< is_visible, or not known
   bool occluded = false;                   ///< is_occluded, or the estimate says so
+  /// Largest angle between two directions from which the camera has seen the object so far, in its own frame;
+  /// empty before it is visible.
+  std::optional<double> arc_deg;
   std::optional<Ellipsoid> estimate;  ///< axes renamed, body frame turned within the true shape's symmetry
   std::optional<PoseError> ape;       ///< of `estimate`
   std::optional<double> ape_rotation_naive_rad;  ///< of the estimate as it came

@@ -50,6 +50,9 @@ constexpr Metric kMetrics[] = {
      "IoU 3D over the frames from 3 s after the object's first state."},
     {"iou2d_after_3s_mean", "IoU 2D after 3 s", "", kHigher, kObject, "/iou2d_after_3s/mean",
      "IoU 2D over the frames from 3 s after the object's first state."},
+    {"iou3d_from_40deg_mean", "IoU 3D from 40 deg", "", kHigher, kObject, "/iou3d_from_40deg/mean",
+     "IoU 3D over the frames by which the camera has seen the object over an arc of 40 degrees: the largest "
+     "angle between two directions to the camera so far, in the true object's frame."},
     {"semi_axes_change_occluded_max", "size change occluded", "", kLower, kObject,
      "/semi_axes_change_occluded_max",
      "Greatest relative change of a semi-axis from the last frame before an occlusion to any frame within. "

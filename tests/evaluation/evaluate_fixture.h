@@ -24,8 +24,8 @@ inline constexpr double kRounding = 1e-7;  // rotations written to text and read
 inline Pose camera_pose(int i) {
   return {exp_so3({0, 0.002 * i, 0.01}), Eigen::Vector3d(0.01 * i, 0.1, -0.2 + 0.0005 * i * i)};
 }
-inline Pose object_pose(int id, int i) {
-  return {exp_so3({0.3 * id, 0.02 * i, 0.4}), Eigen::Vector3d(0.8 * id - 1.5, 0.01 * i, 3)};
+inline Pose object_pose(int id, int i, double turn_rad = 0.02) {
+  return {exp_so3({0.3 * id, turn_rad * i, 0.4}), Eigen::Vector3d(0.8 * id - 1.5, 0.01 * i, 3)};
 }
 
 inline const std::vector<ObjectDescription> kObjects = {{1, "Cuboid", {0.3, 0.2, 0.1}, "box", ""},
@@ -46,7 +46,7 @@ class Evaluate : public testing::Test {
   fs::path truth() const { return root_ / "scene" / "truth"; }
   fs::path estimate() const { return root_ / "estimate"; }
 
-  void write_truth(std::int64_t period_ns = kPeriodNs) {
+  void write_truth(std::int64_t period_ns = kPeriodNs, double turn_rad = 0.02) {
     fs::create_directories(truth() / "objects");
     Trajectory camera;
     for (int i = 0; i < kFrames; ++i) camera.push_back({i * period_ns, camera_pose(i)});
@@ -55,7 +55,7 @@ class Evaluate : public testing::Test {
     write_objects_yaml(truth() / "objects.yaml", kObjects);
     for (const auto& object : kObjects) {
       Trajectory poses;
-      for (int i = 0; i < kFrames; ++i) poses.push_back({i * period_ns, object_pose(object.id, i)});
+      for (int i = 0; i < kFrames; ++i) poses.push_back({i * period_ns, object_pose(object.id, i, turn_rad)});
       write_tum(truth() / "objects" / (std::to_string(object.id) + ".tum"), poses);
     }
   }

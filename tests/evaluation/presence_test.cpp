@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#include <cmath>
+#include <numbers>
+#include <optional>
+
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "tests/evaluation/evaluate_fixture.h"
@@ -112,14 +116,15 @@ TEST_F(Presence, FramesCsvSaysWhatWasVisible) {
       [&](int line, const auto& fields) {
         const std::size_t n = fields.size();
         if (line == 1) {
-          EXPECT_EQ(fields[n - 3], "visible_fraction");
-          EXPECT_EQ(fields[n - 2], "visible");
-          EXPECT_EQ(fields[n - 1], "occluded");
-        } else if (fields[n - 2] == "0") {
+          EXPECT_EQ(fields[n - 4], "visible_fraction");
+          EXPECT_EQ(fields[n - 3], "visible");
+          EXPECT_EQ(fields[n - 2], "occluded");
+          EXPECT_EQ(fields[n - 1], "arc_deg");
+        } else if (fields[n - 3] == "0") {
           EXPECT_EQ(fields[0], "3");
           EXPECT_EQ(fields[2], "1");
-          EXPECT_EQ(fields[n - 3], "0.04");
-          EXPECT_EQ(fields[n - 1], "1");
+          EXPECT_EQ(fields[n - 4], "0.04");
+          EXPECT_EQ(fields[n - 2], "1");
           ++hidden;
         }
       },
@@ -175,6 +180,68 @@ TEST_F(Presence, IouAfterTheFirstThreeSeconds) {
   write_truth(kPeriodNs);  // a second is over before
   write_changed([](Tracks&) {});
   EXPECT_TRUE(run()["objects"][0]["iou3d_after_3s"].is_null());
+}
+
+// The truth turned so that the cuboid is seen from a direction that goes round it by 4.1 degrees a frame.
+class Arc : public Presence {
+ protected:
+  static constexpr double kStep_deg = 4.1;
+  void write_orbit() {
+    Trajectory camera, cuboid;
+    for (int i = 0; i < kFrames; ++i) {
+      const double angle = i * kStep_deg * std::numbers::pi / 180;
+      camera.push_back({i * kPeriodNs, camera_pose(i)});
+      // Half of the way by the body's own turn, half by its path around the camera.
+      const Eigen::Vector3d from_camera(std::sin(angle / 2), 0, std::cos(angle / 2));
+      cuboid.push_back(
+          {i * kPeriodNs,
+           {exp_so3({0, -angle / 2, 0}), camera_pose(i).translation + (2 + 0.1 * i) * from_camera}});
+    }
+    write_tum(truth() / "camera.tum", camera);
+    write_tum(truth() / "objects/1.tum", cuboid);
+  }
+  // The column of the cuboid, a frame an entry; empty fields as nothing.
+  std::vector<std::optional<double>> arcs() const {
+    std::vector<std::optional<double>> values;
+    for_each_line(
+        root_ / "out/frames.csv",
+        [&](int line, const auto& fields) {
+          if (line > 1 && fields[2] == "1") values.push_back(parse_double(fields.back()));
+        },
+        ',');
+    return values;
+  }
+};
+
+TEST_F(Arc, IsTheLargestAngleBetweenTwoViewsSoFar) {
+  write_orbit();
+  write_visibility([](int frame) { return frame < 2 || frame == 20 ? View{0, 1000} : View{}; });
+  write_changed([](Tracks&) {});
+  run();
+  const auto values = arcs();
+  ASSERT_EQ(values.size(), std::size_t{kFrames});
+  constexpr double kTolerance_deg = 1e-5;  // acos near 0, at the digits of a cosine
+  for (int i = 0; i < kFrames; ++i) {
+    const int last = i == 20 ? 19 : i;  // what is hidden adds nothing
+    if (i < 2)
+      EXPECT_FALSE(values[i]) << i;
+    else
+      EXPECT_NEAR(values[i].value(), (last - 2) * kStep_deg, kTolerance_deg) << i;
+  }
+}
+
+TEST_F(Arc, IouFromFortyDegreesOnIsThatOfTheFramesWithIt) {
+  write_orbit();
+  write_visibility([](int) { return View{}; });
+  write_changed([](Tracks& tracks) {
+    for (auto& state : tracks.objects[0].states)
+      if (state.frame < 12) state.ellipsoid.semi_axes_m /= 2;  // 41 degrees in frame 10
+  });
+  const json result = run();
+  EXPECT_EQ(result["objects"][0]["iou3d_from_40deg"]["n"], kFrames - 10);
+  EXPECT_NEAR(result["objects"][0]["iou3d_from_40deg"]["mean"], (2 * 0.125 + 18) / 20, 1e-9);
+  write_truth();
+  EXPECT_TRUE(run()["objects"][0]["iou3d_from_40deg"].is_null());  // never seen so widely
 }
 
 TEST_F(Presence, RefusesABrokenVisibilityTable) {
