@@ -10,6 +10,7 @@
 
 #include "core/base/apart.h"
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/sequence/import_tum.h"
 #include "estimator/estimate.h"
@@ -23,6 +24,7 @@
 #include "harness/export/export.h"
 #include "harness/info.h"
 #include "simulator/preview.h"
+#include "simulator/scene/noise_scale.h"
 #include "simulator/scene/scene.h"
 #include "simulator/simulate.h"
 
@@ -49,6 +51,13 @@ CLI::Validator whole_number(std::uint64_t least = 0,
           },
           ""};
 }
+// A finite number of at least 0.
+const CLI::Validator kAtLeast0(
+    [](const std::string& text) {
+      const auto value = parse_double(text);
+      return value && *value >= 0 ? std::string() : fmt::format("'{}' is no number of at least 0", text);
+    },
+    "");
 constexpr std::uint64_t kMaxCount = 10'000'000;
 
 // The options that every subcommand has.
@@ -70,9 +79,11 @@ void add_simulate(CLI::App& app, Common& common) {
   static SimulateOptions options;
   static std::int64_t frames = 0;
   static std::string gl = "osmesa";
+  static double noise_scale = 1;
   sub->add_option("SCENE", scene, "scene file (YAML)")->required();
   sub->add_option("OUT", out, "folder for sequence/ and truth/")->required();
   sub->add_option("--seed", options.seed, "of all noise")->check(whole_number());
+  sub->add_option("--noise-scale", noise_scale, "of the amplitudes of all noise")->check(kAtLeast0);
   auto* count =
       sub->add_option("--frames", frames, "instead of the scene's number")->check(whole_number(1, kMaxCount));
   sub->add_option("--gl", gl,
@@ -88,7 +99,9 @@ void add_simulate(CLI::App& app, Common& common) {
     if (count->count() > 0) options.frames = frames;
     require_apart(out, {scene});
     require_apart(options.timing, {scene});
-    simulate(load_scene(scene), options, out);
+    Scene loaded = load_scene(scene);
+    scale_noise(loaded, noise_scale);
+    simulate(loaded, options, out);
   });
 }
 

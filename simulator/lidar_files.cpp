@@ -58,7 +58,8 @@ void write_scan(const ScanFiles& files, const LidarScan& scan, const Pose& world
 std::optional<LidarRig> lidar_of(const Scene& scene) {
   if (!scene.lidar) return std::nullopt;
   std::vector<fs::path> files;  // the scene's hash has them already
-  const LidarRig rig = read_lidar(*scene.lidar, files);
+  LidarRig rig = read_lidar(*scene.lidar, files);
+  scale_noise(rig.noise, scene.noise_scale);
   if (rig.method != LidarMethod::depth_octree) return rig;
   if (const FieldOfView field = field_of_view(rig.pattern);
       std::max(field.horizontal_deg, field.vertical_deg) > kMaxImageField_deg)

@@ -17,6 +17,7 @@
 #include "harness/bench/keys.h"
 #include "harness/bench/process.h"
 #include "harness/bench/task_pool.h"
+#include "simulator/scene/noise_scale.h"
 #include "simulator/scene/scene.h"
 
 namespace uniquadric {
@@ -39,6 +40,7 @@ struct Cell {
 struct Simulation {
   std::string scene;
   fs::path scene_file, folder;
+  double noise_scale;
   std::uint64_t seed;
   std::string key;
   std::vector<Cell> cells;
@@ -59,14 +61,16 @@ std::vector<std::unique_ptr<Simulation>> plan(const BenchConfig& config) {
   std::vector<Variant> variants;
   for (const auto& variant : config.variants) variants.push_back(load_variant(variant.path));
   for (const auto& scene : config.scenes) {
-    const std::string scene_hash = load_scene(scene.path).hash;
-    for (const auto seed : config.seeds) {
+    Scene loaded = load_scene(scene.path);
+    scale_noise(loaded, scene.noise_scale);
+    for (const auto seed : scene.seeds) {
       auto simulation = std::make_unique<Simulation>();
       simulation->scene = scene.name;
       simulation->scene_file = scene.path;
+      simulation->noise_scale = scene.noise_scale;
       simulation->seed = seed;
       simulation->folder = fmt::format("simulations/{}/seed_{}", scene.name, seed);
-      simulation->key = simulation_key(scene_hash, seed, config.frames);
+      simulation->key = simulation_key(loaded.hash, seed, config.frames);
       for (std::size_t v = 0; v < config.variants.size(); ++v) {
         const auto& variant = config.variants[v];
         simulation->cells.push_back({scene.name, variant.name, seed, variant.path,
@@ -179,6 +183,8 @@ void run_simulation(const Run& run, Simulation& simulation) {
                                       "--seed", std::to_string(simulation.seed)};
   const fs::path timing = run.out / (simulation.folder.string() + ".timing.csv");
   command.insert(command.end(), {"--timing", timing});
+  if (simulation.noise_scale != 1)
+    command.insert(command.end(), {"--noise-scale", fmt::format("{}", simulation.noise_scale)});
   if (run.config.frames) command.insert(command.end(), {"--frames", std::to_string(*run.config.frames)});
   const fs::path log = run.out / (simulation.folder.string() + ".log");
   fs::create_directories(log.parent_path());

@@ -11,37 +11,70 @@
 namespace uniquadric {
 namespace {
 
-std::vector<BenchItem> read_items(const ConfigNode& root, const std::string& key) {
-  std::vector<BenchItem> items;
+// The file that `node` names, relative to the bench's.
+BenchItem read_file(const ConfigNode& root, const ConfigNode& node) {
+  const auto path = root.file().parent_path() / node.as<std::string>();
+  if (!std::filesystem::is_regular_file(path))
+    node.fail(fmt::format("file {} does not exist", path.string()));
+  const std::string name = path.stem().string();
+  if (!is_plain_name(name))
+    node.fail("a comma, quote or backslash in a file's name cannot stand in the results");
+  return {name, path.lexically_normal()};
+}
+
+std::vector<std::uint64_t> read_seeds(const ConfigNode& node) {
+  std::vector<std::uint64_t> seeds;
+  std::set<std::uint64_t> seen;
+  for (const ConfigNode& item : node.at("seeds").items()) {
+    seeds.push_back(item.as<std::uint64_t>());
+    if (!seen.insert(seeds.back()).second) item.fail(fmt::format("{} stands twice", seeds.back()));
+  }
+  if (seeds.empty()) node.at("seeds").fail("expected at least one");
+  return seeds;
+}
+
+// A path, or a map with what is other than usual.
+BenchScene read_scene(const ConfigNode& root, const ConfigNode& node,
+                      const std::vector<std::uint64_t>& seeds) {
+  if (!node.is_map()) return {read_file(root, node), 1, seeds};
+  BenchScene scene{read_file(root, node.at("scene")), node.get<double>("noise_scale", 1), seeds};
+  scene.name = node.name("name", scene.name);
+  if (scene.noise_scale < 0) node.at("noise_scale").fail("cannot be negative");
+  if (node.has("seeds")) scene.seeds = read_seeds(node);
+  node.refuse_unknown_keys();
+  return scene;
+}
+
+// The list at `key`, an item each by `read`; their names are told apart.
+template <typename Read>
+auto read_items(const ConfigNode& root, const std::string& key, const Read& read) {
+  std::vector<decltype(read(root))> items;
   std::set<std::string> names;
   for (const ConfigNode& node : root.at(key).items()) {
-    const auto path = root.file().parent_path() / node.as<std::string>();
-    if (!std::filesystem::is_regular_file(path))
-      node.fail(fmt::format("file {} does not exist", path.string()));
-    const std::string name = path.stem().string();
-    if (!is_plain_name(name))
-      node.fail("a comma, quote or backslash in a file's name cannot stand in the results");
-    if (!names.insert(name).second) node.fail(fmt::format("the name '{}' stands twice", name));
-    items.push_back({name, path.lexically_normal()});
+    items.push_back(read(node));
+    if (!names.insert(items.back().name).second)
+      node.fail(fmt::format("the name '{}' stands twice", items.back().name));
   }
   if (items.empty()) root.at(key).fail("expected at least one");
   return items;
 }
 
-std::vector<std::uint64_t> read_seeds(const ConfigNode& root) {
-  std::vector<std::uint64_t> seeds;
-  std::set<std::uint64_t> seen;
-  for (const ConfigNode& node : root.at("seeds").items()) {
-    seeds.push_back(node.as<std::uint64_t>());
-    if (!seen.insert(seeds.back()).second) node.fail(fmt::format("{} stands twice", seeds.back()));
-  }
-  if (seeds.empty()) root.at("seeds").fail("expected at least one");
-  return seeds;
-}
-
 std::vector<std::string> quoted_names(const std::vector<BenchItem>& items) {
   std::vector<std::string> result;
   for (const auto& item : items) result.push_back(yaml_quoted(item.name));
+  return result;
+}
+
+// A scene's name, or a map where it differs from what stands for all.
+std::vector<std::string> scene_entries(const BenchConfig& config) {
+  std::vector<std::string> result;
+  for (const BenchScene& scene : config.scenes) {
+    std::string extra;
+    if (scene.noise_scale != 1) extra += fmt::format(", noise_scale: {}", scene.noise_scale);
+    if (scene.seeds != config.seeds) extra += fmt::format(", seeds: [{}]", fmt::join(scene.seeds, ", "));
+    const std::string name = yaml_quoted(scene.name);
+    result.push_back(extra.empty() ? name : fmt::format("{{name: {}{}}}", name, extra));
+  }
   return result;
 }
 
@@ -51,9 +84,11 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::load(path);
   BenchConfig config;
   config.name = root.name("name", path.stem().string());
-  config.scenes = read_items(root, "scenes");
-  config.variants = read_items(root, "variants");
   config.seeds = read_seeds(root);
+  config.scenes = read_items(root, "scenes",
+                             [&](const ConfigNode& node) { return read_scene(root, node, config.seeds); });
+  config.variants =
+      read_items(root, "variants", [&](const ConfigNode& node) { return read_file(root, node); });
   if (const auto frames = root.find("frames")) {
     config.frames = frames->as<std::int64_t>();
     if (*config.frames < 1) frames->fail("expected at least 1");
@@ -69,8 +104,8 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
 std::string bench_yaml(const BenchConfig& config) {
   std::string text =
       fmt::format("name: {}\nscenes: [{}]\nvariants: [{}]\nseeds: [{}]\n", yaml_quoted(config.name),
-                  fmt::join(quoted_names(config.scenes), ", "),
-                  fmt::join(quoted_names(config.variants), ", "), fmt::join(config.seeds, ", "));
+                  fmt::join(scene_entries(config), ", "), fmt::join(quoted_names(config.variants), ", "),
+                  fmt::join(config.seeds, ", "));
   if (config.frames) text += fmt::format("frames: {}\n", *config.frames);
   return text;
 }

@@ -14,10 +14,17 @@ struct BenchItem {
   std::filesystem::path path;
 };
 
+/// A scene with what the bench makes of it.
+struct BenchScene : BenchItem {
+  double noise_scale = 1;            ///< of the amplitudes of all its noise
+  std::vector<std::uint64_t> seeds;  ///< its own, or the bench's
+};
+
 /// scenes x variants x seeds (configs/bench/README.md).
 struct BenchConfig {
   std::string name;
-  std::vector<BenchItem> scenes, variants;
+  std::vector<BenchScene> scenes;
+  std::vector<BenchItem> variants;
   std::vector<std::uint64_t> seeds;
   std::optional<std::int64_t> frames;  ///< instead of each scene's own number
   bool keep_sequences = false;         ///< ours: 250 MB a sequence would fill a disk in a sweep

@@ -23,6 +23,12 @@ LidarNoise LidarNoise::none() {
   return noise;
 }
 
+void scale_noise(LidarNoise& noise, double scale) {
+  for (double* sigma :
+       {&noise.range_sigma_m, &noise.divergence_deg, &noise.angle_sigma_deg, &noise.detection_sigma})
+    *sigma *= scale;
+}
+
 LidarNoise noise_of(std::string_view pattern) {
   struct Row {
     std::string_view pattern;

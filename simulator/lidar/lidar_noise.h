@@ -29,6 +29,9 @@ struct LidarNoise {
   static LidarNoise none();  ///< exact ranges, everything up to max_range_m is found
 };
 
+/// Multiplies the amplitudes of the errors: range_sigma_m, divergence_deg, angle_sigma_deg, detection_sigma.
+void scale_noise(LidarNoise& noise, double scale);
+
 /// The errors of a built-in pattern's sensor; those of livox_avia for an unknown name.
 LidarNoise noise_of(std::string_view pattern);
 

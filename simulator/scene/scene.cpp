@@ -12,6 +12,7 @@
 #include "core/sequence/calibration.h"
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
+#include "simulator/scene/noise_scale.h"
 #include "simulator/scene/sensor_reader.h"
 
 namespace uniquadric {
@@ -124,8 +125,11 @@ Scene load_scene(const fs::path& path) {
   if (const auto objects = root.find("objects")) read_objects(*objects, scene, files);
   if (scene.world.empty() && scene.objects.empty())
     root.fail("has neither world nor objects: nothing to see");
+  const double noise_scale = root.get<double>("noise_scale", 1);
+  if (noise_scale < 0) root.at("noise_scale").fail(fmt::format("cannot be negative, found {}", noise_scale));
   root.refuse_unknown_keys();
   scene.hash = scene_hash(text, files);
+  scale_noise(scene, noise_scale);
   return scene;
 }
 

@@ -103,6 +103,7 @@ struct Scene {
   ImageNoise image_noise;
   SegmenterNoise segmenter;
   std::optional<ImuRig> imu;
+  double noise_scale = 1;           ///< what the amplitudes of noise were multiplied by (scale_noise)
   double map_resolution_m = 0.1;    ///< cell edge of the static world's octree (truth/map.bt)
   std::optional<ConfigNode> lidar;  ///< the section as it stands, for its own reader
 

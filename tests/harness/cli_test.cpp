@@ -71,6 +71,8 @@ TEST_F(Cli, RefusesWhatItDoesNotKnow) {
   expect_refusal({"simulate", "a.yaml", out(), "--gl", "glx"}, "--gl: glx not in {osmesa,egl}");
   expect_refusal({"simulate", "a.yaml", out(), "--seed", "-5"}, "'-5' is no whole number");
   expect_refusal({"simulate", "a.yaml", out(), "--seed", "99999999999999999999"}, "is no whole number");
+  for (const char* scale : {"-1", "nan", "inf", "x"})
+    expect_refusal({"simulate", "a.yaml", out(), "--noise-scale", scale}, "is no number of at least 0");
   expect_refusal({"simulate", folder() / "none.yaml", out()}, "none.yaml: cannot be read");
   expect_refusal({"metric", "iou4d"}, "iou4d");
 }
@@ -145,6 +147,14 @@ TEST_F(Cli, RefusesBadVariantsAndBenches) {
   expect_refusal(
       {"bench", write("b.yaml", "seeds: []\nscenes: [bench.yaml]\nvariants: [bench.yaml]\n"), out()},
       "b.yaml:1: seeds: expected at least one");
+  const auto refused = [&](const std::string& scenes, const std::string& why) {
+    const std::string rest = "]\nvariants: [v.yaml]\nseeds: [1]\n";
+    expect_refusal({"bench", write("c.yaml", "scenes: [" + scenes + rest), out()}, "c.yaml:1: " + why);
+  };
+  refused("{scene: bench.yaml, noise_scale: -1}", "scenes[0].noise_scale: cannot be negative");
+  refused("{scene: bench.yaml, noise: 1}", "unknown key 'scenes[0].noise'");
+  refused("{scene: bench.yaml, seeds: [2, 2]}", "scenes[0].seeds[1]: 2 stands twice");
+  refused("bench.yaml, {scene: bench.yaml, noise_scale: 2}", "scenes[1]: the name 'bench' stands twice");
 }
 
 TEST_F(Cli, RefusesBadTracks) {

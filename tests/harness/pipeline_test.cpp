@@ -200,6 +200,36 @@ TEST_F(Pipeline, BenchEndsInAReportAndDoesNothingTwice) {
   EXPECT_EQ(read_text(out / "scores.csv"), scores);
 }
 
+TEST_F(Pipeline, BenchTakesAScenesNoiseAndSeeds) {
+  const fs::path out = folder() / "out";
+  const std::string half = "{scene: small.yaml, noise_scale: 0.5, seeds: [4, 5], name: small_half_noise}";
+  ok({"bench", bench_file("small.yaml, " + half), out, "--quiet", "--keep"});
+  const std::string cells = read_text(out / "cells.csv");
+  for (const char* row : {"small,single_frame_obb,1,ok,", "small_half_noise,single_frame_obb,4,ok,",
+                          "small_half_noise,single_frame_obb,5,ok,"})
+    EXPECT_NE(cells.find(row), std::string::npos) << cells;
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), '\n'), 4);
+  const std::string resolved = read_text(out / "bench.yaml");
+  EXPECT_NE(resolved.find("{name: \"small_half_noise\", noise_scale: 0.5, seeds: [4, 5]}"), std::string::npos)
+      << resolved;
+  EXPECT_NE(read_text(out / "report.md").find("| small_half_noise | box | single_frame_obb | 2/2 |"),
+            std::string::npos);
+  // The same as by hand.
+  ok({"simulate", scene(), folder() / "hand", "--noise-scale", "0.5", "--seed", "4", "--quiet"});
+  EXPECT_EQ(folder_hash(folder() / "hand/sequence"),
+            folder_hash(out / "simulations/small_half_noise/seed_4/sequence"));
+  // Another noise is another sequence, and only of its scene.
+  const auto made = [&](const char* folder) {
+    return fs::last_write_time(out / "simulations" / folder / "sequence/sequence.yaml");
+  };
+  const auto plain = made("small/seed_1"), halved = made("small_half_noise/seed_4");
+  std::string doubled = half;
+  doubled.replace(doubled.find("0.5"), 3, "2.0");
+  ok({"bench", bench_file("small.yaml, " + doubled), out, "--quiet", "--keep"});
+  EXPECT_EQ(made("small/seed_1"), plain);
+  EXPECT_NE(made("small_half_noise/seed_4"), halved);
+}
+
 TEST_F(Pipeline, BenchReportsThePapersLidarRouteAgainstEmbree) {
   write_text(folder() / "octree.yaml",
              small_scene_yaml() + "lidar: {pattern: livox_mid40, method: depth_octree}\n");
