@@ -2,7 +2,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <set>
+#include <span>
 
 namespace uniquadric {
 namespace {
@@ -11,6 +13,12 @@ const BodyObservation* find_body(const PerceivedFrame& frame, int id) {
   for (const BodyObservation& body : frame.bodies)
     if (body.id == id) return &body;
   return nullptr;
+}
+
+Matrix6d turned(const Eigen::Quaterniond& rotation) {
+  Matrix6d result = Matrix6d::Zero();
+  result.topLeftCorner<3, 3>() = result.bottomRightCorner<3, 3>() = rotation.toRotationMatrix();
+  return result;
 }
 
 // Variances of the body's own frame and of the shape's place in it add up: first order, turned into the
@@ -36,6 +44,33 @@ ObjectState object_state(const BodyState& body) {
   return state;
 }
 
+// The states of one frame's life as they are known at its end: the last shape, the whole trajectory smoothed.
+// From here on the body's frame is the object's.
+void finish_life(std::span<BodyState> states, const TrajectorySmootherOptions& options) {
+  const Shape shape = states.back().shape;
+  const Matrix6d turn = turned(shape.body_from_object.rotation.inverse());
+  std::vector<PoseSample> samples;
+  for (BodyState& state : states)
+    samples.push_back({state.stamp_ns, state.world_from_body * shape.body_from_object,
+                       turn * state.covariance * turn.transpose(), state.evidence});
+  smooth_trajectory(samples, options);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    states[i].shape = shape;
+    states[i].shape.body_from_object = Pose();
+    states[i].world_from_body = samples[i].world_from_object;
+    states[i].covariance = samples[i].covariance;
+  }
+}
+
+void finish(std::vector<BodyState>& states, const TrajectorySmootherOptions& options) {
+  for (auto begin = states.begin(); begin != states.end();) {
+    const auto end = std::find_if(
+        begin, states.end(), [&](const BodyState& state) { return state.beginning != begin->beginning; });
+    finish_life({begin, end}, options);
+    begin = end;
+  }
+}
+
 struct BodyTrack {
   ObjectTrack track;
   int without_state = 0;
@@ -56,8 +91,7 @@ BodyTrack estimate_body(const Perception& perception, int id, const Variant& var
       result.without_state += body != nullptr;
     watch.stop("windows");
   }
-  if (variant.output == Output::final)
-    for (BodyState& state : states) state.shape = states.back().shape;
+  if (variant.output == Output::final) finish(states, variant.body.trajectory);
   for (const BodyState& state : states) result.track.states.push_back(object_state(state));
   return result;
 }

@@ -228,6 +228,16 @@ void visit(Io& io, LifecycleOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, TrajectorySmootherOptions& o) {
+  io.positive("least_translation_sigma_m", o.least_translation_sigma_m);
+  io.positive("least_rotation_sigma_rad", o.least_rotation_sigma_rad);
+  io.positive("guess_sigma_m", o.guess_sigma_m);
+  io.positive("guess_sigma_rad", o.guess_sigma_rad);
+  io.positive("outlier", o.outlier);
+  io.number("robust_rounds", o.robust_rounds, 1, 100);
+}
+
+template <typename Io>
 void visit(Io& io, Variant& o) {
   int schema = kVariantSchema;
   io.number("schema", schema, kVariantSchema, kVariantSchema);
@@ -241,6 +251,7 @@ void visit(Io& io, Variant& o) {
   io.section("short_window", [&](auto& inner) { visit(inner, o.body.short_window); });
   io.section("long_window", [&](auto& inner) { visit(inner, o.body.shape.long_window); });
   io.section("lifecycle", [&](auto& inner) { visit(inner, o.body.lifecycle); });
+  io.section("trajectory", [&](auto& inner) { visit(inner, o.body.trajectory); });
   io.choice("backend", o.backend,
             Choices<Backend>{{"single_frame", Backend::single_frame}, {"windows", Backend::windows}});
   io.choice(

@@ -24,7 +24,7 @@ enum class AxisNaming {
 /// When a state is written as of.
 enum class Output {
   causal,  ///< what was known at its frame
-  final,   ///< each frame's pose with the shape of the last one, as trajectories of SLAM systems are given
+  final,   ///< what is known at the end: the last shape, the whole trajectory smoothed (smooth_trajectory)
 };
 
 /// A variant of the estimator, as its file says: all options of all parts, with defaults.
@@ -36,7 +36,7 @@ struct Variant {
   AxisNaming axis_naming = AxisNaming::previous;
   BodyOptions body;
   Backend backend = Backend::single_frame;
-  Output output = Output::causal;
+  Output output = Output::final;  // ours: as the trajectories of SLAM systems are given
 };
 
 /// Reads a variant file (configs/variants). Keys left out have their defaults; an unknown key, a value out of

@@ -61,6 +61,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     remember(frame, pose->world_from_body, pose->covariance);
     BodyState state = state_at(frame, pose->world_from_body, pose->covariance);
     state.status = ObjectStatus::occluded;
+    state.evidence = PoseEvidence::guess;
     return state;
   }
   if (pose) {
@@ -78,7 +79,9 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   }
   const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
   if (body && can_start(*body) && was_a_glimpse(hidden_s)) {
+    const int beginnings = beginnings_ + 1;
     *this = BodyEstimator(id_, camera_, options_, seed_);
+    beginnings_ = beginnings;
     return step(frame, body);
   }
   if (hidden_s > options_.lifecycle.lost_after_s) return std::nullopt;
@@ -88,6 +91,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   covariance.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
   BodyState state = state_at(frame, predict(frame, body), covariance);
   state.status = ObjectStatus::occluded;
+  state.evidence = PoseEvidence::none;
   return state;
 }
 
@@ -227,8 +231,14 @@ Pose BodyEstimator::predict(const PerceivedFrame& frame, const BodyObservation* 
 BodyState BodyEstimator::state_at(const PerceivedFrame& frame, const Pose& world_from_body,
                                   const Matrix6d& covariance) const {
   const bool confirmed = keyframes_ >= options_.lifecycle.confirm_keyframes;
-  return {frame.frame, frame.stamp_ns, world_from_body,
-          covariance,  shape_.shape(), confirmed ? ObjectStatus::active : ObjectStatus::tentative};
+  return {frame.frame,
+          frame.stamp_ns,
+          world_from_body,
+          covariance,
+          shape_.shape(),
+          confirmed ? ObjectStatus::active : ObjectStatus::tentative,
+          strayed_ ? PoseEvidence::relative : PoseEvidence::absolute,
+          beginnings_};
 }
 
 }  // namespace uniquadric

@@ -11,6 +11,7 @@
 #include "estimator/perception/perception.h"
 #include "estimator/window/cloud_alignment.h"
 #include "estimator/window/short_window.h"
+#include "estimator/window/trajectory_smoother.h"
 
 namespace uniquadric {
 
@@ -36,6 +37,7 @@ struct BodyOptions {
   ShapeOptions shape;
   LifecycleOptions lifecycle;
   CloudAlignmentOptions alignment;
+  TrajectorySmootherOptions trajectory;
 };
 
 /// What is known of a body at one frame: where its short window's frame is, and the shape in it.
@@ -45,6 +47,8 @@ struct BodyState {
   Matrix6d covariance = Matrix6d::Zero();  ///< of world_from_body
   Shape shape;
   ObjectStatus status = ObjectStatus::tentative;
+  PoseEvidence evidence = PoseEvidence::absolute;  ///< what the pose goes by
+  int beginning = 0;  ///< how often the body was begun anew: poses before have another frame
 };
 
 /// One body through its life: initialised as a sphere and then by Alg. 1 (the paper's SQI), tracked by the
@@ -88,6 +92,7 @@ class BodyEstimator {
   std::int64_t sure_ns_ = 0, sure_frame_ = 0;  // of the last pose that was no guess
   std::optional<ShapeEstimator> strayed_;      // as it was before a new face alone was to go by
   int keyframes_ = 0, frames_unfound_ = 0;
+  int beginnings_ = 0;
 };
 
 }  // namespace uniquadric

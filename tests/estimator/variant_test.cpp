@@ -26,7 +26,7 @@ std::string other_value(const std::string& key, const std::string& value) {
       {"true", "false"},           {"false", "true"},         {"automatic", "sequence"},
       {"surface", "corner"},       {"blend_best", "literal"}, {"previous", "world"},
       {"tangent", "vector"},       {"hull", "bbox"},          {"hard", "soft"},
-      {"single_frame", "windows"}, {"causal", "final"},       {"virtual", "threads"},
+      {"single_frame", "windows"}, {"final", "causal"},       {"virtual", "threads"},
       {"sequence", "fixed"},       {"ultrafast", "fast"},     {"none", "renyi"},
       {"object", "global"},        {"given", "rgbd"},         {"flow", "nanotrack"}};
   if (value.empty()) return "";

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "estimator/factors/pose_jacobian.h"
+
+namespace uniquadric {
+
+/// What a frame's pose says of a body.
+enum class PoseEvidence {
+  none,      ///< nothing: it was predicted
+  guess,     ///< where it probably is: found again, but not for certain
+  relative,  ///< how the body went on from the frame before; where it is, has drifted
+  absolute,  ///< where it is
+};
+
+/// A body's pose as it was found at one frame.
+struct PoseSample {
+  std::int64_t stamp_ns = 0;
+  Pose world_from_object;
+  Matrix6d covariance =
+      Matrix6d::Identity();  ///< translation [m^2], rotation vector [rad^2]; the object's axes
+  PoseEvidence evidence = PoseEvidence::absolute;
+};
+
+/// All numbers are ours.
+struct TrajectorySmootherOptions {
+  double least_translation_sigma_m = 5e-4;              // of a pose: what its covariance does not know of
+  double least_rotation_sigma_rad = 2e-3;               // the same
+  double guess_sigma_m = 0.02, guess_sigma_rad = 0.05;  // of a guess besides
+  double outlier = 3;                                   // sigmas at which a pose counts half (Cauchy)
+  int robust_rounds = 4;
+};
+
+/// The whole trajectory at once: poses as measured, and between frames a motion of constant acceleration that
+/// white noise disturbs (the prior of Eq. 7 with one derivative more, over all frames; Tang et al., "A
+/// white-noise-on-jerk motion prior", RA-L 2019), translation of the object's origin and rotation by
+/// themselves. How restless the body is, and by how much the covariances are too small, is what makes the
+/// samples most likely. Frames without evidence between others are filled in; those after the last evidence
+/// stay as they are. Poses and covariances are replaced; stamps are strictly increasing.
+void smooth_trajectory(std::vector<PoseSample>& samples, const TrajectorySmootherOptions& options);
+
+}  // namespace uniquadric
