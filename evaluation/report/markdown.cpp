@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "core/base/version.h"
+#include "evaluation/report/arc_curves.h"
 #include "evaluation/report/metrics.h"
 #include "evaluation/report/page.h"
 
@@ -74,7 +75,8 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
   std::string text = fmt::format(
       "# {}\nMedians over seeds; the best variant of an object in bold; runs: with a result / all.\n\n",
       results.name);
-  text += table(summary) + lidar_markdown(results.lidar) + failures(results) + "\n## How it was made\n";
+  text += table(summary) + arc_markdown(results) + lidar_markdown(results.lidar) + failures(results) +
+          "\n## How it was made\n";
   if (!results.command.empty()) text += fmt::format("- command: `{}`\n", results.command);
   text += fmt::format("- program: {} (report: {})\n", fmt::join(programs_of(results), ", "), kProgram);
   if (const auto alignments = alignments_of(results); !alignments.empty())

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "evaluation/report/arc_curves.h"
+#include "evaluation/report/markup.h"
 #include "evaluation/report/page_assets.h"
 
 namespace uniquadric {
@@ -30,19 +32,18 @@ std::string inside_script(std::string json) {
   return json;
 }
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else
-      result += c;
-  }
-  return result;
+// The section with the curves over arcs; empty when there are none.
+std::string arc_section(const std::string& svg) {
+  if (svg.empty()) return "";
+  return "<section id=\"arcs\">\n    <h2>3D IoU against the arc of views</h2>\n    <p>How much of an "
+         "object's shape "
+         "is known by how much of it was seen. The arc is the largest angle between two directions from the "
+         "object "
+         "to the camera so far, in the true object's own frame; each seed's frames are averaged over 5 "
+         "degrees. "
+         "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees.</p>\n    "
+         "<div class=\"scroll\">" +
+         svg + "</div>\n  </section>";
 }
 
 }  // namespace
@@ -52,12 +53,16 @@ std::string page_html(const Results& results, const std::vector<SummaryRow>& sum
   std::string scripts;
   for (const char* name : {"data.js", "table.js", "charts.js", "lidar.js", "frames.js", "main.js"})
     scripts += page_asset(name);
-  return fill(page_asset("page.html"), {{"title", escaped(results.name)},
-                                        {"style", std::string(page_asset("page.css"))},
-                                        {"data", inside_script(page_data(results, summary, options))},
-                                        {"images", inside_script(page_images(results, options))},
-                                        {"chart_js", std::string(page_asset("chart.min.js"))},
-                                        {"script", scripts}});
+  const std::string arcs = arc_section(arc_svg(results, false));
+  return fill(page_asset("page.html"),
+              {{"title", escaped(results.name)},
+               {"arcs_link", arcs.empty() ? "" : "<a href=\"#arcs\">Arc of views</a>"},
+               {"arcs", arcs},
+               {"style", std::string(page_asset("page.css"))},
+               {"data", inside_script(page_data(results, summary, options))},
+               {"images", inside_script(page_images(results, options))},
+               {"chart_js", std::string(page_asset("chart.min.js"))},
+               {"script", scripts}});
 }
 
 std::vector<std::string> alignments_of(const Results& results) {

@@ -1,6 +1,7 @@
 #include "evaluation/report/report.h"
 
 #include "core/base/files.h"
+#include "evaluation/report/arc_curves.h"
 #include "evaluation/report/page.h"
 #include "evaluation/report/scores.h"
 
@@ -11,6 +12,9 @@ void write_report(const std::filesystem::path& folder) {
   const std::vector<SummaryRow> summary = summarize(results);
   const std::string html = page_html(results, summary);  // all made before the first is written
   const std::string markdown = page_markdown(results, summary);
+  const std::string arcs = arc_svg(results, true);
+  arcs.empty() ? void(std::filesystem::remove(folder / "iou3d_by_arc.svg"))
+               : write_text(folder / "iou3d_by_arc.svg", arcs);
   write_text(folder / "scores.csv", scores_csv(scores(results)));
   write_text(folder / "report.md", markdown);
   write_text(folder / "report.html", html);

@@ -5,9 +5,10 @@
 
 namespace uniquadric {
 
-/// Writes `report.html` (self-contained: no network when it is looked at), `report.md` and `scores.csv` into
-/// a results folder of `bench` (docs/report.md). The same folder gives the same bytes. Throws InputError for
-/// a folder that is no results folder, and with file and field or line for results that cannot be read.
+/// Writes `report.html` (self-contained: no network when it is looked at), `report.md`, `scores.csv` and,
+/// where evaluations have arcs of views, `iou3d_by_arc.svg` into a results folder of `bench`
+/// (docs/report.md). The same folder gives the same bytes. Throws InputError for a folder that is no results
+/// folder, and with file and field or line for results that cannot be read.
 void write_report(const std::filesystem::path& results);
 
 /// The table `bench` prints: per scene, object and variant the medians over seeds, the paper's figures beside

@@ -1,0 +1,201 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "evaluation/report/arc_curves.h"
+#include "evaluation/report/markup.h"
+
+namespace uniquadric {
+namespace {
+
+// Sizes in the picture's own units, a pixel where it is shown at its size.
+constexpr double kPanelWidth = 460, kPanelHeight = 270;  // with its margins
+constexpr double kLeft = 46, kRight = 16, kTop = 34, kBottom = 42;
+constexpr double kPlotWidth = kPanelWidth - kLeft - kRight, kPlotHeight = kPanelHeight - kTop - kBottom;
+constexpr int kColumns = 2;
+constexpr double kMargin = 8, kLegendLine = 22, kLegendSample = 26, kLetter = 7.4;
+constexpr double kStep_deg = 5, kMost_deg = 180, kWide_deg = 40;
+
+// The page's colours (page/data.js, page.css), which keep apart for the colour-blind. Written out a rule
+// each: some viewers of pictures know no variables of CSS.
+struct Colours {
+  std::array<const char*, 8> variant;
+  const char *back, *text, *quiet, *grid;
+};
+constexpr Colours kLight = {
+    {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56a3d9", "#7a3db8", "#5c6670"},
+    "#ffffff",
+    "#1d2126",
+    "#5c6670",
+    "#e2dfd9"};
+constexpr Colours kDark = {
+    {"#4aa8e8", "#ff8f3f", "#35cfa0", "#e89ac4", "#e8d24a", "#8cccf5", "#b98aef", "#a5adb5"},
+    "#1c2024",
+    "#e8e6e3",
+    "#9aa3ac",
+    "#2f353b"};
+constexpr std::size_t kColours = kLight.variant.size();
+
+std::string colour_rules(const Colours& colours) {
+  std::string text = fmt::format(
+      ".arc text{{fill:{1}}}.arc .back{{fill:{0}}}.arc .tick{{fill:{2}}}.arc .wide{{stroke:{2}}}"
+      ".arc .grid{{stroke:{3}}}\n",
+      colours.back, colours.text, colours.quiet, colours.grid);
+  for (std::size_t i = 0; i < kColours; ++i)
+    text += fmt::format(".arc .s{0}{{stroke:{1}}}.arc .f{0}{{fill:{1}}}\n", i, colours.variant[i]);
+  return text;
+}
+
+std::string style() {
+  return "<style>\n.arc text{font:12px system-ui,\"Segoe UI\",\"DejaVu Sans\",sans-serif}\n"
+         ".arc .tick{font-size:11px;font-weight:400}\n.arc .title{font-weight:600}\n"
+         ".arc .grid{fill:none}.arc .wide{stroke-dasharray:3 4}\n"
+         ".arc .median{fill:none;stroke-width:2;stroke-linejoin:round}.arc .band{stroke:none;opacity:.18}\n" +
+         colour_rules(kLight) + "@media (prefers-color-scheme:dark){\n" + colour_rules(kDark) +
+         "}\n</style>\n";
+}
+
+std::vector<double> edges() {
+  std::vector<double> list;
+  for (double edge = 0; edge <= kMost_deg; edge += kStep_deg) list.push_back(edge);
+  return list;
+}
+
+double x_of(double arc_deg) {
+  return kLeft + kPlotWidth * arc_deg / kMost_deg;
+}
+
+double y_of(double iou) {
+  return kTop + kPlotHeight * (1 - iou);
+}
+
+double middle_x(const ArcPoint& point) {
+  return x_of((point.from_deg + point.to_deg) / 2);
+}
+
+std::string axes() {
+  std::string text;
+  for (int i = 0; i <= 5; ++i) {
+    const double iou = i / 5.0;
+    text += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}h{:.1f}\"/>", kLeft, y_of(iou), kPlotWidth);
+    text += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{:.1f}</text>\n",
+                        kLeft - 7, y_of(iou) + 4, iou);
+  }
+  for (int arc = 0; arc <= kMost_deg; arc += 30)
+    text += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}°</text>\n",
+                        x_of(arc), kTop + kPlotHeight + 16, arc);
+  text += fmt::format(
+      "<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">arc of views</text>\n",
+      kLeft + kPlotWidth / 2, kTop + kPlotHeight + 33);
+  text += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">3D IoU</text>\n",
+                      kLeft + kPlotWidth, kTop - 12);
+  return text + fmt::format("<path class=\"wide\" d=\"M{:.1f} {:.1f}v{:.1f}\"/>\n", x_of(kWide_deg), kTop,
+                            kPlotHeight);
+}
+
+// There along the greatest and back along the least.
+std::string band(const ArcCurve& curve, std::size_t colour) {
+  std::string path;
+  for (const ArcPoint& point : curve.points)
+    path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", middle_x(point), y_of(point.max));
+  for (auto point = curve.points.rbegin(); point != curve.points.rend(); ++point)
+    path += fmt::format("L{:.1f} {:.1f}", middle_x(*point), y_of(point->min));
+  return fmt::format("<path class=\"band f{}\" d=\"{}Z\"/>\n", colour, path);
+}
+
+std::string median_line(const ArcCurve& curve, std::size_t colour) {
+  std::string path;
+  for (const ArcPoint& point : curve.points)
+    path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", middle_x(point), y_of(point.median));
+  const double only = curve.points.size() == 1 ? 4 : 0;  // a point alone would not be seen
+  if (only > 0) path += fmt::format("h{:.1f}", only);
+  return fmt::format("<path class=\"median s{}\" d=\"{}\"><title>{}</title></path>\n", colour, path,
+                     escaped(curve.variant));
+}
+
+// Curves by variant, a variant's colour being that of its place among all.
+std::string panel(std::span<const ArcCurve> curves, const std::vector<std::string>& variants, double x,
+                  double y) {
+  std::string text = fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n", x, y);
+  text += fmt::format(
+      "<text class=\"title\" x=\"{:.1f}\" y=\"{:.1f}\">{} <tspan class=\"tick\">{}</tspan></text>\n", kLeft,
+      kTop - 12, escaped(curves.front().object), escaped(curves.front().scene));
+  text += axes();
+  std::string bands, lines;
+  for (const ArcCurve& curve : curves) {
+    const auto place = std::find(variants.begin(), variants.end(), curve.variant) - variants.begin();
+    const std::size_t colour = static_cast<std::size_t>(place) % kColours;
+    bands += band(curve, colour);
+    lines += median_line(curve, colour);
+  }
+  return text + bands + lines + "</g>\n";
+}
+
+struct Legend {
+  std::string text;
+  double height = 0;
+};
+
+Legend legend(const std::vector<std::string>& variants, double width) {
+  Legend result;
+  double x = kLeft, y = kMargin + 14;
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    const double needed = kLegendSample + 8 + kLetter * static_cast<double>(variants[i].size()) + 18;
+    if (x > kLeft && x + needed > width) x = kLeft, y += kLegendLine;
+    result.text += fmt::format("<path class=\"median s{}\" d=\"M{:.1f} {:.1f}h{:.1f}\"/>", i % kColours, x,
+                               y - 4, kLegendSample);
+    result.text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + kLegendSample + 8, y,
+                               escaped(variants[i]));
+    x += needed;
+  }
+  result.height = y + 6;
+  return result;
+}
+
+std::vector<std::string> all_variants(const Results& results) {
+  std::vector<std::string> variants;
+  for (const Cell& cell : results.cells)
+    if (std::find(variants.begin(), variants.end(), cell.variant) == variants.end())
+      variants.push_back(cell.variant);
+  return variants;
+}
+
+// One after the other where scene and object change.
+std::vector<std::span<const ArcCurve>> panels_of(const std::vector<ArcCurve>& curves) {
+  std::vector<std::span<const ArcCurve>> panels;
+  for (std::size_t begin = 0, i = 1; i <= curves.size(); ++i) {
+    const bool same = i < curves.size() && curves[i].scene == curves[begin].scene &&
+                      curves[i].object == curves[begin].object;
+    if (same) continue;
+    panels.push_back(std::span(curves).subspan(begin, i - begin));
+    begin = i;
+  }
+  return panels;
+}
+
+}  // namespace
+
+std::string arc_svg(const Results& results, bool standalone) {
+  const std::vector<ArcCurve> curves = arc_curves(results, edges());
+  if (curves.empty()) return "";
+  const auto panels = panels_of(curves);
+  const std::vector<std::string> variants = all_variants(results);
+  const double columns = std::min<double>(kColumns, static_cast<double>(panels.size()));
+  const double rows = std::ceil(static_cast<double>(panels.size()) / columns);
+  const double width = columns * kPanelWidth;
+  const Legend head = legend(variants, width);
+  const double height = head.height + rows * kPanelHeight + kMargin;
+  std::string text = fmt::format(
+      "<svg class=\"arc\"{} viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" role=\"img\" "
+      "aria-label=\"3D IoU of each object against the arc of views\">\n",
+      standalone ? " xmlns=\"http://www.w3.org/2000/svg\"" : "", width, height, width, height);
+  text += style() + "<rect class=\"back\" width=\"100%\" height=\"100%\"/>\n" + head.text;
+  for (std::size_t i = 0; i < panels.size(); ++i)
+    text += panel(panels[i], variants, kPanelWidth * static_cast<double>(i % kColumns),
+                  head.height + kPanelHeight * static_cast<double>(i / kColumns));
+  return text + "</svg>\n";
+}
+
+}  // namespace uniquadric
