@@ -27,6 +27,10 @@ enum class Output {
   final,   ///< what is known at the end: the last shape, the whole trajectory smoothed (smooth_trajectory)
 };
 
+constexpr const char* to_string(Output output) {
+  return output == Output::causal ? "causal" : "final";
+}
+
 /// A variant of the estimator, as its file says: all options of all parts, with defaults.
 struct Variant {
   std::string name = "single_frame_obb";

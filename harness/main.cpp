@@ -121,7 +121,7 @@ void add_preview(CLI::App& app, Common& common) {
 
 void add_estimate(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "estimate", "sequence -> 9-DoF tracks of every object", common);
-  static std::string sequence, out, variant, prompt = "everything", perception;
+  static std::string sequence, out, variant, prompt = "everything", perception, output;
   static EstimateOptions options;
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
   sub->add_option("OUT", out, "folder for the estimate")->required();
@@ -129,8 +129,12 @@ void add_estimate(CLI::App& app, Common& common) {
   sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
   sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
+  auto* as_of =
+      sub->add_option("--output", output,
+                      "states as of their frame (causal) or of the end (final), instead of the variant's")
+          ->check(CLI::IsMember({"causal", "final"}));
   add_force(sub, common);
-  sub->callback([&common] {
+  sub->callback([&common, as_of] {
     options.threads = common.threads;
     options.quiet = common.quiet;
     options.force = common.force;
@@ -138,7 +142,9 @@ void add_estimate(CLI::App& app, Common& common) {
     options.prompts = parse_prompts(prompt);
     require_apart(out, {sequence, variant, perception, options.prompts.path});
     require_apart(perception, {sequence, variant, options.prompts.path});
-    estimate(sequence, variant.empty() ? Variant{} : load_variant(variant), options, out);
+    Variant chosen = variant.empty() ? Variant{} : load_variant(variant);
+    if (as_of->count() > 0) chosen.output = output == "causal" ? Output::causal : Output::final;
+    estimate(sequence, chosen, options, out);
   });
 }
 

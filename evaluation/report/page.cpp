@@ -41,7 +41,8 @@ std::string arc_section(const std::string& svg) {
          "object "
          "to the camera so far, in the true object's own frame; each seed's frames are averaged over 5 "
          "degrees. "
-         "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees.</p>\n    "
+         "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees. An estimate "
+         "written as of the end (output: final) has one shape at every arc.</p>\n    "
          "<div class=\"scroll\">" +
          svg + "</div>\n  </section>";
 }

@@ -59,7 +59,10 @@ struct Run {
 std::vector<std::unique_ptr<Simulation>> plan(const BenchConfig& config) {
   std::vector<std::unique_ptr<Simulation>> simulations;
   std::vector<Variant> variants;
-  for (const auto& variant : config.variants) variants.push_back(load_variant(variant.path));
+  for (const auto& variant : config.variants) {
+    variants.push_back(load_variant(variant.path));
+    variants.back().output = config.output.value_or(variants.back().output);
+  }
   for (const auto& scene : config.scenes) {
     Scene loaded = load_scene(scene.path);
     scale_noise(loaded, scene.noise_scale);
@@ -119,9 +122,17 @@ void run_cell(const Run& run, const Simulation& simulation, Cell& cell) {
     if (!result.ok) cell.failure = fmt::format("{}: {}", command[0], result.message);
     return result.ok;
   };
-  stage("estimate", cell.estimate_key,
-        {"estimate", data / "sequence", estimate, "--variant", cell.variant_file, "--seed",
-         std::to_string(cell.seed), "--perception", perception_folder(run, simulation, cell)}) &&
+  std::vector<std::string> command = {"estimate",
+                                      data / "sequence",
+                                      estimate,
+                                      "--variant",
+                                      cell.variant_file,
+                                      "--seed",
+                                      std::to_string(cell.seed),
+                                      "--perception",
+                                      perception_folder(run, simulation, cell)};
+  if (run.config.output) command.insert(command.end(), {"--output", to_string(*run.config.output)});
+  stage("estimate", cell.estimate_key, command) &&
       stage("evaluation", evaluation_key(cell.estimate_key),
             {"evaluate", data / "truth", estimate, folder / "evaluation"}) &&
       stage("overlays", overlay_key(cell.estimate_key, run.config.overlays),

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "estimator/variant.h"
+
 namespace uniquadric {
 
 /// A file that a bench names: its stem is the name of the scene or variant in all results.
@@ -27,6 +29,7 @@ struct BenchConfig {
   std::vector<BenchItem> variants;
   std::vector<std::uint64_t> seeds;
   std::optional<std::int64_t> frames;  ///< instead of each scene's own number
+  std::optional<Output> output;        ///< instead of each variant's own
   bool keep_sequences = false;         ///< ours: 250 MB a sequence would fill a disk in a sweep
   double stage_limit_s = 3600;         ///< ours: a stage that hangs is killed after this time
   int overlays = 8;                    ///< frames with overlays a cell

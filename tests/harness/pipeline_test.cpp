@@ -200,6 +200,17 @@ TEST_F(Pipeline, BenchEndsInAReportAndDoesNothingTwice) {
   EXPECT_EQ(read_text(out / "scores.csv"), scores);
 }
 
+TEST_F(Pipeline, BenchSaysAsOfWhenStatesAre) {
+  const fs::path out = folder() / "out", file = bench_file("small.yaml");
+  const fs::path run = out / "cells/small/single_frame_obb/seed_1/estimate/run.yaml";
+  for (const char* output : {"causal", "final"}) {
+    write_text(file, read_text(bench_file("small.yaml")) + "output: " + output + "\n");
+    ok({"bench", file, out, "--quiet"});
+    EXPECT_NE(read_text(run).find("output: " + std::string(output)), std::string::npos) << read_text(run);
+    EXPECT_NE(read_text(out / "bench.yaml").find("output: " + std::string(output)), std::string::npos);
+  }
+}
+
 TEST_F(Pipeline, BenchTakesAScenesNoiseAndSeeds) {
   const fs::path out = folder() / "out";
   const std::string half = "{scene: small.yaml, noise_scale: 0.5, seeds: [4, 5], name: small_half_noise}";
