@@ -41,6 +41,7 @@ ObjectState object_state(const BodyState& body) {
   state.exponent = body.shape.exponents.outline;
   state.covariance_diagonal = variances_of(body);
   state.status = body.status;
+  state.motion = body.motion;
   return state;
 }
 

@@ -179,6 +179,7 @@ void visit(Io& io, ShortWindowOptions& o) {
   io.flag("motion_model", o.motion_model);
   io.positive("acceleration_noise", o.motion_noise.acceleration);
   io.positive("angular_acceleration_noise", o.motion_noise.angular_acceleration);
+  io.flag("rest_factor", o.rest_factor);
   io.flag("marginal_prior", o.marginal_prior);
   io.number("max_landmarks", o.max_landmarks, 10);
   io.positive("pixel_sigma_px", o.pose.pixel_sigma_px);
@@ -238,6 +239,18 @@ void visit(Io& io, TrajectorySmootherOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, MotionDecisionOptions& o) {
+  io.positive("window_s", o.window_s);
+  io.positive("rest_s", o.rest_s);
+  io.number("rest_poses", o.rest_poses, 2, 1000);
+  io.positive("rest_sigmas", o.rest_sigmas);
+  io.positive("moving_sigmas", o.moving_sigmas);
+  io.positive("camera_sigma_m", o.camera_sigmas.translation_m);
+  io.positive("camera_sigma_rad", o.camera_sigmas.rotation_rad);
+  io.positive("surface_sigma_m", o.surface_sigma_m);
+}
+
+template <typename Io>
 void visit(Io& io, Variant& o) {
   int schema = kVariantSchema;
   io.number("schema", schema, kVariantSchema, kVariantSchema);
@@ -250,6 +263,7 @@ void visit(Io& io, Variant& o) {
   });
   io.section("short_window", [&](auto& inner) { visit(inner, o.body.short_window); });
   io.section("long_window", [&](auto& inner) { visit(inner, o.body.shape.long_window); });
+  io.section("motion_decision", [&](auto& inner) { visit(inner, o.body.motion); });
   io.section("lifecycle", [&](auto& inner) { visit(inner, o.body.lifecycle); });
   io.section("trajectory", [&](auto& inner) { visit(inner, o.body.trajectory); });
   io.choice("backend", o.backend,

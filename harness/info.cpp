@@ -70,6 +70,12 @@ std::string describe_tracks(const fs::path& path) {
     if (!track.states.empty()) {
       const auto& a = track.states.back().ellipsoid.semi_axes_m;
       text += fmt::format(", last semi-axes {:.4f} {:.4f} {:.4f} m", a.x(), a.y(), a.z());
+      const auto in_motion = [&](ObjectMotion motion) {
+        return std::count_if(track.states.begin(), track.states.end(),
+                             [&](const ObjectState& state) { return state.motion == motion; });
+      };
+      const auto at_rest = in_motion(ObjectMotion::at_rest), moving = in_motion(ObjectMotion::moving);
+      if (at_rest + moving > 0) text += fmt::format(", static in {}, dynamic in {}", at_rest, moving);
     }
     text += "\n";
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <set>
 
@@ -21,12 +22,19 @@ const char* const kStateHeader =
     "frame,timestamp_ns,id,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m,exponent_q,var_semi_axis_x_m2,var_semi_"
     "axis_y_m2,"
     "var_semi_axis_z_m2,var_translation_x_m2,var_translation_y_m2,var_translation_z_m2,var_rotation_x_rad2,"
-    "var_rotation_y_rad2,var_rotation_z_rad2,state";
+    "var_rotation_y_rad2,var_rotation_z_rad2,state,motion";
+const char* const kMotionColumn = ",motion";  // estimates made before there was such a column have none
 
 std::optional<ObjectStatus> parse_status(std::string_view text) {
   for (const auto status :
        {ObjectStatus::tentative, ObjectStatus::active, ObjectStatus::occluded, ObjectStatus::lost})
     if (text == to_string(status)) return status;
+  return std::nullopt;
+}
+
+std::optional<ObjectMotion> parse_motion(std::string_view text) {
+  for (const auto motion : {ObjectMotion::unknown, ObjectMotion::at_rest, ObjectMotion::moving})
+    if (text == to_string(motion)) return motion;
   return std::nullopt;
 }
 
@@ -91,19 +99,25 @@ ObjectState parse_state(const fs::path& path, int line, const std::vector<std::s
   const auto status = parse_status(fields[16]);
   if (!status) fail(16);
   state.status = *status;
+  if (fields.size() == 17) return state;
+  const auto motion = parse_motion(fields[17]);
+  if (!motion) fail(17);
+  state.motion = *motion;
   return state;
 }
 
 std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
   const fs::path file = folder / "objects.csv";
-  const std::size_t columns = split(kStateHeader, ',').size();
+  const std::string header_before(kStateHeader, std::strlen(kStateHeader) - std::strlen(kMotionColumn));
+  std::size_t columns = 0;
   std::map<int, ObjectTrack> tracks;
   bool header = true;
   for_each_line(
       file,
       [&](int line, const std::vector<std::string_view>& fields) {
         if (std::exchange(header, false)) {
-          if (fields != split(kStateHeader, ','))
+          columns = fields.size();
+          if (fields != split(kStateHeader, ',') && fields != split(header_before, ','))
             throw InputError(file, line, fmt::format("expected the header {}", kStateHeader));
           return;
         }
@@ -151,6 +165,18 @@ const char* to_string(ObjectStatus status) {
       return "occluded";
     case ObjectStatus::lost:
       return "lost";
+  }
+  return "";
+}
+
+const char* to_string(ObjectMotion motion) {
+  switch (motion) {
+    case ObjectMotion::unknown:
+      return "unknown";
+    case ObjectMotion::at_rest:
+      return "static";
+    case ObjectMotion::moving:
+      return "dynamic";
   }
   return "";
 }
@@ -234,7 +260,7 @@ void write_estimate(const fs::path& folder, const Tracks& tracks) {
                         state->exponent);
     for (const double variance : state->covariance_diagonal)
       text += std::isnan(variance) ? "," : fmt::format(",{}", variance);
-    text += fmt::format(",{}\n", to_string(state->status));
+    text += fmt::format(",{},{}\n", to_string(state->status), to_string(state->motion));
   }
   write_text(folder / "objects.csv", text);
 }

@@ -19,6 +19,14 @@ using Vector9d = Eigen::Matrix<double, 9, 1>;
 enum class ObjectStatus { tentative, active, occluded, lost };
 const char* to_string(ObjectStatus status);
 
+/// Whether an object stands still in the world.
+enum class ObjectMotion {
+  unknown,  ///< not decided, or not asked
+  at_rest,  ///< `static` in files
+  moving,   ///< `dynamic` in files
+};
+const char* to_string(ObjectMotion motion);
+
 /// The 9-DoF state of one object at one time.
 struct ObjectState {
   std::int64_t frame = 0;
@@ -28,6 +36,7 @@ struct ObjectState {
   /// Variances: semi-axes [m^2], translation [m^2], rotation vector [rad^2]; NaN where not estimated.
   Vector9d covariance_diagonal = Vector9d::Constant(std::numeric_limits<double>::quiet_NaN());
   ObjectStatus status = ObjectStatus::active;
+  ObjectMotion motion = ObjectMotion::unknown;
 };
 
 struct ObjectTrack {

@@ -41,7 +41,8 @@ BodyEstimator::BodyEstimator(int id, const Camera& camera, const BodyOptions& op
       options_(options),
       seed_(seed),
       short_window_(camera, options.short_window),
-      shape_(id, camera, options.shape, seed) {}
+      shape_(id, camera, options.shape, seed),
+      motion_(options.motion) {}
 
 std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const BodyObservation* body) {
   if (!frame.world_from_camera) return std::nullopt;
@@ -66,6 +67,11 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   }
   if (pose) {
     frames_unfound_ = by_points || pose->keyframe ? 0 : frames_unfound_ + 1;
+    if (frame.frame > sure_frame_ + 1 && seconds(sure_ns_, frame.stamp_ns) > options_.motion.window_s)
+      motion_.forget();
+    if (!is_global)
+      motion_.add(frame.stamp_ns, *frame.world_from_camera, pose->sighted, pose->covariance,
+                  std::cbrt(shape_.shape().semi_axes_m.prod()));
     sure_ns_ = frame.stamp_ns;
     sure_frame_ = frame.frame;
     remember(frame, pose->world_from_body, pose->covariance);
@@ -123,12 +129,14 @@ void BodyEstimator::remember(const PerceivedFrame& frame, const Pose& world_from
 
 std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const BodyObservation& body) {
   RandomStream random(seed_, "find_pose", frame.frame, id_);
+  short_window_.set_rest(motion_.rest());
   return short_window_.track(frame, body, predict(frame, &body), is_stale(frame), random);
 }
 
 // Where the surface that is known says that the features have slid off it, it counts.
 void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose) {
   if (come_back(frame, body, pose.world_from_body)) {
+    pose.sighted = pose.world_from_body;
     short_window_.start(frame, body, pose.world_from_body);
     return;
   }
@@ -137,7 +145,7 @@ void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& b
                                     false, options_.alignment);
   if (!found || found->new_face) return;
   if (found->predicted_distance_m < kSlid * found->distance_m + kSlidBy) return;
-  pose.world_from_body = in_world(frame, found->camera_from_body);
+  pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);
   short_window_.start(frame, body, pose.world_from_body);
 }
 
@@ -190,7 +198,7 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
                      prediction_sigmas_at(frame), stale, options_.alignment);
   if (!found) return std::nullopt;
   BodyPose pose;
-  pose.world_from_body = in_world(frame, found->camera_from_body);
+  pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);
   pose.covariance = found->information.inverse();
   const int unfound = frames_unfound_ + 1, enough = options_.lifecycle.restart_frames;
   const bool sure = (is_whole(*body.silhouette) && !found->new_face) || unfound >= kPatience * enough;
@@ -199,6 +207,7 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   if (!pose.keyframe) return pose;
   if (found->new_face && !strayed_) strayed_ = shape_;
   come_back(frame, body, pose.world_from_body);
+  pose.sighted = pose.world_from_body;
   short_window_.start(frame, body, pose.world_from_body);
   return pose;
 }
@@ -208,6 +217,7 @@ Pose BodyEstimator::predict(const PerceivedFrame& frame, const BodyObservation* 
   const Tracked& last = recent_.back();
   if (body && body->motion && last.frame == frame.frame - 1)
     return *frame.world_from_camera * *body->motion * last.world_from_camera.inverse() * last.world_from_body;
+  if (motion_.now() == ObjectMotion::at_rest) return last.world_from_body;
   const double ahead_s = seconds(last.stamp_ns, frame.stamp_ns);
   const Tracked& first = *std::find_if(recent_.begin(), std::prev(recent_.end()), [&](const Tracked& t) {
     return seconds(t.stamp_ns, last.stamp_ns) <= std::clamp(ahead_s, kLeastBase, kMostBase);
@@ -238,7 +248,8 @@ BodyState BodyEstimator::state_at(const PerceivedFrame& frame, const Pose& world
           shape_.shape(),
           confirmed ? ObjectStatus::active : ObjectStatus::tentative,
           strayed_ ? PoseEvidence::relative : PoseEvidence::absolute,
-          beginnings_};
+          beginnings_,
+          motion_.now()};
 }
 
 }  // namespace uniquadric

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/sequence/tracks.h"
+#include "estimator/objects/motion_decision.h"
 #include "estimator/objects/shape_estimator.h"
 #include "estimator/perception/perception.h"
 #include "estimator/window/cloud_alignment.h"
@@ -36,6 +37,7 @@ struct BodyOptions {
   ShortWindowOptions short_window;
   ShapeOptions shape;
   LifecycleOptions lifecycle;
+  MotionDecisionOptions motion;
   CloudAlignmentOptions alignment;
   TrajectorySmootherOptions trajectory;
 };
@@ -49,6 +51,7 @@ struct BodyState {
   ObjectStatus status = ObjectStatus::tentative;
   PoseEvidence evidence = PoseEvidence::absolute;  ///< what the pose goes by
   int beginning = 0;  ///< how often the body was begun anew: poses before have another frame
+  ObjectMotion motion = ObjectMotion::unknown;
 };
 
 /// One body through its life: initialised as a sphere and then by Alg. 1 (the paper's SQI), tracked by the
@@ -88,6 +91,7 @@ class BodyEstimator {
   std::uint64_t seed_;
   ShortWindow short_window_;
   ShapeEstimator shape_;
+  MotionDecision motion_;
   std::deque<Tracked> recent_;                 // frames with a tracked pose, the newest last
   std::int64_t sure_ns_ = 0, sure_frame_ = 0;  // of the last pose that was no guess
   std::optional<ShapeEstimator> strayed_;      // as it was before a new face alone was to go by

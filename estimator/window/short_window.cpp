@@ -49,6 +49,12 @@ void add_motion_model(ceres::Problem& problem, const std::deque<BodyKeyframe>& k
   }
 }
 
+void add_rest(ceres::Problem& problem, std::vector<PoseBlock>& poses, const PoseSigmas& sigmas) {
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    problem.AddResidualBlock(static_motion_factor(sigmas).release(), nullptr, poses[i - 1].data(),
+                             poses[i].data());
+}
+
 }  // namespace
 
 void ShortWindow::start(const PerceivedFrame& frame, const BodyObservation& body,
@@ -88,6 +94,7 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
   BodyPose result;
   result.world_from_body = world_from_camera * solution->camera_from_body;
   result.world_from_body.rotation.normalize();
+  result.sighted = result.world_from_body;
   result.covariance = solution->information.inverse();
   result.inliers = solution->inlier_count;
   result.keyframe = keyframe_is_due(frame, solution->camera_from_body, solution->inlier_count);
@@ -172,7 +179,10 @@ void ShortWindow::optimise() {
           new ceres::HuberLoss(kHuberSigmas), pose, block.point);
     }
   }
-  if (options_.motion_model) add_motion_model(problem, keyframes_, poses, options_.motion_noise);
+  if (rest_ && options_.rest_factor)
+    add_rest(problem, poses, *rest_);
+  else if (options_.motion_model)
+    add_motion_model(problem, keyframes_, poses, options_.motion_noise);
   if (!anchored) problem.SetParameterBlockConstant(poses.front().data());
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_SCHUR;

@@ -22,6 +22,7 @@ struct ShortWindowOptions {
   int keyframe_gap = 10;         // ours: frames; a third of a second bounds the motion model's reach
   bool motion_model = true;      // paper: Eq. 7
   MotionNoise motion_noise;
+  bool rest_factor = true;     // ours: what stands still is held there in the place of Eq. 7
   bool marginal_prior = true;  // paper: e_prior
   int max_landmarks = 4000;    // ours: bounds memory; those not seen for longest go first
   PoseSolverOptions pose;
@@ -49,6 +50,7 @@ struct BodyPose {
   Matrix6d covariance;  ///< of a right-hand perturbation (translation, rotation vector)
   int inliers = 0;
   bool keyframe = false;
+  Pose sighted;  ///< world_from_body by this frame alone, before the window was solved with it
 };
 
 /// The short window of one body: its points and the poses of its last keyframes, by reprojection and depth
@@ -67,6 +69,10 @@ class ShortWindow {
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body,
                                 const Pose& predicted_world_from_body, bool search, RandomStream& random);
 
+  /// What a body that is known to stand still may move by from keyframe to keyframe; nothing: it moves. From
+  /// the next solution on.
+  void set_rest(const std::optional<PoseSigmas>& sigmas) { rest_ = sigmas; }
+
   const std::deque<BodyKeyframe>& keyframes() const { return keyframes_; }
   const std::map<std::int64_t, BodyPoint>& landmarks() const { return landmarks_; }
 
@@ -82,6 +88,7 @@ class ShortWindow {
   ShortWindowOptions options_;
   std::deque<BodyKeyframe> keyframes_;
   std::map<std::int64_t, BodyPoint> landmarks_;  // by track
+  std::optional<PoseSigmas> rest_;
 };
 
 }  // namespace uniquadric

@@ -25,6 +25,7 @@ Tracks two_objects() {
       state.exponent = 1.5;
       state.covariance_diagonal[0] = 1e-4;
       state.status = i == 3 ? ObjectStatus::occluded : ObjectStatus::active;
+      state.motion = i == 0 ? ObjectMotion::unknown : i == 3 ? ObjectMotion::at_rest : ObjectMotion::moving;
       track.states.push_back(state);
     }
     tracks.objects.push_back(track);
@@ -52,9 +53,25 @@ TEST(Tracks, AnEstimateReadsBackAsItWasWritten) {
                 b.ellipsoid.world_from_object.rotation.coeffs());
       EXPECT_EQ(a.exponent, b.exponent);
       EXPECT_EQ(a.status, b.status);
+      EXPECT_EQ(a.motion, b.motion);
       EXPECT_EQ(b.covariance_diagonal[0], 1e-4);
       EXPECT_TRUE(std::isnan(b.covariance_diagonal[1]));
     }
+}
+
+TEST(Tracks, AnEstimateWithoutTheColumnOfMotionReadsAsUnknown) {
+  const TempFolder temp;
+  write_estimate(temp.path(), two_objects());
+  std::string text = read_text(temp.path() / "objects.csv");
+  for (const std::string column : {",motion\n", ",unknown\n", ",static\n", ",dynamic\n"})
+    for (std::size_t at; (at = text.find(column)) != std::string::npos;)
+      text.replace(at, column.size(), "\n");
+  write_text(temp.path() / "objects.csv", text);
+  const Tracks read = read_tracks(temp.path());
+  ASSERT_EQ(read.objects.size(), 2u);
+  EXPECT_EQ(read.objects[1].states.back().status, ObjectStatus::occluded);
+  for (const ObjectTrack& track : read.objects)
+    for (const ObjectState& state : track.states) EXPECT_EQ(state.motion, ObjectMotion::unknown);
 }
 
 TEST(Tracks, ATruthFolderIsTracksToo) {
@@ -89,8 +106,12 @@ TEST(Tracks, BadFoldersAreRefusedByFileAndLine) {
   EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,nan"), ":2: column semi_axis_x_m: 'nan' is not a valid value");
   EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,-0.1"), ":2: column semi_axis_x_m: '-0.1' is not a valid value");
   EXPECT_EQ(message("\n0,0,3,", "\n0,0,0,"), ":2: column id: '0' is not a valid value");
-  EXPECT_EQ(message("active\n1,", "asleep\n1,"), ":2: column state: 'asleep' is not a valid value");
-  EXPECT_EQ(message("active\n1,", "\n1,"), ":2: column state: '' is not a valid value");
+  EXPECT_EQ(message("active,unknown\n1,", "asleep,unknown\n1,"),
+            ":2: column state: 'asleep' is not a valid value");
+  EXPECT_EQ(message("active,unknown\n1,", ",unknown\n1,"), ":2: column state: '' is not a valid value");
+  EXPECT_EQ(message("active,unknown\n1,", "active,idle\n1,"),
+            ":2: column motion: 'idle' is not a valid value");
+  EXPECT_EQ(message("active,unknown\n1,", "active\n1,"), ":2: expected 18 columns, found 17");
   EXPECT_EQ(message("\n1,100,3", "\n1,0,3"), ":3: timestamp 0 of object 3 does not come after 0");
   EXPECT_EQ(message("frame,", "fraem,").substr(0, 22), ":1: expected the heade");
   write_text(csv, good);
