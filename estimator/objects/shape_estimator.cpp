@@ -85,7 +85,8 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
   Eigen::Matrix3Xd smooth = body.normals.cols() > 0 ? body.points : Eigen::Matrix3Xd(3, 0);
   for (const auto& silhouette : {body.silhouette, body.segmented}) {
     if (!silhouette) continue;
-    ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *silhouette, smooth};
+    ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *silhouette, smooth,
+                   body.normals};
     (view.silhouette.known_at_frame <= keyframe.frame ? views_ : waiting_).push_back(std::move(view));
   }
   std::optional<Shape> box;
@@ -216,8 +217,8 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
 Shape ShapeEstimator::with_seen_extents(Shape shape) const {
   std::vector<PointView> views;
   for (const ShapeView& view : views_)
-    views.push_back(
-        {view.world_from_body.inverse() * view.world_from_camera, &view.points, is_whole(view.silhouette)});
+    views.push_back({view.world_from_body.inverse() * view.world_from_camera, &view.points, &view.normals,
+                     is_whole(view.silhouette)});
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     std::array<double, 2> ends{};

@@ -7,6 +7,8 @@
 namespace uniquadric {
 namespace {
 
+constexpr int kRounds = 3;
+constexpr double kTrim = 2.5, kMadToSigma = 1.4826, kFurthest = 0.98;
 constexpr std::ptrdiff_t kLeastTop = 3;  // points that an end is the mean of, at least
 
 // Mean of the furthest points along a direction of the camera frame.
@@ -18,10 +20,63 @@ double top_mean(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& direction
   return along.head(n).mean();
 }
 
+using Quadratic = Eigen::Matrix<double, 6, 1>;
+
+// The surface that a body ends in: heights over the plane across the direction, a quadratic in two
+// coordinates.
+struct EndSurface {
+  Eigen::Matrix<double, Eigen::Dynamic, 6> rows;
+  Eigen::VectorXd heights;
+};
+
+EndSurface end_surface(const PointView& view, const Eigen::Vector3d& direction, double above,
+                       double min_cosine) {
+  const Eigen::Vector3d u = direction.unitOrthogonal(), v = direction.cross(u);
+  std::vector<Eigen::Index> in;
+  for (Eigen::Index i = 0; i < view.points->cols(); ++i)
+    if (view.points->col(i).dot(direction) > above && view.normals->col(i).dot(direction) > min_cosine)
+      in.push_back(i);
+  EndSurface end{{std::ssize(in), 6}, Eigen::VectorXd(std::ssize(in))};
+  for (std::size_t k = 0; k < in.size(); ++k) {
+    const Eigen::Vector3d p = view.points->col(in[k]);
+    const double x = p.dot(u), y = p.dot(v);
+    end.rows.row(k) << 1, x, y, x * x, x * y, y * y;
+    end.heights[k] = p.dot(direction);
+  }
+  return end;
+}
+
 double quantile(std::vector<double> values, double q) {
   const auto at = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), values.begin() + at, values.end());
   return values[at];
+}
+
+// The furthest points of a noisy surface lie beyond it. Where they belong to a surface that faces the
+// direction, its own furthest point counts: of a quadratic through all of it.
+std::optional<double> surface_end(const PointView& view, const Eigen::Vector3d& direction, double top,
+                                  const ReachOptions& options) {
+  if (!view.normals || view.normals->cols() != view.points->cols()) return std::nullopt;
+  const double depth = options.surface_depth * (top - (direction.transpose() * *view.points).minCoeff());
+  EndSurface end = end_surface(view, direction, top - depth, options.min_cosine);
+  double scatter = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    if (end.heights.size() < options.min_points) return std::nullopt;
+    const Quadratic fit = end.rows.householderQr().solve(end.heights);
+    const Eigen::VectorXd fitted = end.rows * fit, off = (end.heights - fitted).cwiseAbs();
+    scatter = kMadToSigma * quantile({off.begin(), off.end()}, 0.5);
+    if (scatter > options.max_scatter * depth) return std::nullopt;
+    if (round + 1 == kRounds) return quantile({fitted.begin(), fitted.end()}, kFurthest);
+    EndSurface kept = end;
+    Eigen::Index n = 0;
+    for (Eigen::Index i = 0; i < off.size(); ++i) {
+      if (off[i] > kTrim * scatter) continue;
+      kept.rows.row(n) = end.rows.row(i);
+      kept.heights[n++] = end.heights[i];
+    }
+    end = {kept.rows.topRows(n), kept.heights.head(n)};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -33,7 +88,8 @@ std::optional<Reach> reach_along(const std::vector<PointView>& views, const Eige
     if (view.points->cols() < kLeastTop) continue;
     const Eigen::Vector3d in_camera = view.body_from_camera.rotation.conjugate() * direction;
     const double camera = direction.dot(view.body_from_camera.translation);
-    const double end = top_mean(*view.points, in_camera, options.top_share) + camera;
+    const double top = top_mean(*view.points, in_camera, options.top_share);
+    const double end = surface_end(view, in_camera, top, options).value_or(top) + camera;
     all.push_back(end);
     const double range = view.points->rowwise().mean().norm();
     if (view.whole && camera - end > options.min_sine * range) shown.push_back(end);

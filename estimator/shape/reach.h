@@ -11,8 +11,9 @@ namespace uniquadric {
 /// Points of one view of a body.
 struct PointView {
   Pose body_from_camera;
-  const Eigen::Matrix3Xd* points = nullptr;  ///< (3 x n) camera frame [m], noise taken off (smoothed_points)
-  bool whole = true;                         ///< nothing hid a part of the body
+  const Eigen::Matrix3Xd *points = nullptr,
+                         *normals = nullptr;  ///< (3 x n) camera frame [m] (smoothed_points)
+  bool whole = true;                          ///< nothing hid a part of the body
 };
 
 /// How far a body reaches along a direction.
@@ -23,7 +24,11 @@ struct Reach {
 
 /// All numbers are ours.
 struct ReachOptions {
-  double top_share = 0.01;      // of a view's points: their mean is off by -1 to 3 mm on the simulated bodies
+  double top_share = 0.01;      // of a view's points, whose mean is an end that has no surface of its own
+  double surface_depth = 0.15;  // share of the body's extent within which its end surface is looked for
+  double min_cosine = 0.7;      // of that surface's normals and the direction
+  int min_points = 40;          // on it
+  double max_scatter = 0.25;    // about it, of that depth
   double min_sine = 0.25;       // of the angle between the touching plane and the line to the camera
   double least_quantile = 0.9;  // of all views where none shows the end: one view's outliers do not count
 };

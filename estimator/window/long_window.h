@@ -70,7 +70,7 @@ struct ShapeView {
   std::int64_t frame = 0;
   Pose world_from_camera, world_from_body;  ///< as the short window left them
   Silhouette silhouette;
-  Eigen::Matrix3Xd points;  ///< of depth (3 x n), camera frame [m], if their noise was taken off
+  Eigen::Matrix3Xd points, normals;  ///< of depth (3 x n), camera frame [m], if their noise was taken off
 };
 
 /// A prior on the semi-axes (Eq. 15), each with its own sigma.
