@@ -21,6 +21,11 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
+Camera without_distortion(Camera camera) {
+  camera.distortion = {};
+  return camera;
+}
+
 // Everything that the perception stage's result depends on.
 std::string perception_key(const Sequence& sequence, const Variant& variant, const EstimateOptions& options) {
   Hash hash;
@@ -55,6 +60,10 @@ Perception perceive_into(const Sequence& sequence, const Variant& variant, const
   run.threads = options.threads;
   run.quiet = options.quiet;
   run.masks_folder = masks_folder;
+  std::optional<JoinedBackend> joined;
+  if (variant.feedback == Feedback::backend)
+    run.feedback =
+        &joined.emplace(without_distortion(sequence.camera), variant.body, variant.joined, options.seed);
   Perception perception = perceive(sequence, variant.perception, run, times);
   perception.key = perception_key(sequence, variant, options);
   return perception;
@@ -62,6 +71,14 @@ Perception perceive_into(const Sequence& sequence, const Variant& variant, const
 
 bool is_kept(const fs::path& folder, const std::string& key) {
   return fs::exists(folder / "perception.yaml") && perception_key_of(folder) == key;
+}
+
+void refuse_to_keep_joined(const Variant& variant, const EstimateOptions& options) {
+  if (variant.feedback == Feedback::backend && !options.perception.empty())
+    throw InputError(options.perception,
+                     fmt::format("cannot keep the perception of {} (feedback: backend), which "
+                                 "depends on its back end; leave out --perception",
+                                 variant.name));
 }
 
 // With a folder to keep it in, its masks and times are kept there too, so that what is written does not
@@ -130,6 +147,7 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
 
 void estimate(const fs::path& sequence_folder, const Variant& variant, const EstimateOptions& options,
               const fs::path& out) {
+  refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
   PendingFolder pending(out, options.force);
   std::vector<StageTime> times;
@@ -156,6 +174,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
 
 void keep_perception(const fs::path& sequence_folder, const Variant& variant,
                      const EstimateOptions& options) {
+  refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
   std::vector<StageTime> times;
   kept_perception(sequence, variant, options, options.force, times);

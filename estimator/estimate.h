@@ -23,9 +23,11 @@ struct EstimateOptions {
 /// the masks it found (masks/FRAME.png, 16-bit ids). Frames without depth, masks or a camera pose, and
 /// objects with too few points, have no state and are counted in run.yaml. The same sequence, variant and
 /// seed give the same bytes (timing.csv excepted) for any number of threads, and whether or not the
-/// perception stage's result was there. Throws InputError for bad sequences and prompts, when the camera's
-/// poses are to be given and are not, and when no frame has depth, masks and a camera pose; then nothing is
-/// left at `out`.
+/// perception stage's result was there. With `feedback: backend` the bodies' estimators go along with
+/// perception, frame by frame, and their predictions are its hints; the states are then made from the whole
+/// perception as ever, whose camera poses and outlines are those known at the end. Throws InputError for bad
+/// sequences and prompts, when such a perception is to be kept, when the camera's poses are to be given and
+/// are not, and when no frame has depth, masks and a camera pose; then nothing is left at `out`.
 void estimate(const std::filesystem::path& sequence, const Variant& variant, const EstimateOptions& options,
               const std::filesystem::path& out);
 

@@ -271,6 +271,12 @@ void visit(Io& io, Variant& o) {
   io.choice(
       "parameterisation", o.body.parameterisation,
       Choices<Parameterisation>{{"object", Parameterisation::object}, {"global", Parameterisation::global}});
+  io.choice("feedback", o.feedback,
+            Choices<Feedback>{{"perception", Feedback::perception}, {"backend", Feedback::backend}});
+  io.section("joined", [&](auto& inner) {
+    inner.number("envelope_margin", o.joined.envelope_margin, 0.0, 100.0);
+    inner.number("envelope_slack_m", o.joined.envelope_slack_m, 0.0, 100.0);
+  });
   io.choice("output", o.output, Choices<Output>{{"causal", Output::causal}, {"final", Output::final}});
 }
 

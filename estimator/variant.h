@@ -4,6 +4,7 @@
 #include <string>
 
 #include "estimator/objects/body_estimator.h"
+#include "estimator/objects/joined_backend.h"
 #include "estimator/perception/perceive.h"
 #include "estimator/shape/obb_ransac.h"
 
@@ -31,6 +32,12 @@ constexpr const char* to_string(Output output) {
   return output == Output::causal ? "causal" : "final";
 }
 
+/// What the tracking of features knows beforehand of how the bodies move and what they cover.
+enum class Feedback {
+  perception,  ///< perception's own motions from frame to frame: its result can be kept and shared
+  backend,     ///< paper: the back end's prediction and quadric of each body; both run joined
+};
+
 /// A variant of the estimator, as its file says: all options of all parts, with defaults.
 struct Variant {
   std::string name = "single_frame_obb";
@@ -41,6 +48,8 @@ struct Variant {
   BodyOptions body;
   Backend backend = Backend::single_frame;
   Output output = Output::final;  // ours: as the trajectories of SLAM systems are given
+  Feedback feedback = Feedback::perception;
+  JoinedOptions joined;  // of Feedback::backend
 };
 
 /// Reads a variant file (configs/variants). Keys left out have their defaults; an unknown key, a value out of

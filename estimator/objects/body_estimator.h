@@ -64,6 +64,10 @@ class BodyEstimator {
   /// initialised, while the camera's pose is unknown, and after it was lost.
   std::optional<BodyState> step(const PerceivedFrame& frame, const BodyObservation* body);
 
+  /// world_from_body at a frame that comes, of a body that has been found before: perception's own motion of
+  /// `body` since the last frame where there is one, else constant velocity, or rest.
+  Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;
+
  private:
   struct Tracked {
     std::int64_t frame, stamp_ns;
@@ -81,7 +85,6 @@ class BodyEstimator {
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
   bool is_stale(const PerceivedFrame& frame) const;
   PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame) const;
-  Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;
   BodyState state_at(const PerceivedFrame& frame, const Pose& world_from_body,
                      const Matrix6d& covariance) const;
 

@@ -102,6 +102,12 @@ void give_up(const FrameView& view, TrackedBody& body, bool tracks_too) {
 }  // namespace
 
 std::optional<Pose> expected_pose(const FrameView& view, const TrackedBody& body) {
+  const auto hint = view.hints.find(body.label);
+  if (hint != view.hints.end() && hint->second.motion && body.camera_from_map) {
+    Pose pose = *hint->second.motion * *body.camera_from_map;
+    pose.rotation.normalize();
+    return pose;
+  }
   if (view.step_ns > std::int64_t(view.options.max_prediction_gap_s * 1e9)) return body.camera_from_map;
   return predicted_pose(body, view.step_ns);
 }

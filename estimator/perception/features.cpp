@@ -87,8 +87,9 @@ bool FrameView::place_roughly(PointTrack& track, const Eigen::Vector2d& pixel) c
 }
 
 bool FrameView::belongs(int label, const PointTrack& track) const {
-  if (label == 0 || !envelope || !track.depth) return true;
-  return envelope(label, seen_point(camera, track, options.motion.pixel_sigma).point);
+  const auto hint = hints.find(label);
+  if (hint == hints.end() || !hint->second.envelope || !track.depth) return true;
+  return hint->second.envelope(seen_point(camera, track, options.motion.pixel_sigma).point);
 }
 
 int FrameView::most_tracks(int label) const {
@@ -221,9 +222,9 @@ FeatureTracker::FeatureTracker(const Camera& camera, const FeatureOptions& optio
 FeatureTracker::~FeatureTracker() = default;
 
 TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat& image, const cv::Mat& depth,
-                                      const cv::Mat& masks, const BodyEnvelope& envelope) {
+                                      const cv::Mat& masks, const BodyHints& hints) {
   State& s = *state_;
-  FrameView view{s.lens, s.camera, s.options, envelope, gray_of(image), depth, {}};
+  FrameView view{s.lens, s.camera, s.options, hints, gray_of(image), depth, {}};
   view.regions = make_regions(masks, view.gray.size(), s.options.keep_margin_px, s.options.start_margin_px);
   view.frame = frame.frame;
   view.step_ns = frame.stamp_ns - s.last_stamp_ns;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <vector>
@@ -8,6 +7,7 @@
 #include "core/geometry/camera.h"
 #include "core/geometry/pose.h"
 #include "core/sequence/sequence.h"
+#include "estimator/perception/body_hints.h"
 #include "estimator/perception/patch_alignment.h"
 #include "estimator/perception/perception.h"
 #include "estimator/perception/plane_depth.h"
@@ -62,9 +62,6 @@ struct TrackedFeatures {
   std::optional<Pose> background_motion;  ///< the same of the background: the camera's motion, backwards
 };
 
-/// Whether a point in the camera frame can belong to a body, for example by the envelope of its quadric.
-using BodyEnvelope = std::function<bool(int body, const Eigen::Vector3d& p_camera)>;
-
 /// Corners on the background and on each body, tracked from frame to frame by Lucas-Kanade seeded with the
 /// predicted motion and kept while they move rigidly with their body (paper: FAST, KLT, motion prior). Each
 /// is aligned to what it looked like when it was found, so that it does not drift; one that was lost gets its
@@ -75,9 +72,10 @@ class FeatureTracker {
   ~FeatureTracker();
 
   /// Frames in their order. `image` CV_8UC3 or CV_8UC1; `depth` CV_32FC1 [m, 0 none] or empty; `masks`
-  /// CV_16UC1 labels of the bodies, 0 background, or empty: nothing but background.
+  /// CV_16UC1 labels of the bodies, 0 background, or empty: nothing but background. `hints`: what is known of
+  /// the bodies in this frame from elsewhere.
   TrackedFeatures track(const SequenceFrame& frame, const cv::Mat& image, const cv::Mat& depth,
-                        const cv::Mat& masks, const BodyEnvelope& envelope = {});
+                        const cv::Mat& masks, const BodyHints& hints = {});
 
  private:
   struct State;

@@ -16,7 +16,7 @@ struct FrameView {
   const Camera& lens;    ///< as it is
   const Camera& camera;  ///< without distortion
   const FeatureOptions& options;
-  const BodyEnvelope& envelope;
+  const BodyHints& hints;
   cv::Mat gray, depth;  ///< CV_8UC1; CV_32FC1 [m] or empty
   Regions regions;
   std::int64_t frame = 0, step_ns = 0;
@@ -31,7 +31,8 @@ struct FrameView {
   int most_tracks(int label) const;  ///< of a body's gallery
 };
 
-/// Where a body's map is expected in this frame; its last pose when the motion is not known.
+/// Where a body's map is expected in this frame, by a hint or as it moved last; its last pose when the motion
+/// is not known.
 std::optional<Pose> expected_pose(const FrameView& view, const TrackedBody& body);
 
 /// Moves a body by its tracks, which have been followed into this frame: RANSAC, alignment of each track to

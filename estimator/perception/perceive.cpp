@@ -39,10 +39,13 @@ std::map<std::int64_t, Pose> by_stamp(const Trajectory& trajectory) {
   return poses;
 }
 
+std::optional<Pose> pose_at(const std::map<std::int64_t, Pose>& poses, std::int64_t stamp_ns) {
+  const auto pose = poses.find(stamp_ns);
+  return pose == poses.end() ? std::nullopt : std::optional(pose->second);
+}
+
 void add_poses(Perception& perception, const std::map<std::int64_t, Pose>& poses) {
-  for (PerceivedFrame& frame : perception.frames)
-    if (const auto pose = poses.find(frame.stamp_ns); pose != poses.end())
-      frame.world_from_camera = pose->second;
+  for (PerceivedFrame& frame : perception.frames) frame.world_from_camera = pose_at(poses, frame.stamp_ns);
 }
 
 std::map<std::int64_t, Pose> given_poses(const Sequence& sequence) {
@@ -196,11 +199,15 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
   const auto track = [&](std::shared_ptr<Work> work) {
     const SequenceFrame& frame = sequence.frames[work->index];
     Stopwatch watch(frame.frame, work->times);
-    const TrackedFeatures tracked = features.track(frame, work->rgb, work->depth, work->masks);
+    BodyHints hints;
+    if (run.feedback) hints = run.feedback->hints(frame.frame, frame.stamp_ns);
+    const TrackedFeatures tracked = features.track(frame, work->rgb, work->depth, work->masks, hints);
     add_features(tracked, work->result);
     watch.stop("features");
     if (!is_given) odometry.track(frame, tracked, work->depth, work->masks);
     watch.stop("ego");
+    if (run.feedback)
+      work->result.world_from_camera = is_given ? pose_at(*poses, frame.stamp_ns) : odometry.pose();
     return work;
   };
   const auto look = [&](std::shared_ptr<Work> work) {
@@ -215,12 +222,17 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
     times.insert(times.end(), work->times.begin(), work->times.end());
     perception.frames[work->index] = std::move(work->result);
     add_late_outlines(work->late, perception.frames);
+    if (run.feedback) {
+      Stopwatch watch(sequence.frames[work->index].frame, times);
+      run.feedback->take(perception.frames[work->index]);
+      watch.stop("feedback");
+    }
     progress.advance();
   };
   using Handle = std::shared_ptr<Work>;
   tbb::task_arena arena(run.threads > 0 ? run.threads : tbb::task_arena::automatic);
   arena.execute([&] {
-    tbb::parallel_pipeline(kFramesInFlight,
+    tbb::parallel_pipeline(run.feedback ? 1 : kFramesInFlight,
                            tbb::make_filter<void, Handle>(tbb::filter_mode::serial_in_order, take) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, read) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, carry) &

@@ -40,6 +40,7 @@ struct PerceiveOptions {
   int threads = 0;                     ///< 0: as many as the machine has
   std::filesystem::path masks_folder;  ///< where masks are written as PNG (16-bit ids); empty: nowhere
   bool quiet = false;
+  BodyFeedback* feedback = nullptr;  ///< goes along frame by frame; null: nothing does
 };
 
 /// The perception stage: masks, outlines, feature tracks, depth points and the camera's poses of every frame,

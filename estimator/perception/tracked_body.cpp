@@ -73,6 +73,7 @@ void add_sighting(PointTrack& track, const Camera& camera, const Pose& camera_fr
 
 void retire(TrackedBody& body, PointTrack track, int min_sightings, int most_tracks) {
   if (!track.landmark || !track.anchor || track.landmark->sightings < min_sightings) return;
+  if (most_tracks <= 0) return;
   if (std::ssize(body.gallery) >= most_tracks) body.gallery.erase(body.gallery.begin());
   track.missed = track.tries = 0;
   body.gallery.push_back(std::move(track));

@@ -29,8 +29,9 @@ struct Cell {
   std::string scene, variant;
   std::uint64_t seed;
   fs::path variant_file;
-  fs::path folder;  // relative to the results
-  std::string perception_key, estimate_key;
+  fs::path folder;                            // relative to the results
+  std::optional<std::string> perception_key;  // nothing: it runs joined with the back end, and is not kept
+  std::string estimate_key;
   std::string failure;  // empty: none
 
   std::string label() const { return fmt::format("{} / {} / seed {}", scene, variant, seed); }
@@ -56,6 +57,11 @@ struct Run {
   TaskPool& pool;
 };
 
+std::optional<std::string> shared_perception_key(const Simulation& simulation, const Variant& variant) {
+  if (variant.feedback == Feedback::backend) return std::nullopt;
+  return perception_key(simulation.key, perception_yaml(variant), simulation.seed);
+}
+
 std::vector<std::unique_ptr<Simulation>> plan(const BenchConfig& config) {
   std::vector<std::unique_ptr<Simulation>> simulations;
   std::vector<Variant> variants;
@@ -78,7 +84,7 @@ std::vector<std::unique_ptr<Simulation>> plan(const BenchConfig& config) {
         const auto& variant = config.variants[v];
         simulation->cells.push_back({scene.name, variant.name, seed, variant.path,
                                      fmt::format("cells/{}/{}/seed_{}", scene.name, variant.name, seed),
-                                     perception_key(simulation->key, perception_yaml(variants[v]), seed),
+                                     shared_perception_key(*simulation, variants[v]),
                                      estimate_key(simulation->key, variant_yaml(variants[v]), seed), ""});
       }
       simulations.push_back(std::move(simulation));
@@ -95,7 +101,7 @@ bool is_done(const Run& run, const Cell& cell) {
 
 // Variants that agree in their perception share its result; it goes with the sequence.
 fs::path perception_folder(const Run& run, const Simulation& simulation, const Cell& cell) {
-  return run.out / (simulation.folder.string() + "/perception_" + cell.perception_key);
+  return run.out / (simulation.folder.string() + "/perception_" + *cell.perception_key);
 }
 
 // Runs a subcommand of this program that makes `folder`, unless it is there already.
@@ -122,15 +128,11 @@ void run_cell(const Run& run, const Simulation& simulation, Cell& cell) {
     if (!result.ok) cell.failure = fmt::format("{}: {}", command[0], result.message);
     return result.ok;
   };
-  std::vector<std::string> command = {"estimate",
-                                      data / "sequence",
-                                      estimate,
-                                      "--variant",
-                                      cell.variant_file,
-                                      "--seed",
-                                      std::to_string(cell.seed),
-                                      "--perception",
-                                      perception_folder(run, simulation, cell)};
+  std::vector<std::string> command = {
+      "estimate", data / "sequence",        estimate, "--variant", cell.variant_file,
+      "--seed",   std::to_string(cell.seed)};
+  if (cell.perception_key)
+    command.insert(command.end(), {"--perception", perception_folder(run, simulation, cell)});
   if (run.config.output) command.insert(command.end(), {"--output", to_string(*run.config.output)});
   stage("estimate", cell.estimate_key, command) &&
       stage("evaluation", evaluation_key(cell.estimate_key),
@@ -154,10 +156,10 @@ void finish_cell(const Run& run, Simulation& simulation, Cell& cell) {
 // Cells of one perception: it is made first, then the cells run side by side.
 void run_cells(const Run& run, Simulation& simulation, const std::vector<Cell*>& cells) {
   const Cell& first = *cells.front();
-  const fs::path folder = perception_folder(run, simulation, first), log = folder.string() + ".log";
-  if (first.failure.empty()) {
+  if (first.failure.empty() && first.perception_key) {
+    const fs::path folder = perception_folder(run, simulation, first), log = folder.string() + ".log";
     const ProcessResult result =
-        run_stage(run, folder, first.perception_key,
+        run_stage(run, folder, *first.perception_key,
                   {"perceive", run.out / simulation.folder / "sequence", folder, "--variant",
                    first.variant_file, "--seed", std::to_string(first.seed)},
                   log);
@@ -205,7 +207,7 @@ void run_simulation(const Run& run, Simulation& simulation) {
     keep_lidar_routes(run.out / simulation.folder, timing,
                       run.out / "lidar" / simulation.scene / fmt::format("seed_{}", simulation.seed));
   simulation.unfinished = static_cast<int>(waiting.size());
-  std::map<std::string, std::vector<Cell*>> by_perception;
+  std::map<std::optional<std::string>, std::vector<Cell*>> by_perception;
   for (Cell* cell : waiting) {
     by_perception[cell->perception_key].push_back(cell);
     if (!result.ok) cell->failure = "simulate: " + result.message;

@@ -213,6 +213,74 @@ TEST(Robustness, ABodyThatLeavesAndReturnsIsTheSameAndNeverActiveMeanwhile) {
   EXPECT_EQ(after, 10);
 }
 
+// Gives back what perception expects by itself.
+class Echo : public BodyFeedback {
+ public:
+  int hinted = 0;
+
+  BodyHints hints(std::int64_t, std::int64_t stamp_ns) override {
+    BodyHints hints;
+    const double steps = static_cast<double>(stamp_ns - last_ns_) / static_cast<double>(step_ns_);
+    for (const auto& [id, motion] : motions_) hints[id].motion = exp_se3(steps * log_se3(motion));
+    hinted += static_cast<int>(hints.size());
+    return hints;
+  }
+  void take(const PerceivedFrame& frame) override {
+    EXPECT_TRUE(frame.world_from_camera);
+    step_ns_ = frame.stamp_ns - last_ns_;
+    last_ns_ = frame.stamp_ns;
+    motions_.clear();
+    for (const BodyObservation& body : frame.bodies)
+      if (body.motion) motions_[body.id] = *body.motion;
+  }
+
+ private:
+  std::map<int, Pose> motions_;
+  std::int64_t last_ns_ = 0, step_ns_ = 1;
+};
+
+TEST(Robustness, WithItsOwnExpectationsForHintsPerceptionIsTheSame) {
+  const TempFolder temp;
+  const Sequence sequence = write_drawn_sequence(temp.path() / "sequence", {kRed}, 16);
+  Echo echo;
+  std::map<bool, std::string> bytes;
+  for (const bool joined : {false, true}) {
+    PerceiveOptions run;
+    run.quiet = true;
+    run.feedback = joined ? &echo : nullptr;
+    std::vector<StageTime> times;
+    const fs::path folder = temp.path() / (joined ? "joined" : "alone");
+    fs::create_directories(folder);
+    write_perception(folder, perceive(sequence, {}, run, times));
+    bytes[joined] = read_text(folder / "observations.bin");
+  }
+  EXPECT_GT(echo.hinted, 8);
+  EXPECT_EQ(bytes[false], bytes[true]);
+}
+
+TEST(Robustness, JoinedWithTheBackEndTheBytesAreThoseOfAnyNumberOfThreads) {
+  const TempFolder temp;
+  Sprite blue = kRed;
+  blue.id = 2;
+  blue.texture = 12;
+  blue.corner_px = [](std::int64_t n) { return Eigen::Vector2d(200 - 1.5 * double(n), 120); };
+  write_drawn_sequence(temp.path(), {kRed, blue}, 24);
+  Variant joined = windows(EgoSource::rgbd);
+  joined.feedback = Feedback::backend;
+  const Outcome one = run(temp.path(), 1, joined), four = run(temp.path(), 4, joined);
+  EXPECT_EQ(one.files, four.files);
+  ASSERT_EQ(one.tracks.objects.size(), 2u);
+  expect_sane(one.tracks);
+  EXPECT_NE(one.files.at("out/run.yaml").find("feedback: backend"), std::string::npos);
+  EstimateOptions options;
+  options.quiet = true;
+  options.perception = temp.path() / "kept";
+  const std::string message =
+      input_error([&] { estimate(temp.path(), joined, options, temp.path() / "out"); });
+  EXPECT_NE(message.find("feedback: backend"), std::string::npos) << message;
+  EXPECT_FALSE(fs::exists(temp.path() / "out") || fs::exists(options.perception));
+}
+
 TEST(Robustness, ThirtyBodiesHaveTheSameBytesForAnyNumberOfThreads) {
   std::vector<Sprite> crowd;
   for (int i = 0; i < 30; ++i) {

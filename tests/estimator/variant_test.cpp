@@ -28,7 +28,8 @@ std::string other_value(const std::string& key, const std::string& value) {
       {"tangent", "vector"},       {"hull", "bbox"},          {"hard", "soft"},
       {"single_frame", "windows"}, {"final", "causal"},       {"virtual", "threads"},
       {"sequence", "fixed"},       {"ultrafast", "fast"},     {"none", "renyi"},
-      {"object", "global"},        {"given", "rgbd"},         {"flow", "nanotrack"}};
+      {"object", "global"},        {"perception", "backend"}, {"given", "rgbd"},
+      {"flow", "nanotrack"}};
   if (value.empty()) return "";
   if (key == "fit") return "pca";
   if (key == "exponents") return "3";

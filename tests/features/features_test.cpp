@@ -114,15 +114,66 @@ TEST(Features, AnEnvelopeTakesFeaturesOff) {
   const auto frame = world.frame(0, {});
   int asked = 0;
   const auto seen = tracker.track(frame_at(0), frame.gray, frame.depth, frame.masks,
-                                  [&](int body, const Eigen::Vector3d& p) {
-                                    EXPECT_EQ(body, 3);
-                                    ++asked;
-                                    return p.x() > 0.1;
-                                  });
+                                  {{3, {std::nullopt, [&](const Eigen::Vector3d& p) {
+                                          ++asked;
+                                          return p.x() > 0.1;
+                                        }}}});
   EXPECT_GT(asked, 20);
   ASSERT_TRUE(seen.bodies.contains(3));
   for (const auto& feature : seen.bodies.at(3))
     EXPECT_GT((small_camera().unproject(feature.pixel)->x() * feature.depth_m), 0.1);
+}
+
+// A hint that says what the tracker expects by itself changes no bit.
+TEST(Features, AHintOfTheLastMotionIsTheTrackersOwn) {
+  const TumblingBox world;
+  FeatureTracker alone(small_camera(), {}, 1), told(small_camera(), {}, 1);
+  std::optional<Pose> motion;
+  int hints = 0;
+  for (int i = 0; i < 8; ++i) {
+    const auto frame = world.frame(i, {0.005, 2});
+    const auto step_ns = [&](int k) { return double(frame_at(k).stamp_ns - frame_at(k - 1).stamp_ns); };
+    BodyHints hint;
+    if (motion) hint[3].motion = exp_se3(step_ns(i) / step_ns(i - 1) * log_se3(*motion));
+    hints += std::ssize(hint);
+    const auto a = track(alone, i, frame);
+    const auto b = told.track(frame_at(i), frame.gray, frame.depth, frame.masks, hint);
+    ASSERT_EQ(a.motions.contains(3), b.motions.contains(3));
+    motion.reset();
+    if (a.motions.contains(3)) motion = a.motions.at(3);
+    ASSERT_EQ(a.bodies.at(3).size(), b.bodies.at(3).size()) << i;
+    for (std::size_t k = 0; k < a.bodies.at(3).size(); ++k)
+      EXPECT_EQ(a.bodies.at(3)[k].pixel, b.bodies.at(3)[k].pixel);
+  }
+  EXPECT_EQ(hints, 6);
+}
+
+// The box leaps by a fifth of a metre from one frame to the next: who is told finds points of it there.
+TEST(Features, AHintLeadsOverALeap) {
+  constexpr int kLeap = 4;
+  const Pose leap{Eigen::Quaterniond::Identity(), {0.2, 0, 0}};
+  const auto kept = [&](bool is_told) {
+    TumblingBox world;
+    FeatureOptions options;
+    options.gallery.body_tracks = 0;  // nothing that was lost is recognised
+    FeatureTracker tracker(small_camera(), options, 1);
+    std::set<std::int64_t> before, after;
+    for (int i = 0; i <= kLeap; ++i) {
+      if (i == kLeap)
+        for (DrawnCard& card : world.box) card.camera_from_card = leap * card.camera_from_card;
+      const auto frame = world.frame(i, {0.005, 2});
+      BodyHints hint;
+      if (i == kLeap && is_told)
+        hint[3].motion = world.camera_from_box(i) * leap * world.camera_from_box(i - 1).inverse();
+      const auto seen = tracker.track(frame_at(i), frame.gray, frame.depth, frame.masks, hint);
+      auto& ids = i == kLeap ? after : before;
+      if (i >= kLeap - 1)
+        for (const auto& feature : seen.bodies.at(3)) ids.insert(feature.track);
+    }
+    return std::count_if(after.begin(), after.end(), [&](auto id) { return before.contains(id); });
+  };
+  EXPECT_GT(kept(true), 10);
+  EXPECT_LT(kept(false), 5);
 }
 
 TEST(Features, PoorInputGivesNoMotionAndNoCrash) {
