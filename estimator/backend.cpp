@@ -84,13 +84,20 @@ BodyTrack estimate_body(const Perception& perception, int id, const Variant& var
   BodyEstimator estimator(id, perception.camera, variant.body, seed);
   std::vector<BodyState> states;
   for (const PerceivedFrame& frame : perception.frames) {
-    Stopwatch watch(frame.frame, result.times);
+    std::vector<StageTime> windows, solutions;
+    Stopwatch watch(frame.frame, windows);
     const BodyObservation* body = find_body(frame, id);
-    if (auto state = estimator.step(frame, body))
+    if (auto state = estimator.step(frame, body, &solutions))
       states.push_back(std::move(*state));
     else
       result.without_state += body != nullptr;
     watch.stop("windows");
+    for (StageTime& solution : solutions) {
+      solution.frame = frame.frame;
+      windows.back().ms -= solution.ms;  // stages do not overlap
+    }
+    result.times.insert(result.times.end(), solutions.begin(), solutions.end());
+    result.times.push_back(windows.back());
   }
   if (variant.output == Output::final) finish(states, variant.body.trajectory);
   for (const BodyState& state : states) result.track.states.push_back(object_state(state));

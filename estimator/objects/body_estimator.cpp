@@ -44,7 +44,9 @@ BodyEstimator::BodyEstimator(int id, const Camera& camera, const BodyOptions& op
       shape_(id, camera, options.shape, seed),
       motion_(options.motion) {}
 
-std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const BodyObservation* body) {
+std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const BodyObservation* body,
+                                             std::vector<StageTime>* times) {
+  shape_.note_times(times);
   if (!frame.world_from_camera) return std::nullopt;
   shape_.receive(frame.frame);  // silhouettes that came late
   if (recent_.empty()) {
@@ -88,7 +90,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     const int beginnings = beginnings_ + 1;
     *this = BodyEstimator(id_, camera_, options_, seed_);
     beginnings_ = beginnings;
-    return step(frame, body);
+    return step(frame, body, times);
   }
   if (hidden_s > options_.lifecycle.lost_after_s) return std::nullopt;
   const PoseSigmas sigmas = prediction_sigmas_at(frame);

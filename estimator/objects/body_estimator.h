@@ -62,7 +62,9 @@ class BodyEstimator {
 
   /// The next frame; `body` null where perception has nothing of it. Nothing before the body has been
   /// initialised, while the camera's pose is unknown, and after it was lost.
-  std::optional<BodyState> step(const PerceivedFrame& frame, const BodyObservation* body);
+  /// `times` receives what each solution of the long window took; null: nothing does.
+  std::optional<BodyState> step(const PerceivedFrame& frame, const BodyObservation* body,
+                                std::vector<StageTime>* times = nullptr);
 
   /// world_from_body at a frame that comes, of a body that has been found before: perception's own motion of
   /// `body` since the last frame where there is one, else constant velocity, or rest.

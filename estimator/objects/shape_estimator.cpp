@@ -198,7 +198,11 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
       options.offset_sigmas = kBoxSigmas;
     }
     if (!turns) options.offset_sigmas.rotation_rad = kHeld;
-    return solve_shape(camera_, views_, depth, axis_beliefs(box), from, options);
+    std::vector<StageTime> unasked;
+    Stopwatch watch(views_.back().frame, times_ ? *times_ : unasked);
+    ShapeSolution solution = solve_shape(camera_, views_, depth, axis_beliefs(box), from, options);
+    watch.stop(kLongWindowStage);
+    return solution;
   };
   ShapeSolution best = solve_from(shape_);
   if (other_start) {

@@ -10,10 +10,14 @@
 #include "estimator/shape/accumulated_cloud.h"
 #include "estimator/shape/axis_fusion.h"
 #include "estimator/shape/obb_ransac.h"
+#include "estimator/stopwatch.h"
 #include "estimator/window/long_window.h"
 #include "estimator/window/short_window.h"
 
 namespace uniquadric {
+
+/// Stage of timing.csv: one solution of the long window of one body.
+inline constexpr const char* kLongWindowStage = "long_window";
 
 struct ShapeOptions {
   ObbOptions obb;
@@ -48,6 +52,9 @@ class ShapeEstimator {
   /// Centre of the body in the world, from one outline and depth; nothing without depth.
   std::optional<Eigen::Vector3d> center_of(const PerceivedFrame& frame, const BodyObservation& body) const;
 
+  /// Where the time of each of the long window's solutions is noted; null: nowhere.
+  void note_times(std::vector<StageTime>* times) { times_ = times; }
+
   const Shape& shape() const { return shape_; }
   SurfaceModel surface() const { return surface_.model(); }
 
@@ -68,6 +75,7 @@ class ShapeEstimator {
   std::vector<ShapeView> views_, waiting_;
   std::deque<AxisEstimate> axes_;  // of single keyframes by Alg. 1
   std::deque<Pose> boxes_;         // body_from_box of the same
+  std::vector<StageTime>* times_ = nullptr;
   AccumulatedCloud cloud_;
   SurfaceCloud surface_;
 };
