@@ -255,6 +255,7 @@ void smooth(std::vector<PoseSample>& samples, std::vector<Pose>& nominal, Part p
     const auto score = [&](double ratio) { return unlikelihood(chain, solve(chain, ratio * unit), ratio); };
     for (const double step : {100.0, 10.0, 3.0}) jerk = descend(jerk, step, score);
     solution = solve(chain, jerk * unit);
+    if (!(solution.cost > 0)) return;  // a quadric fixed in the world: there is no noise to take off
     scale = solution.cost / dimensions(chain);
     for (std::size_t k = 0; k < nominal.size(); ++k) move(nominal[k], solution.states[k].head<3>(), part);
   }

@@ -38,8 +38,9 @@ struct TrajectorySmootherOptions {
 /// white noise disturbs (the prior of Eq. 7 with one derivative more, over all frames; Tang et al., "A
 /// white-noise-on-jerk motion prior", RA-L 2019), translation of the object's origin and rotation by
 /// themselves. How restless the body is, and by how much the covariances are too small, is what makes the
-/// samples most likely. Frames without evidence between others are filled in; those after the last evidence
-/// stay as they are. Poses and covariances are replaced; stamps are strictly increasing.
+/// samples most likely; samples without any noise stay as they are. Frames without evidence between others
+/// are filled in; those after the last evidence stay as they are. Poses and covariances are replaced; stamps
+/// are strictly increasing.
 void smooth_trajectory(std::vector<PoseSample>& samples, const TrajectorySmootherOptions& options);
 
 }  // namespace uniquadric

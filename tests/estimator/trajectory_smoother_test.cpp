@@ -125,6 +125,20 @@ TEST(TrajectorySmoother, CovarianceOfABodyAtRestIsThatOfAFittedParabola) {
   EXPECT_LT(middle.world_from_object.translation.norm(), 4 * std::sqrt(middle.covariance.trace()));
 }
 
+TEST(TrajectorySmoother, ABodyThatNeverMovesAtAllStaysAsItIs) {
+  std::vector<PoseSample> samples;
+  for (int k = 0; k < 20; ++k) {
+    samples.push_back({k * 33'333'333LL, {Eigen::Quaterniond::Identity(), {1, 2, 3}}});
+    samples.back().covariance.setZero();
+  }
+  smooth_trajectory(samples, {});
+  for (const PoseSample& sample : samples) {
+    EXPECT_EQ(sample.world_from_object.translation, Eigen::Vector3d(1, 2, 3));
+    EXPECT_EQ(sample.world_from_object.rotation.coeffs(), Eigen::Quaterniond::Identity().coeffs());
+    EXPECT_TRUE(sample.covariance.allFinite());
+  }
+}
+
 TEST(TrajectorySmoother, FillsInASecondOfASwingThatNobodySaw) {
   std::vector<PoseSample> samples = samples_of(swing, 240, 0.001, 0.004);
   hide(samples, 100, 135);
