@@ -26,10 +26,11 @@ void visit(Io& io, PointOptions& o) {
 
 template <typename Io>
 void visit(Io& io, ObbOptions& o) {
-  io.choice(
-      "fit", o.fit,
-      Choices<BoxFit>{
-          {"surface", BoxFit::surface}, {"minimum_volume", BoxFit::minimum_volume}, {"pca", BoxFit::pca}});
+  io.choice("fit", o.fit,
+            Choices<BoxFit>{{"surface", BoxFit::surface},
+                            {"tight_surface", BoxFit::tight_surface},
+                            {"minimum_volume", BoxFit::minimum_volume},
+                            {"pca", BoxFit::pca}});
   io.choice(
       "inlier_distance", o.inlier_distance,
       Choices<InlierDistance>{{"surface", InlierDistance::surface}, {"corner", InlierDistance::corner}});
@@ -201,6 +202,8 @@ void visit(Io& io, LongWindowOptions& o) {
       Choices<Outline>{{"bbox", Outline::bbox}, {"rot_bbox", Outline::rot_bbox}, {"hull", Outline::hull}});
   io.number("exponents", o.exponents, 0, 3);
   io.positive("outline_sigma_px", o.outline_sigma_px);
+  io.choice("outline_noise", o.outline_noise,
+            Choices<OutlineNoise>{{"given", OutlineNoise::given}, {"measured", OutlineNoise::measured}});
   io.choice("axis_prior", o.axis_prior,
             Choices<AxisPrior>{{"none", AxisPrior::none},
                                {"mean", AxisPrior::mean},
@@ -208,6 +211,8 @@ void visit(Io& io, LongWindowOptions& o) {
                                {"renyi", AxisPrior::renyi},
                                {"literal", AxisPrior::literal},
                                {"accumulated", AxisPrior::accumulated}});
+  io.choice("axis_samples", o.axis_samples,
+            Choices<AxisSamples>{{"boxes", AxisSamples::boxes}, {"extents", AxisSamples::extents}});
   io.choice("rigid_prior", o.rigid_prior,
             Choices<RigidPrior>{
                 {"none", RigidPrior::none}, {"soft", RigidPrior::soft}, {"hard", RigidPrior::hard}});

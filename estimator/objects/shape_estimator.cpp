@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/geometry/box_symmetry.h"
+#include "estimator/objects/shape_by_extents.h"
 #include "estimator/shape/reach.h"
 
 namespace uniquadric {
@@ -158,10 +159,14 @@ Pose ShapeEstimator::usual_box() const {
                            [&](const Pose& a, const Pose& b) { return sum(a) < sum(b); });
 }
 
+AxisBelief ShapeEstimator::sphere_belief() const {
+  const Eigen::Vector3d sphere = Eigen::Vector3d::Constant(radius_m_);
+  return {sphere, options_.sphere_sigma * sphere};
+}
+
 // The sphere's weak one, and the one that the options ask for (Eq. 15).
 std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<AccumulatedBox>& box) const {
-  const Eigen::Vector3d sphere = Eigen::Vector3d::Constant(radius_m_);
-  std::vector<AxisBelief> beliefs = {{sphere, options_.sphere_sigma * sphere}};
+  std::vector<AxisBelief> beliefs = {sphere_belief()};
   const AxisPrior prior = options_.long_window.axis_prior;
   if (prior == AxisPrior::accumulated && box) {
     AxisBelief belief = beliefs.front();
@@ -185,6 +190,16 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
   if (views_.empty()) return;
   thin_views(views_, options_.long_window.keyframes);
   const LongWindowOptions& window = options_.long_window;
+  if (fuses(window.axis_prior) && window.axis_samples == AxisSamples::extents) {
+    AxisFusionOptions fusion = options_.fusion;
+    fusion.rule = fusion_rule(window.axis_prior);
+    const auto found = shape_by_extents(
+        {camera_, views_, boxes_, sphere_belief(), kThinnest * radius_m_, fusion, window}, shape_);
+    if (found) {
+      shape_ = *found;
+      return;
+    }
+  }
   const auto solve_from = [&](const Shape& start, bool turns = true) {
     std::optional<AccumulatedBox> box;
     if (needs_box(window)) box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());

@@ -60,6 +60,7 @@ class ShapeEstimator {
 
  private:
   Pose usual_box() const;
+  AxisBelief sphere_belief() const;
   std::vector<AxisBelief> axis_beliefs(const std::optional<AccumulatedBox>& box) const;
   std::optional<Shape> box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points);
   Shape with_seen_extents(Shape shape) const;

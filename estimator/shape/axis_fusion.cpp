@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 namespace uniquadric {
 namespace {
@@ -21,6 +23,21 @@ double median(Eigen::ArrayXd v) {
   std::sort(v.begin(), v.end());
   const Eigen::Index n = v.size();
   return n % 2 ? v[n / 2] : (v[n / 2 - 1] + v[n / 2]) / 2;
+}
+
+// Where half the weight is reached, between two values halfway if that is between them.
+double weighted_median(const Eigen::ArrayXd& v, const Eigen::ArrayXd& weight) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(v.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return v[a] < v[b]; });
+  const double half = weight.sum() / 2, tie = 1e-9 * weight.sum();
+  double below = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    below += weight[order[i]];
+    if (std::abs(below - half) < tie && i + 1 < order.size()) return (v[order[i]] + v[order[i + 1]]) / 2;
+    if (below > half) return v[order[i]];
+  }
+  return v[order.back()];
 }
 
 double spread(const Eigen::ArrayXd& v, double center) {
@@ -49,8 +66,11 @@ double mode_sigma(const Eigen::ArrayXd& difference, const Eigen::ArrayXd& varian
 
 Fused fuse_renyi(const Samples& s, const AxisFusionOptions& options) {
   const double n = static_cast<double>(s.value.size());
-  double mode = median(s.value);
-  const double h = options.bandwidth * spread(s.value, mode) * std::pow(n, -0.2);
+  const Eigen::ArrayXd trust =
+      options.weighted_spread ? s.sigma.square().inverse().eval() : Eigen::ArrayXd::Ones(s.sigma.size());
+  double mode = weighted_median(s.value, trust);
+  const double h =
+      options.bandwidth * kMadToSigma * weighted_median((s.value - mode).abs(), trust) * std::pow(n, -0.2);
   const Eigen::ArrayXd variance = s.sigma.square() + h * h;
   const Eigen::ArrayXd p = (-s.sigma / (2 * median(s.sigma))).exp();
   // The density's gradient vanishes where a is the mean of the A_i under p_i N_i(a) / variance_i.

@@ -24,6 +24,7 @@ Eigen::Matrix3Xd random_sample(const Eigen::Matrix3Xd& points, int count, std::v
 
 OrientedBox fit_box(const Eigen::Matrix3Xd& sample, BoxFit fit) {
   if (fit == BoxFit::pca) return *fit_pca_box(sample);
+  if (fit == BoxFit::tight_surface) return *fit_tight_surface_box(sample);
   return fit == BoxFit::surface ? *fit_surface_box(sample) : *fit_minimum_volume_box(sample);
 }
 

@@ -7,7 +7,7 @@
 
 namespace uniquadric {
 
-enum class BoxFit { surface, minimum_volume, pca };
+enum class BoxFit { surface, tight_surface, minimum_volume, pca };
 enum class InlierDistance { surface, corner };
 enum class AxisRule { blend_best, literal };
 

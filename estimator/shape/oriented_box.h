@@ -48,4 +48,8 @@ std::optional<OrientedBox> fit_minimum_volume_box(const Eigen::Matrix3Xd& points
 /// surface.
 std::optional<OrientedBox> fit_surface_box(const Eigen::Matrix3Xd& points);
 
+/// The same, the smaller of boxes whose surface fits alike: a single face, as of a plate seen from above,
+/// says nothing of the turn about its normal, only its rim does.
+std::optional<OrientedBox> fit_tight_surface_box(const Eigen::Matrix3Xd& points);
+
 }  // namespace uniquadric

@@ -11,15 +11,6 @@ constexpr int kRounds = 3;
 constexpr double kTrim = 2.5, kMadToSigma = 1.4826, kFurthest = 0.98;
 constexpr std::ptrdiff_t kLeastTop = 3;  // points that an end is the mean of, at least
 
-// Mean of the furthest points along a direction of the camera frame.
-double top_mean(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& direction, double share) {
-  Eigen::VectorXd along = points.transpose() * direction;
-  const auto n = std::clamp<std::ptrdiff_t>(std::lround(share * static_cast<double>(along.size())), kLeastTop,
-                                            along.size());
-  std::nth_element(along.begin(), along.begin() + n - 1, along.end(), std::greater<>());
-  return along.head(n).mean();
-}
-
 using Quadratic = Eigen::Matrix<double, 6, 1>;
 
 // The surface that a body ends in: heights over the plane across the direction, a quadratic in two
@@ -81,6 +72,14 @@ std::optional<double> surface_end(const PointView& view, const Eigen::Vector3d& 
 
 }  // namespace
 
+double mean_of_furthest(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& direction, double share) {
+  Eigen::VectorXd along = points.transpose() * direction;
+  const auto n = std::clamp<std::ptrdiff_t>(std::lround(share * static_cast<double>(along.size())), kLeastTop,
+                                            along.size());
+  std::nth_element(along.begin(), along.begin() + n - 1, along.end(), std::greater<>());
+  return along.head(n).mean();
+}
+
 std::optional<Reach> reach_along(const std::vector<PointView>& views, const Eigen::Vector3d& direction,
                                  const ReachOptions& options) {
   std::vector<double> all, shown;
@@ -88,7 +87,7 @@ std::optional<Reach> reach_along(const std::vector<PointView>& views, const Eige
     if (view.points->cols() < kLeastTop) continue;
     const Eigen::Vector3d in_camera = view.body_from_camera.rotation.conjugate() * direction;
     const double camera = direction.dot(view.body_from_camera.translation);
-    const double top = top_mean(*view.points, in_camera, options.top_share);
+    const double top = mean_of_furthest(*view.points, in_camera, options.top_share);
     const double end = surface_end(view, in_camera, top, options).value_or(top) + camera;
     all.push_back(end);
     const double range = view.points->rowwise().mean().norm();

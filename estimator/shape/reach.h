@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -14,6 +15,10 @@ struct PointView {
   const Eigen::Matrix3Xd *points = nullptr,
                          *normals = nullptr;  ///< (3 x n) camera frame [m] (smoothed_points)
   bool whole = true;                          ///< nothing hid a part of the body
+  double rim_m = 0;  ///< by which the points end before the outline of a body with edges
+  /// Angle at the middle of an ellipsoid between its foremost point and those that end before its outline
+  /// [rad].
+  double horizon_rad = std::numbers::pi / 2;
 };
 
 /// How far a body reaches along a direction.
@@ -32,6 +37,9 @@ struct ReachOptions {
   double min_sine = 0.25;       // of the angle between the touching plane and the line to the camera
   double least_quantile = 0.9;  // of all views where none shows the end: one view's outliers do not count
 };
+
+/// Mean of the share of points (3 x n, at least 3) that is furthest along a direction (unit), along it.
+double mean_of_furthest(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& direction, double share);
 
 /// From the points of many views; `direction`: unit, in the body's frame. A body shows its furthest point to
 /// every camera beyond the plane that touches it there: the median of those views counts. Nothing without

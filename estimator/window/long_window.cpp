@@ -30,18 +30,6 @@ struct Blocks {
   std::array<double, 3> exponents;
 };
 
-std::array<SupportLine, 4> sides_of(const Silhouette& silhouette) {
-  const Ellipse& box = silhouette.rot_bbox;
-  const Eigen::Vector2d major(std::cos(box.angle_rad), std::sin(box.angle_rad));
-  const Eigen::Vector2d minor(-major.y(), major.x());
-  std::array<SupportLine, 4> sides;
-  const Eigen::Vector2d normals[4] = {major, -major, minor, -minor};
-  for (int i = 0; i < 4; ++i)
-    sides[i] = {normals[i], normals[i].dot(box.center) + (i < 2 ? box.semi_major : box.semi_minor),
-                silhouette.side_free[i]};
-  return sides;
-}
-
 Ellipse upright_ellipse(const std::array<SupportLine, 4>& bbox) {
   const double a = (bbox[0].offset_px + bbox[2].offset_px) / 2,
                b = (bbox[1].offset_px + bbox[3].offset_px) / 2;
@@ -77,21 +65,26 @@ void add_tangents(ceres::Problem& problem, const Camera& camera, const ShapeView
 }
 
 // A conic needs the whole outline: views of which a side is cut say nothing.
-void add_conic(ceres::Problem& problem, const Camera& camera, const ShapeView& view, double* body,
-               Blocks& blocks, const LongWindowOptions& options) {
+std::optional<Ellipse> whole_outline(const ShapeView& view, const LongWindowOptions& options) {
   const auto is_free = [](const SupportLine& line) { return line.free; };
   const auto& bbox = view.silhouette.bbox;
   const auto& sides = view.silhouette.side_free;
   const bool upright = options.outline == Outline::bbox;
   if (upright ? !std::all_of(bbox.begin(), bbox.end(), is_free)
               : !std::all_of(sides.begin(), sides.end(), [](bool free) { return free; }))
-    return;
-  const Ellipse observed = upright ? upright_ellipse(bbox) : view.silhouette.rot_bbox;
+    return std::nullopt;
+  return upright ? upright_ellipse(bbox) : view.silhouette.rot_bbox;
+}
+
+void add_conic(ceres::Problem& problem, const Camera& camera, const ShapeView& view, double* body,
+               Blocks& blocks, const LongWindowOptions& options) {
+  const auto observed = whole_outline(view, options);
+  if (!observed) return;
   ConicOptions conic;
   conic.residual =
       options.semantic == SemanticFactor::literal ? ConicResidual::literal : ConicResidual::vector;
-  conic.sigma = conic_sigma(observed, options.outline_sigma_px);
-  problem.AddResidualBlock(conic_factor(camera, view.world_from_camera, observed, conic).release(),
+  conic.sigma = conic_sigma(*observed, options.outline_sigma_px);
+  problem.AddResidualBlock(conic_factor(camera, view.world_from_camera, *observed, conic).release(),
                            new ceres::HuberLoss(kHuberSigmas), body, blocks.offset.data(),
                            blocks.axes.data());
 }
@@ -159,6 +152,18 @@ Vector9d variances_of(ceres::Problem& problem, Blocks& blocks) {
 
 }  // namespace
 
+std::array<SupportLine, 4> sides_of(const Silhouette& silhouette) {
+  const Ellipse& box = silhouette.rot_bbox;
+  const Eigen::Vector2d major(std::cos(box.angle_rad), std::sin(box.angle_rad));
+  const Eigen::Vector2d minor(-major.y(), major.x());
+  std::array<SupportLine, 4> sides;
+  const Eigen::Vector2d normals[4] = {major, -major, minor, -minor};
+  for (int i = 0; i < 4; ++i)
+    sides[i] = {normals[i], normals[i].dot(box.center) + (i < 2 ? box.semi_major : box.semi_minor),
+                silhouette.side_free[i]};
+  return sides;
+}
+
 ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& views,
                           const DepthEvidence& depth, const std::vector<AxisBelief>& axes, const Shape& start,
                           const LongWindowOptions& options) {
@@ -214,6 +219,29 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   solution.shape.variances = variances_of(problem, blocks);
   for (const PoseBlock& body : blocks.bodies) solution.world_from_body.push_back(pose_from_block(body));
   return solution;
+}
+
+std::optional<double> outline_misfit_px(const Camera& camera, const std::vector<ShapeView>& views,
+                                        const Shape& shape, const LongWindowOptions& options) {
+  const PoseBlock offset = pose_block(shape.body_from_object);
+  const AxesBlock axes = axes_block(shape.semi_axes_m);
+  double squares = 0;
+  int counted = 0;
+  for (const ShapeView& view : views) {
+    const auto observed = whole_outline(view, options);
+    if (!observed) continue;
+    ConicOptions conic;
+    conic.sigma = conic_sigma(*observed, 1);  // residuals in pixels
+    const PoseBlock body = pose_block(view.world_from_body);
+    const std::array<const double*, 3> blocks = {body.data(), offset.data(), axes.data()};
+    Eigen::Matrix<double, 5, 1> residuals;
+    conic_factor(camera, view.world_from_camera, *observed, conic)
+        ->Evaluate(blocks.data(), residuals.data(), nullptr);
+    squares += residuals.squaredNorm();
+    ++counted;
+  }
+  if (counted == 0) return std::nullopt;
+  return std::sqrt(squares);  // the root of n times the mean
 }
 
 void thin_views(std::vector<ShapeView>& views, int most) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -30,6 +31,16 @@ enum class Outline {
 };
 /// Where the axes' prior comes from (Eq. 15).
 enum class AxisPrior { none, mean, inverse_variance, renyi, literal, accumulated };
+/// What is fused to it, of each keyframe.
+enum class AxisSamples {
+  boxes,    ///< the axes of Alg. 1's box: the paper's
+  extents,  ///< those of its points along the body's axes, each with what a view may hide of it
+};
+/// What an ellipse's outline is uncertain by.
+enum class OutlineNoise {
+  given,     ///< outline_sigma_px
+  measured,  ///< what the outlines are off the priors' ellipsoid by, and no less than outline_sigma_px
+};
 /// What holds the body's poses to the short window's (Eq. 16).
 enum class RigidPrior {
   none,
@@ -43,8 +54,10 @@ struct LongWindowOptions {
   Outline outline = Outline::hull;
   int exponents =
       1;  // ours: 0 is the ellipsoid (q = 2), 1 the superellipsoid, 3 the one with a top of its own
-  double outline_sigma_px = 1.0;           // ours: of one tangent, README.md
+  double outline_sigma_px = 1.0;  // ours: of one tangent, README.md
+  OutlineNoise outline_noise = OutlineNoise::given;
   AxisPrior axis_prior = AxisPrior::none;  // ours: depth_sides say more, where they are seen
+  AxisSamples axis_samples = AxisSamples::boxes;
   RigidPrior rigid_prior = RigidPrior::hard;
   PoseSigmas rigid_sigmas{0.003, 0.006};  // ours: what short windows reach on the simulated scenes
   bool surface_points = true;             // ours: depth says where the surface is along the view
@@ -95,6 +108,15 @@ struct ShapeSolution {
 ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& views,
                           const DepthEvidence& depth, const std::vector<AxisBelief>& axes, const Shape& start,
                           const LongWindowOptions& options);
+
+/// How far the observed outlines are off those of a shape, as the sigma of one [px]: root mean square over
+/// the views that a conic is made of, times the root of their number, since all may share one reason. Nothing
+/// without such views.
+std::optional<double> outline_misfit_px(const Camera& camera, const std::vector<ShapeView>& views,
+                                        const Shape& shape, const LongWindowOptions& options);
+
+/// The four sides of a silhouette's RotBbox as lines.
+std::array<SupportLine, 4> sides_of(const Silhouette& silhouette);
 
 /// Keeps `most` views: the one that looks most like another goes, the older of the two.
 void thin_views(std::vector<ShapeView>& views, int most);

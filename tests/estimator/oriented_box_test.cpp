@@ -53,6 +53,21 @@ TEST(Alg1Inliers, Eq12_AsPrintedIsZeroAtOneCornerAlone) {
   EXPECT_NEAR(at(0.4, 0, 0), std::hypot(0.2, 0.1), kRounding);  // the middle of a face
 }
 
+// A plate seen from above: all boxes flush with it have its points on their surface.
+TEST(OrientedBox, TheTightOneIsNotTurnedInASingleFace) {
+  const OrientedBox truth = generic_box({0.4, 0.1, 0.01});
+  Eigen::Matrix3Xd top(3, 0);
+  RandomStream random(3, "plate");
+  top.resize(3, 400);
+  for (auto p : top.colwise())
+    p = truth.center +
+        truth.axes * Eigen::Vector3d(0.4 * random.uniform(-1, 1), 0.1 * random.uniform(-1, 1), 0.01);
+  const auto box = fit_tight_surface_box(top);
+  ASSERT_TRUE(box);
+  EXPECT_LT(angle_to(*box, truth), 0.02);
+  EXPECT_NEAR(box->half_extents_m.maxCoeff(), 0.4, 0.01);
+}
+
 TEST(OrientedBox, EveryFitOfAFullSurfaceIsClose) {
   const OrientedBox truth = generic_box({0.4, 0.2, 0.1});
   RandomStream random(1, "full_surface");

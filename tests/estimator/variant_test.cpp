@@ -33,6 +33,8 @@ std::string other_value(const std::string& key, const std::string& value) {
   if (value.empty()) return "";
   if (key == "fit") return "pca";
   if (key == "exponents") return "3";
+  if (key == "outline_noise") return "measured";
+  if (key == "axis_samples") return "extents";
   if (const auto other = kOthers.find(value); other != kOthers.end()) return other->second;
   if (const auto whole = parse_integer(value)) return std::to_string(*whole + (*whole < 100 ? 1 : -1));
   if (const auto number = parse_double(value)) return fmt::format("{}", *number * 0.75);
@@ -74,7 +76,8 @@ TEST(VariantFile, BadFilesAreRefusedByLine) {
        ":2: shape.obb.sample_size: expected at least 4, found 3"},
       {"schema: 1\nshape: {obb: {best_weight: 1.5}}\n", "best_weight: expected 0 to 1, found 1.5"},
       {"schema: 1\nshape: {obb: {inlier_threshold_m: -1}}\n", "expected a number greater than 0"},
-      {"schema: 1\nshape: {obb: {fit: convex}}\n", "'convex' is none of: surface, minimum_volume, pca"},
+      {"schema: 1\nshape: {obb: {fit: convex}}\n",
+       "'convex' is none of: surface, tight_surface, minimum_volume, pca"},
       {"schema: 1\nego: {source: slam}\n", ":2: ego.source: 'slam' is none of: given"},
       {"schema: 1\nbackend: dual_window\n", ":2: backend: 'dual_window' is none of: single_frame, windows"},
       {"schema: 1\npoints: {voxel_m: .nan}\n", "points.voxel_m: expected a finite number"},

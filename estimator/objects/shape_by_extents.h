@@ -1,0 +1,32 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "estimator/shape/axis_fusion.h"
+#include "estimator/window/long_window.h"
+
+namespace uniquadric {
+
+/// What the paper's long window goes by, with extents of single views in the place of Alg. 1's axes.
+struct ExtentEvidence {
+  const Camera& camera;
+  const std::vector<ShapeView>& views;
+  const std::deque<Pose>& boxes;  ///< body_from_box of Alg. 1's, one a keyframe
+  AxisBelief sphere;              ///< of the first outline, weak
+  double least_m = 0;             ///< semi-axis that is taken for possible where no view shows more
+  AxisFusionOptions fusion;
+  LongWindowOptions long_window;
+};
+
+/// Solves for a quadric (q = 2). Two explanations are tried:
+///   - a body with edges: its axes are those of Alg. 1's boxes where they agree, its extents what views
+///     show, fused by Alg. 2 (Eq. 15); the outlines (Eq. 14) are off an ellipsoid's by what they are off the
+///     found one, which is their sigma;
+///   - an ellipsoid: its axes and extents are what the outlines tell, if views show what they would of it.
+/// The second is taken where it is clearly the likelier, given that the outlines' noise is unknown; it is
+/// tried where the boxes do not agree, as those of a round body. Nothing without points and boxes.
+std::optional<Shape> shape_by_extents(const ExtentEvidence& evidence, const Shape& before);
+
+}  // namespace uniquadric
