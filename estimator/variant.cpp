@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kVariantSchema = 1;
 constexpr int kMaxIterations = 1'000'000;  // hours: a typing error
+constexpr std::int64_t kMaxTimeOffset_ns = 10'000'000'000;
 
 template <typename Io>
 void visit(Io& io, PointOptions& o) {
@@ -88,6 +89,50 @@ void visit(Io& io, EgoOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, LidarMapOptions& o) {
+  io.positive("cell_m", o.cell_m);
+  io.number("neighbours", o.neighbours, 3, 27);
+  io.number("min_neighbours", o.min_neighbours, 3, 27);
+  io.number("levels", o.levels, 1, 8);
+  io.positive("min_flatness", o.min_flatness);
+  io.number("max_count", o.max_count, 1);
+  io.positive("max_range_m", o.max_range_m);
+  io.number("max_blocks", o.max_blocks, 1, 100'000'000);
+}
+
+template <typename Io>
+void visit(Io& io, LidarEgoOptions& o) {
+  LidarOdometryOptions& odometry = o.odometry;
+  io.flag("use_imu", odometry.use_imu);
+  io.choice("cut", o.cut, Choices<SweepCut>{{"frames", SweepCut::frames}, {"scans", SweepCut::scans}});
+  io.number("time_offset_ns", o.time_offset_ns, -kMaxTimeOffset_ns, kMaxTimeOffset_ns);
+  io.flag("use_masks", o.use_masks);
+  io.positive("min_range_m", odometry.sweep.min_range_m);
+  io.positive("max_range_m", odometry.sweep.max_range_m);
+  io.positive("voxel_m", odometry.sweep.voxel_m);
+  io.positive("max_scan_s", odometry.sweep.max_scan_s);
+  io.section("map", [&](auto& inner) { visit(inner, odometry.map); });
+  io.positive("acceleration_mps2_rthz", odometry.acceleration_mps2_rthz);
+  io.positive("angular_acceleration_radps2_rthz", odometry.angular_acceleration_radps2_rthz);
+  io.positive("range_sigma_m", odometry.sight.range_sigma_m);
+  io.positive("beam_sigma_rad", odometry.sight.beam_sigma_rad);
+  io.positive("plane_sigma_m", odometry.sight.plane_sigma_m);
+  io.positive("max_thickness", odometry.sight.max_thickness);
+  io.positive("side_points", odometry.sight.side_points);
+  io.positive("gate_sigmas", odometry.sight.gate_sigmas);
+  io.positive("gate_m", odometry.sight.gate_m);
+  io.positive("open_gate_m", odometry.sight.open_gate_m);
+  io.positive("huber_sigmas", odometry.sight.huber_sigmas);
+  io.number("iterations", odometry.iterations, 1, 100);
+  io.number("searches", odometry.sight.searches, 1, 100);
+  io.number("min_points", odometry.sight.min_points, 6);
+  io.positive("lost_sigma_m", odometry.lost_sigma_m);
+  io.positive("first_velocity_mps", odometry.first_velocity_mps);
+  io.number("first_sweeps", odometry.first_sweeps, 2, 1000);
+  io.number("first_passes", odometry.first_passes, 1, 100);
+}
+
+template <typename Io>
 void visit(Io& io, PlaneDepthOptions& o) {
   io.number("half_window_px", o.half_window_px, 1, 10);
   io.number("half_wide_px", o.half_wide_px, 0, 10);
@@ -161,8 +206,11 @@ void visit(Io& io, SilhouetteOptions& o) {
 template <typename Io>
 void visit(Io& io, PerceptionOptions& o) {
   io.section("ego", [&](auto& inner) {
-    inner.choice("source", o.ego, Choices<EgoSource>{{"given", EgoSource::given}, {"rgbd", EgoSource::rgbd}});
+    inner.choice("source", o.ego,
+                 Choices<EgoSource>{
+                     {"given", EgoSource::given}, {"rgbd", EgoSource::rgbd}, {"lidar", EgoSource::lidar}});
     visit(inner, o.odometry);
+    inner.section("lidar", [&](auto& innermost) { visit(innermost, o.lidar); });
   });
   io.section("segmentation", [&](auto& inner) { visit(inner, o.segmentation); });
   io.section("aot", [&](auto& inner) { visit(inner, o.aot); });

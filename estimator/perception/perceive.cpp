@@ -154,11 +154,14 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
   const bool is_given = options.ego == EgoSource::given;
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
   const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
-  check_sequence(sequence, segmenter, poses);
+  const bool by_lidar = options.ego == EgoSource::lidar;
+  check_sequence(sequence, segmenter, poses, by_lidar);
   const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence;
   if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
   FeatureTracker features(sequence.camera, options.features, run.seed);
   RgbdOdometry odometry(sequence.camera, options.odometry, run.seed);
+  std::optional<LidarEgo> lidar;
+  if (by_lidar) lidar.emplace(sequence, options.lidar);
   const auto tracker = make_tracker(sequence, segmenter, options.aot, run.seed);
   Perception perception;
   perception.camera = without_distortion(sequence.camera);
@@ -204,7 +207,10 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
     const TrackedFeatures tracked = features.track(frame, work->rgb, work->depth, work->masks, hints);
     add_features(tracked, work->result);
     watch.stop("features");
-    if (!is_given) odometry.track(frame, tracked, work->depth, work->masks);
+    if (lidar)
+      lidar->track(frame, work->masks);
+    else if (!is_given)
+      odometry.track(frame, tracked, work->depth, work->masks);
     watch.stop("ego");
     if (run.feedback)
       work->result.world_from_camera = is_given ? pose_at(*poses, frame.stamp_ns) : odometry.pose();
@@ -240,7 +246,8 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, look) &
                                tbb::make_filter<Handle, void>(tbb::filter_mode::serial_in_order, keep));
   });
-  add_poses(perception, is_given ? *poses : by_stamp(odometry.trajectory()));
+  if (lidar) lidar->finish();
+  add_poses(perception, is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()));
   return perception;
 }
 

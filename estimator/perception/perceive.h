@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/sequence/sequence.h"
+#include "estimator/ego/lidar_ego.h"
 #include "estimator/ego/rgbd_odometry.h"
 #include "estimator/perception/aot.h"
 #include "estimator/perception/features.h"
@@ -21,12 +22,14 @@ namespace uniquadric {
 enum class EgoSource {
   given,  ///< camera_given.tum of the sequence
   rgbd,   ///< followed by the background's features and their depth (RgbdOdometry)
+  lidar,  ///< from the LiDAR's points, with the IMU where there is one (LidarEgo)
 };
 
 /// All options of the perception stage.
 struct PerceptionOptions {
   EgoSource ego = EgoSource::given;
-  EgoOptions odometry;  // of EgoSource::rgbd
+  EgoOptions odometry;    // of EgoSource::rgbd
+  LidarEgoOptions lidar;  // of EgoSource::lidar
   SegmentationOptions segmentation;
   AotOptions aot;
   FeatureOptions features;

@@ -29,7 +29,7 @@ std::string other_value(const std::string& key, const std::string& value) {
       {"single_frame", "windows"}, {"final", "causal"},       {"virtual", "threads"},
       {"sequence", "fixed"},       {"ultrafast", "fast"},     {"none", "renyi"},
       {"object", "global"},        {"perception", "backend"}, {"given", "rgbd"},
-      {"flow", "nanotrack"}};
+      {"flow", "nanotrack"},       {"frames", "scans"}};
   if (value.empty()) return "";
   if (key == "fit") return "pca";
   if (key == "exponents") return "3";

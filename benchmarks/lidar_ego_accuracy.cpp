@@ -1,0 +1,115 @@
+// How well a camera is followed by LiDAR: lidar_ego_accuracy VARIANT.yaml SEQUENCE REFERENCE.tum
+// [ESTIMATE.tum [DROP_FROM_S DROP_TO_S]]. Scans that start in the given time are dropped. Times are those of
+// the processor.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <ctime>
+#include <map>
+
+#include "core/sequence/sequence.h"
+#include "estimator/ego/lidar_ego.h"
+#include "estimator/variant.h"
+#include "evaluation/align/alignment.h"
+#include "evaluation/trajectory/trajectory_error.h"
+
+namespace uniquadric {
+namespace {
+
+double rms(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return std::sqrt(sum / double(values.size()));
+}
+
+double now_ms() {
+  return 1e3 * double(std::clock()) / CLOCKS_PER_SEC;
+}
+
+PosePairs pairs_of(const Trajectory& reference, const Trajectory& estimate) {
+  std::map<std::int64_t, Pose> truth;
+  for (const auto& [stamp, pose] : reference) truth.emplace(stamp, pose);
+  PosePairs pairs;
+  for (const auto& [stamp, pose] : estimate)
+    if (const auto match = truth.find(stamp); match != truth.end()) {
+      pairs.stamps_ns.push_back(stamp);
+      pairs.reference.push_back(match->second);
+      pairs.estimate.push_back(pose);
+    }
+  return pairs;
+}
+
+void show(PosePairs pairs) {
+  std::vector<IndexStep> steps;
+  double path = 0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    path += (pairs.reference[i].translation - pairs.reference[i - 1].translation).norm();
+    steps.push_back({i - 1, i});
+  }
+  const auto relative = relative_errors(pairs, steps);
+  const auto drift = *maximum_drift(pairs);
+  const Alignment alignment = align(AlignmentKind::se3, pairs.reference, pairs.estimate);
+  for (Pose& pose : pairs.estimate) pose = alignment * pose;
+  const auto errors = absolute_errors(pairs);
+  const double end = (pairs.estimate.back().translation - pairs.reference.back().translation).norm();
+  fmt::print(
+      "  {} poses, path {:.2f} m, ATE {:.1f} mm {:.2f} mrad, RPE {:.2f} mm {:.3f} mrad, drift {:.1f} mm "
+      "({:.2f} % of the "
+      "path) {:.2f} mrad, end {:.1f} mm\n",
+      pairs.size(), path, 1e3 * rms(translations_m(errors)), 1e3 * rms(rotations_rad(errors)),
+      1e3 * rms(translations_m(relative)), 1e3 * rms(rotations_rad(relative)), 1e3 * drift.max_translation_m,
+      100 * drift.max_translation_m / path, 1e3 * drift.max_angle_rad, 1e3 * end);
+}
+
+void run(int argc, char** argv) {
+  const Variant variant = load_variant(argv[1]);
+  Sequence sequence = open_sequence(argv[2]);
+  if (argc > 6)
+    std::erase_if(sequence.scans, [&](const SequenceScan& scan) {
+      const double time_s = double(scan.stamp_ns) * 1e-9;
+      return time_s >= std::atof(argv[5]) && time_s < std::atof(argv[6]);
+    });
+  LidarEgo ego(sequence, variant.perception.lidar);
+  double ms = 0;
+  for (const SequenceFrame& frame : sequence.frames) {
+    const cv::Mat masks = frame.masks.empty() ? cv::Mat() : read_masks(sequence, frame);
+    const double start = now_ms();
+    ego.track(frame, masks);
+    ms += now_ms() - start;
+  }
+  ego.finish();
+  double points = 0, planes = 0, bodies = 0, off = 0;
+  const auto& reports = ego.odometry().reports();
+  for (const SweepReport& report : reports) {
+    points += report.points, planes += report.on_planes, bodies += report.on_bodies;
+    off += report.rms_m;
+  }
+  const double n = double(reports.size());
+  const double length_s = double(reports.back().end_ns - reports.front().end_ns) * 1e-9;
+  fmt::print(
+      "{}: {} sweeps of {:.0f} points, {:.0f} on planes within {:.1f} mm, {:.0f} on bodies; {:.1f} ms a "
+      "sweep, "
+      "{:.1f} times real time; {} blocks\n",
+      sequence.name, n, points / n, planes / n, 1e3 * off / n, bodies / n, ms / n, 1e3 * length_s / ms,
+      ego.odometry().map_blocks());
+  const Trajectory trajectory = ego.trajectory();
+  if (argc > 4) write_tum(argv[4], trajectory);
+  const PosePairs pairs = pairs_of(read_tum(argv[3]), trajectory);
+  if (pairs.size() < kMinPairs)
+    fmt::print("  {} poses\n", pairs.size());
+  else
+    show(pairs);
+}
+
+}  // namespace
+}  // namespace uniquadric
+
+int main(int argc, char** argv) {
+  if (argc < 4) {
+    fmt::print(
+        stderr,
+        "usage: lidar_ego_accuracy VARIANT.yaml SEQUENCE REFERENCE.tum [ESTIMATE.tum [FROM_S TO_S]]\n");
+    return 2;
+  }
+  uniquadric::run(argc, argv);
+}

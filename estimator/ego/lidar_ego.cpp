@@ -1,0 +1,87 @@
+#include "estimator/ego/lidar_ego.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "core/base/error.h"
+
+namespace uniquadric {
+namespace {
+
+LidarRigView rig_of(const Sequence& sequence, const LidarEgoOptions& options) {
+  if (!sequence.lidar || sequence.scans.empty())
+    throw InputError(sequence.folder, "has no LiDAR scans, which the variant (ego: lidar) needs");
+  LidarRigView rig;
+  rig.camera_from_lidar = sequence.lidar->camera_from_lidar;
+  rig.imu = sequence.imu;
+  if (options.use_masks) rig.camera = sequence.camera;
+  return rig;
+}
+
+std::vector<ImuSample> imu_of(const Sequence& sequence, const LidarEgoOptions& options) {
+  if (!sequence.imu || !options.odometry.use_imu) return {};
+  return read_imu_csv(sequence.folder / "imu.csv");
+}
+
+}  // namespace
+
+LidarEgo::LidarEgo(const Sequence& sequence, const LidarEgoOptions& options)
+    : sequence_(sequence),
+      options_(options),
+      odometry_(rig_of(sequence, options), imu_of(sequence, options), options.odometry) {
+  if (sequence.frames.empty()) options_.cut = SweepCut::scans;
+}
+
+// A scan lasts its nominal time, or less where the next one comes sooner.
+std::int64_t LidarEgo::scan_end_ns(std::size_t scan) const {
+  const std::int64_t end_ns = sequence_.scans[scan].stamp_ns + std::llround(1e9 / sequence_.lidar->rate_hz);
+  return scan + 1 < sequence_.scans.size() ? std::min(end_ns, sequence_.scans[scan + 1].stamp_ns) : end_ns;
+}
+
+void LidarEgo::take_scans(std::int64_t until_ns) {
+  for (; next_scan_ < sequence_.scans.size() && sequence_.scans[next_scan_].stamp_ns <= until_ns;
+       ++next_scan_) {
+    const std::filesystem::path path = sequence_.folder / sequence_.scans[next_scan_].file;
+    try {
+      odometry_.add_scan(sequence_.scans[next_scan_].stamp_ns, read_lidar_points(path));
+    } catch (const std::invalid_argument& error) {
+      throw InputError(path, error.what());
+    }
+  }
+  if (options_.cut != SweepCut::scans) return;
+  for (; next_end_ < next_scan_ && scan_end_ns(next_end_) <= until_ns; ++next_end_)
+    odometry_.end_sweep(scan_end_ns(next_end_));
+}
+
+void LidarEgo::track(const SequenceFrame& frame, const cv::Mat& masks) {
+  const std::int64_t stamp_ns = frame.stamp_ns + options_.time_offset_ns;
+  odometry_.add_masks(stamp_ns, masks);
+  take_scans(stamp_ns);
+  if (options_.cut == SweepCut::frames) odometry_.end_sweep(stamp_ns);
+}
+
+// With frames, the scan that the last one falls into still counts.
+void LidarEgo::finish() {
+  if (options_.cut == SweepCut::scans) {
+    const auto last = sequence_.frames.empty() ? std::numeric_limits<std::int64_t>::max()
+                                               : sequence_.frames.back().stamp_ns + options_.time_offset_ns;
+    take_scans(last);
+    for (; next_end_ < next_scan_; ++next_end_) odometry_.end_sweep(scan_end_ns(next_end_));
+  }
+  odometry_.finish();
+}
+
+Trajectory LidarEgo::trajectory() const {
+  Trajectory result;
+  const auto add = [&](std::int64_t stamp_ns, std::int64_t lidar_ns) {
+    if (const auto pose = odometry_.world_from_camera(lidar_ns)) result.push_back({stamp_ns, *pose});
+  };
+  for (const SequenceFrame& frame : sequence_.frames)
+    add(frame.stamp_ns, frame.stamp_ns + options_.time_offset_ns);
+  if (sequence_.frames.empty())
+    for (std::size_t i = 0; i < sequence_.scans.size(); ++i) add(scan_end_ns(i), scan_end_ns(i));
+  return result;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+
+#include "core/sequence/sequence.h"
+#include "estimator/ego/lidar_odometry.h"
+
+namespace uniquadric {
+
+/// Where one sweep of points ends and the next begins.
+enum class SweepCut {
+  frames,  ///< paper: soft synchronisation, at the camera's frames, by the points' own stamps
+  scans,   ///< at the scans' ends; the camera's poses lie between
+};
+
+struct LidarEgoOptions {
+  SweepCut cut = SweepCut::frames;
+  std::int64_t time_offset_ns = 0;  ///< LiDAR's clock less the camera's
+  bool use_masks = true;            ///< leave points on masked bodies out
+  LidarOdometryOptions odometry;
+};
+
+/// LiDAR odometry of a sequence: reads its scans and IMU as frames go by.
+class LidarEgo {
+ public:
+  /// The sequence has to outlive this. Throws InputError when it has no scans.
+  LidarEgo(const Sequence& sequence, const LidarEgoOptions& options);
+
+  /// Frames in their order; `masks` CV_16UC1 or empty: labels other than 0 are left out. Throws InputError
+  /// for scans that cannot be read.
+  void track(const SequenceFrame& frame, const cv::Mat& masks);
+  /// Takes what scans are left.
+  void finish();
+  /// world_from_camera of the frames (of the scans' ends where the sequence has no frames), but those where
+  /// the sensor was lost.
+  Trajectory trajectory() const;
+
+  const LidarOdometry& odometry() const { return odometry_; }
+
+ private:
+  void take_scans(std::int64_t until_ns);
+  std::int64_t scan_end_ns(std::size_t scan) const;
+
+  const Sequence& sequence_;
+  LidarEgoOptions options_;
+  LidarOdometry odometry_;
+  std::size_t next_scan_ = 0, next_end_ = 0;
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+namespace uniquadric {
+
+/// All numbers are ours, chosen on subway_car.
+struct LidarMapOptions {
+  double cell_m = 0.25;      // of the finest means that are kept
+  int levels = 2;            // of cells, each twice as large as the one before
+  int neighbours = 12;       // means a plane is fitted to, at most
+  int min_neighbours = 5;    // at least: FAST-LIO2's five
+  double min_flatness = 5;   // middle eigenvalue over the least one: what is thinner is a line or a blob
+  int max_count = 30;        // points of a cell; later ones leave it as it is: a map does not follow drift
+  double max_range_m = 150;  // of the sensor; what is farther is forgotten
+  int max_blocks = 40'000;   // of 64 cells, 2.6 KB each, a level
+};
+
+/// normal . p + offset_m = 0
+struct MapPlane {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double offset_m = 0;
+  double sigma_m = 0;      ///< of its place along the normal
+  double thickness_m = 0;  ///< standard deviation of its points off it
+};
+
+/// Cells of one size, of which each keeps the mean and spread of its points, in a hash of blocks of 4 x 4 x 4
+/// cells. On a plane a mean lies on the plane, and is the truer the more often it was seen, which single
+/// points are not.
+class LidarMapLevel {
+ public:
+  LidarMapLevel(const LidarMapOptions& options, int level);
+
+  void add(const Eigen::Vector3d& p);
+  /// The plane through the points of the cells whose means are nearest to p, of the 27 about it. Nothing
+  /// where they are too few, not flat, or thicker than max_thickness_m.
+  std::optional<MapPlane> plane_near(const Eigen::Vector3d& p, double max_thickness_m) const;
+  /// Forgets what is out of range of `centre`, and then what was seen least recently, down to max_blocks.
+  void trim(const Eigen::Vector3d& centre);
+  std::size_t blocks() const { return blocks_.size(); }
+
+ private:
+  struct Cell {
+    Eigen::Vector3f mean = Eigen::Vector3f::Zero();                          // relative to the cell's corner
+    Eigen::Matrix<float, 6, 1> square = Eigen::Matrix<float, 6, 1>::Zero();  // xx yy zz xy xz yz about it
+    std::int32_t count = 0;
+  };
+  struct Block {
+    std::array<std::int32_t, 3> key{};
+    std::uint64_t last_seen = 0;
+    std::array<Cell, 64> cells;
+  };
+  struct KeyHash {
+    std::size_t operator()(const std::array<std::int32_t, 3>& key) const;
+  };
+  struct Neighbours;
+  std::array<std::int32_t, 3> cell_of(const Eigen::Vector3d& p) const;
+  Neighbours neighbours_of(const Eigen::Vector3d& p) const;
+  const Block* find(const std::array<std::int32_t, 3>& block) const;
+  void remove(std::size_t block);
+
+  LidarMapOptions options_;
+  double cell_m_;
+  std::unordered_map<std::array<std::int32_t, 3>, std::size_t, KeyHash> place_;  // of a block in blocks_
+  std::vector<Block> blocks_;
+  std::uint64_t time_ = 0;  // counts calls of trim()
+};
+
+/// An incremental map. A plane is sought from the coarsest level to the finest: a wall is one large plane,
+/// whose normal is known well; a window's reveal is a small one. (Normals of small pieces of a wall err by
+/// some degrees, and many of them feign knowledge along the wall that there is none of.) Memory is bounded:
+/// max_range_m, max_blocks.
+class LidarMap {
+ public:
+  explicit LidarMap(const LidarMapOptions& options);
+  void add(const Eigen::Vector3d& p);
+  std::optional<MapPlane> plane_near(const Eigen::Vector3d& p, double max_thickness_m) const;
+  void trim(const Eigen::Vector3d& centre);
+  std::size_t blocks() const;
+
+ private:
+  std::vector<LidarMapLevel> levels_;  // coarsest first
+};
+
+}  // namespace uniquadric

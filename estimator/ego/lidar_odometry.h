@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/camera.h"
+#include "core/sequence/imu.h"
+#include "core/sequence/lidar.h"
+#include "core/sequence/trajectory.h"
+#include "estimator/ego/lidar_filter.h"
+#include "estimator/ego/lidar_map.h"
+#include "estimator/ego/lidar_registration.h"
+#include "estimator/ego/lidar_sweep.h"
+
+namespace uniquadric {
+
+/// All numbers are ours, chosen on subway_car.
+struct LidarOdometryOptions {
+  bool use_imu = true;  // where the sequence has one
+  SweepOptions sweep;
+  LidarMapOptions map;
+  // Without an IMU: how restless the sensor is.
+  double acceleration_mps2_rthz = 1.0;
+  double angular_acceleration_radps2_rthz = 1.0;
+  LidarSightOptions sight;
+  int iterations = 5;
+  double lost_sigma_m = 1.0;      // of the place: beyond it the sensor is lost
+  double first_velocity_mps = 3;  // standard deviation, of a start that is thought to be at rest
+  int first_sweeps = 10;  // gone through first_passes times, for the first motion undoes the first cloud
+  int first_passes = 3;
+};
+
+/// What the odometry knows of its sensors.
+struct LidarRigView {
+  Pose camera_from_lidar;
+  std::optional<ImuCalibration> imu;  ///< nothing: constant velocity
+  std::optional<Camera> camera;       ///< of the masks; nothing: no masks
+};
+
+/// LiDAR odometry after FAST-LIO2 (arXiv 2107.06829): sweeps of points, each by its own stamp, are put to a
+/// map by an error-state iterated Kalman filter on point-to-plane distances, by an IMU or at constant
+/// velocity. The world has its origin at the camera's first place and z up: by gravity with an IMU, else by
+/// the LiDAR's own up.
+class LidarOdometry {
+ public:
+  LidarOdometry(const LidarRigView& rig, std::vector<ImuSample> imu, const LidarOdometryOptions& options);
+  LidarOdometry(LidarOdometry&& other) noexcept;
+  ~LidarOdometry();
+
+  /// Points of a scan, in any order. Bad ones are passed over (clean_points). Throws std::invalid_argument
+  /// for times that no scan has.
+  void add_scan(std::int64_t start_ns, const std::vector<LidarPoint>& points);
+  /// Where bodies are that may move (CV_16UC1, 0 background), stamps in order: points that fall on them near
+  /// that time do not count.
+  void add_masks(std::int64_t stamp_ns, const cv::Mat& masks);
+  /// Ends a sweep: all points up to here that no other had. Stamps in order. No points: the motion goes on.
+  void end_sweep(std::int64_t end_ns);
+  /// Ends the beginning, where fewer sweeps came than first_sweeps.
+  void finish();
+
+  /// Of a stamp within the sweeps, or a sweep's length beside them; nothing elsewhere and where lost.
+  std::optional<Pose> world_from_camera(std::int64_t stamp_ns) const;
+  const std::vector<SweepReport>& reports() const;
+  std::size_t map_blocks() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace uniquadric

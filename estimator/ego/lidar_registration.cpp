@@ -1,0 +1,119 @@
+#include "estimator/ego/lidar_registration.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace uniquadric {
+namespace {
+
+double square(double x) {
+  return x * x;
+}
+
+constexpr int kOpenIterations = 2;  // in which the prediction's own error widens the gate
+
+}  // namespace
+
+LidarRegistration::LidarRegistration(const LidarMap& map, const std::vector<TimedPoint>& points,
+                                     const SweepPath& path, const Pose& body_from_lidar, double voxel_m,
+                                     const Matrix18d& prior, const LidarSightOptions& options)
+    : map_(map),
+      points_(points),
+      path_(path),
+      body_from_lidar_(body_from_lidar),
+      prior_(prior.topLeftCorner<6, 6>()),
+      options_(options),
+      choice_(choose_points(points, voxel_m)) {
+  for (const int i : choice_.point_of) {
+    const TimedPoint& p = points[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d lidar = p.lidar.cast<double>();
+    Sight sight;
+    sight.point = path.place(p.stamp_ns, body_from_lidar * lidar);
+    sight.range_m = lidar.norm();
+    sight.beam_at_end = sight.point.end_from_then * (body_from_lidar.rotation * (lidar / sight.range_m));
+    sights_.push_back(sight);
+  }
+}
+
+double LidarRegistration::variance_of(const Sight& sight, const Eigen::Matrix3d& R) const {
+  const double cosine2 = square(sight.plane->normal.dot(R * sight.beam_at_end));
+  return square(options_.range_sigma_m) * cosine2 +
+         square(options_.beam_sigma_rad * sight.range_m) * (1 - cosine2) + square(options_.plane_sigma_m) +
+         square(sight.plane->sigma_m);
+}
+
+void LidarRegistration::look(Sight& sight, const LidarState& state, const Eigen::Matrix3d& R,
+                             int iteration) const {
+  const Eigen::Vector3d& bias = path_.end().gyroscope_bias_radps;
+  if (iteration < options_.searches) {
+    const double noise = std::hypot(options_.range_sigma_m, options_.beam_sigma_rad * sight.range_m);
+    sight.plane = map_.plane_near(world_point(state, bias, sight.point), options_.max_thickness * noise);
+  }
+  sight.is_off = false;
+  if (!sight.plane) return;
+  Row12d& J = sight.jacobian;
+  sight.distance_m = plane_distance(state, bias, sight.point, *sight.plane, &J);
+  sight.variance = variance_of(sight, R);
+  const double predicted =
+      iteration < kOpenIterations ? (J.head<6>() * prior_ * J.head<6>().transpose()).value() : 0;
+  const double gate = std::clamp(options_.gate_sigmas * std::sqrt(sight.variance + predicted),
+                                 options_.gate_m, std::max(options_.gate_m, options_.open_gate_m));
+  sight.is_off = !(std::abs(sight.distance_m) <= gate);
+}
+
+int LidarRegistration::side_of(const Sight& sight) const {
+  int side = 0;
+  (sides_.transpose() * sight.plane->normal).cwiseAbs().maxCoeff(&side);
+  return side;
+}
+
+// What a point facing each way counts.
+std::array<double, 3> LidarRegistration::shares() const {
+  std::array<double, 3> points{};
+  for (const Sight& sight : sights_)
+    if (counts(sight)) ++points[static_cast<std::size_t>(side_of(sight))];
+  for (double& share : points) share = std::min(1.0, options_.side_points / std::max(share, 1.0));
+  return points;
+}
+
+LidarNormal LidarRegistration::normal_at(const LidarState& state, int iteration) {
+  const Eigen::Matrix3d R = state.world_from_body.rotation.toRotationMatrix();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (Sight& sight : sights_) {
+    look(sight, state, R, iteration);
+    if (counts(sight)) spread += sight.plane->normal * sight.plane->normal.transpose();
+  }
+  sides_ = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+  const auto share = shares();
+  LidarNormal normal;
+  double squares = 0;
+  for (const Sight& sight : sights_) {
+    if (!counts(sight)) continue;
+    const Row12d& J = sight.jacobian;
+    const double off = std::abs(sight.distance_m) / (options_.huber_sigmas * std::sqrt(sight.variance));
+    const double weight =
+        share[static_cast<std::size_t>(side_of(sight))] / (sight.variance * std::max(off, 1.0));
+    normal.square.noalias() += (weight * J.transpose()) * J;
+    normal.side += (weight * sight.distance_m) * J.transpose();
+    ++normal.points;
+    squares += sight.distance_m * sight.distance_m;
+  }
+  if (normal.points < options_.min_points) return {};
+  on_planes_ = normal.points;
+  rms_m_ = std::sqrt(squares / normal.points);
+  return normal;
+}
+
+std::vector<Eigen::Vector3d> LidarRegistration::map_points(const LidarState& end) const {
+  std::vector<Eigen::Vector3d> result;
+  result.reserve(points_.size());
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    if (!sights_[static_cast<std::size_t>(choice_.voxel_of[i])].is_off)
+      result.push_back(
+          world_point(end, path_.end().gyroscope_bias_radps,
+                      path_.place(points_[i].stamp_ns, body_from_lidar_ * points_[i].lidar.cast<double>())));
+  return result;
+}
+
+}  // namespace uniquadric

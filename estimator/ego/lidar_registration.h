@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "estimator/ego/lidar_filter.h"
+#include "estimator/ego/lidar_map.h"
+#include "estimator/ego/lidar_sweep.h"
+
+namespace uniquadric {
+
+/// All numbers are ours, chosen on subway_car.
+struct LidarSightOptions {
+  double range_sigma_m = 0.02;     // of a point along its beam
+  double beam_sigma_rad = 0.0016;  // across it: a Livox's jitter and the width of its beam
+  double plane_sigma_m = 0.01;     // of the map's planes, whose walls are not quite flat
+  double max_thickness = 1.0;      // of a plane, over the noise of points at that range: thicker are two
+  double side_points = 1000;       // that the points facing one way are worth at most: they share their
+                                   // planes' errors, and walls along a street must not outvote its cross-ways
+  double gate_sigmas = 3;          // beyond what the prediction explains, a point is off its plane
+  double gate_m = 0.1;             // at least
+  double open_gate_m = 0.5;        // at most: farther off is another surface
+  double huber_sigmas = 1.5;
+  int searches = 3;     // iterations that look for planes anew
+  int min_points = 30;  // on planes; below, the sweep says nothing
+};
+
+/// What became of a sweep.
+struct SweepReport {
+  std::int64_t end_ns = 0;
+  int points = 0, on_planes = 0, on_bodies = 0;
+  double rms_m = 0;  ///< of the points on planes
+};
+
+/// One sweep against the map: its points, one a voxel, and the planes they are put to.
+class LidarRegistration {
+ public:
+  /// `prior` is the covariance at the sweep's end; map and path have to outlive this.
+  LidarRegistration(const LidarMap& map, const std::vector<TimedPoint>& points, const SweepPath& path,
+                    const Pose& body_from_lidar, double voxel_m, const Matrix18d& prior,
+                    const LidarSightOptions& options);
+
+  /// The sums of the points on planes, none where they are too few.
+  LidarNormal normal_at(const LidarState& state, int iteration);
+  /// All points in the world, but those whose voxel lies off the map's planes: they may be moving, and do not
+  /// become map.
+  std::vector<Eigen::Vector3d> map_points(const LidarState& end) const;
+  int on_planes() const { return on_planes_; }
+  double rms_m() const { return rms_m_; }
+
+ private:
+  struct Sight {
+    SweepPoint point;
+    double range_m = 0;
+    Eigen::Vector3d beam_at_end = Eigen::Vector3d::Zero();  // unit, in the body's axes at the sweep's end
+    std::optional<MapPlane> plane;
+    bool is_off = false;
+    double distance_m = 0, variance = 0;
+    Row12d jacobian = Row12d::Zero();
+  };
+  double variance_of(const Sight& sight, const Eigen::Matrix3d& R) const;
+  void look(Sight& sight, const LidarState& state, const Eigen::Matrix3d& R, int iteration) const;
+  std::array<double, 3> shares() const;
+  bool counts(const Sight& sight) const { return sight.plane && !sight.is_off; }
+  int side_of(const Sight& sight) const;
+
+  const LidarMap& map_;
+  const std::vector<TimedPoint>& points_;
+  const SweepPath& path_;
+  Pose body_from_lidar_;
+  Eigen::Matrix<double, 6, 6> prior_;
+  LidarSightOptions options_;
+  VoxelChoice choice_;
+  std::vector<Sight> sights_;
+  Eigen::Matrix3d sides_ = Eigen::Matrix3d::Identity();  // the main ways that planes face, in columns
+  int on_planes_ = 0;
+  double rms_m_ = 0;
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,280 @@
+#include "estimator/ego/lidar_odometry.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+
+#include "core/base/random.h"
+#include "tests/ego/lidar_room.h"
+
+namespace uniquadric {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Errors {
+  double max_m = 0, max_rad = 0;
+  int missing = 0, poses = 0;
+};
+
+struct RoomRun {
+  LidarRoom room;
+  LidarOdometryOptions options;
+  bool has_imu = true;
+  int scans = 40;
+  std::function<bool(int scan)> is_dropped = [](int) { return false; };
+  std::function<void(int scan, std::vector<LidarPoint>&)> change = [](int, auto&) {};
+
+  LidarOdometry odometry() const {
+    LidarRigView rig;
+    std::vector<ImuSample> samples;
+    if (has_imu) {
+      rig.imu = ImuCalibration();
+      samples = room.imu(scans / room.rate_hz);
+    }
+    LidarOdometry odometry(rig, samples, options);
+    for (int i = 0; i < scans; ++i) {
+      std::vector<LidarPoint> points = room.scan(i);
+      change(i, points);
+      if (!is_dropped(i)) odometry.add_scan(room.scan_start_ns(i), points);
+      odometry.end_sweep(room.scan_start_ns(i + 1));
+    }
+    odometry.finish();
+    return odometry;
+  }
+};
+
+// Of the poses at and between the scans' ends, after the first ones have been made to coincide.
+Errors errors_of(const LidarOdometry& odometry, const RoomRun& run) {
+  Errors errors;
+  std::optional<Pose> truth_from_estimate;
+  for (int i = 0; i <= 3 * run.scans; ++i) {
+    const double t = i / (3 * run.room.rate_hz);
+    const auto pose = odometry.world_from_camera(run.room.start_ns + std::llround(1e9 * t));
+    errors.missing += !pose;
+    if (!pose) continue;
+    ++errors.poses;
+    const Pose truth = run.room.world_from_lidar(t);
+    if (!truth_from_estimate) truth_from_estimate = truth * pose->inverse();
+    const Pose aligned = *truth_from_estimate * *pose;
+    errors.max_m = std::max(errors.max_m, (aligned.translation - truth.translation).norm());
+    errors.max_rad = std::max(errors.max_rad, log_so3(aligned.rotation.conjugate() * truth.rotation).norm());
+  }
+  return errors;
+}
+
+TEST(LidarOdometry, FollowsASpinningLidarThroughARoom) {
+  RoomRun run;
+  run.room.range_sigma_m = 0.02;
+  const Errors errors = errors_of(run.odometry(), run);
+  EXPECT_EQ(errors.missing, 0);
+  EXPECT_LT(errors.max_m, 0.02);
+  EXPECT_LT(errors.max_rad, 0.004);
+}
+
+TEST(LidarOdometry, FollowsItAtConstantVelocity) {
+  RoomRun run;
+  run.has_imu = false;
+  run.room.range_sigma_m = 0.02;
+  const Errors errors = errors_of(run.odometry(), run);
+  EXPECT_EQ(errors.missing, 0);
+  EXPECT_LT(errors.max_m, 0.03);
+  EXPECT_LT(errors.max_rad, 0.01);
+}
+
+TEST(LidarOdometry, FollowsANarrowRosette) {
+  RoomRun run;
+  run.room.pattern = LidarRoom::Pattern::forward;
+  run.room.range_sigma_m = 0.02;
+  run.room.points = 10'000;
+  const Errors errors = errors_of(run.odometry(), run);
+  EXPECT_EQ(errors.missing, 0);
+  EXPECT_LT(errors.max_m, 0.05);
+  EXPECT_LT(errors.max_rad, 0.01);
+}
+
+TEST(LidarOdometry, FindsTheBiasesOfItsImu) {
+  RoomRun run;
+  run.room.gyroscope_bias_radps = {0.01, -0.02, 0.015};
+  run.room.accelerometer_bias_mps2 = {0.05, 0.03, -0.04};
+  run.room.range_sigma_m = 0.01;
+  const Errors errors = errors_of(run.odometry(), run);
+  EXPECT_LT(errors.max_m, 0.02);
+  EXPECT_LT(errors.max_rad, 0.005);
+}
+
+TEST(LidarOdometry, TheImuCarriesItThroughASecondWithoutScans) {
+  RoomRun run;
+  run.room.range_sigma_m = 0.02;
+  run.is_dropped = [](int scan) { return scan >= 20 && scan < 30; };
+  const Errors errors = errors_of(run.odometry(), run);
+  EXPECT_EQ(errors.missing, 0);
+  EXPECT_LT(errors.max_m, 0.08);
+  EXPECT_LT(errors.max_rad, 0.006);
+}
+
+// Points of the last scans, as the odometry places them.
+TEST(LidarOdometry, DeSkewedPointsLieOnTheWalls) {
+  for (const bool has_imu : {true, false}) {
+    RoomRun run;
+    run.has_imu = has_imu;
+    const LidarOdometry odometry = run.odometry();
+    const Pose truth_from_estimate =
+        run.room.world_from_lidar(0) * odometry.world_from_camera(run.room.start_ns)->inverse();
+    std::vector<double> off, raw;
+    for (int scan = 30; scan < 40; ++scan)
+      for (const LidarPoint& p : run.room.scan(scan)) {
+        const auto now = odometry.world_from_camera(run.room.scan_start_ns(scan) + p.offset_ns);
+        const auto end = odometry.world_from_camera(run.room.scan_start_ns(scan + 1));
+        ASSERT_TRUE(now && end);
+        off.push_back(run.room.off_surfaces_m(truth_from_estimate * (*now * Vector3d(p.x, p.y, p.z))));
+        raw.push_back(run.room.off_surfaces_m(truth_from_estimate * (*end * Vector3d(p.x, p.y, p.z))));
+      }
+    const auto p95 = [](std::vector<double> v) {
+      std::nth_element(v.begin(), v.begin() + v.size() * 95 / 100, v.end());
+      return v[v.size() * 95 / 100];
+    };
+    EXPECT_LT(p95(off), 0.02);
+    EXPECT_GT(p95(raw), 0.08);  // there was something to undo
+  }
+}
+
+// Livox drivers give (0, 0, 0) for beams without return; others give NaN, or points in the order of rings.
+TEST(LidarOdometry, BadPointsAndDisorderChangeNothing) {
+  RoomRun clean, dirty;
+  clean.scans = dirty.scans = 15;
+  dirty.change = [](int scan, std::vector<LidarPoint>& points) {
+    RandomStream random(9, "dirt", static_cast<std::uint64_t>(scan));
+    for (std::size_t i = points.size(); i > 1; --i)
+      std::swap(points[i - 1], points[random.below(static_cast<std::uint32_t>(i))]);
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    for (const LidarPoint& bad : {LidarPoint{}, LidarPoint{.x = nan}, LidarPoint{.y = inf},
+                                  LidarPoint{.x = 1e30f, .y = 1e30f}, LidarPoint{.z = -1e4f}})
+      for (int i = 0; i < 500; ++i) {
+        points.push_back(bad);
+        points.back().offset_ns = random.below(100'000'000);
+      }
+  };
+  const LidarOdometry a = clean.odometry(), b = dirty.odometry();
+  const auto p = a.world_from_camera(1'400'000'000), q = b.world_from_camera(1'400'000'000);
+  ASSERT_TRUE(p && q);
+  EXPECT_EQ(p->translation, q->translation);
+  EXPECT_EQ(p->rotation.coeffs(), q->rotation.coeffs());
+}
+
+TEST(LidarOdometry, EmptyScansAreGoneThrough) {
+  RoomRun run;
+  run.scans = 25;
+  run.change = [](int scan, std::vector<LidarPoint>& points) {
+    if (scan % 5 == 2) points.clear();
+  };
+  const Errors errors = errors_of(run.odometry(), run);
+  EXPECT_EQ(errors.missing, 0);
+  EXPECT_LT(errors.max_m, 0.05);
+}
+
+TEST(LidarOdometry, NoPointsNoPoses) {
+  RoomRun run;
+  run.scans = 12;
+  run.change = [](int, std::vector<LidarPoint>& points) { points.clear(); };
+  EXPECT_FALSE(run.odometry().world_from_camera(500'000'000));
+  LidarOdometry nothing(LidarRigView(), {}, {});
+  nothing.finish();
+  EXPECT_FALSE(nothing.world_from_camera(0));
+}
+
+TEST(LidarOdometry, IsLostWhenNothingIsSeenForLong) {
+  RoomRun run;
+  run.has_imu = false;
+  run.is_dropped = [](int scan) { return scan >= 15; };
+  const LidarOdometry odometry = run.odometry();
+  EXPECT_TRUE(odometry.world_from_camera(1'000'000'000));
+  EXPECT_FALSE(odometry.world_from_camera(3'900'000'000));
+}
+
+// A wall that goes along with the sensor fills the left of its view: without masks it would be followed.
+TEST(LidarOdometry, PointsOnMaskedBodiesDoNotCount) {
+  RoomRun run;
+  run.room.pattern = LidarRoom::Pattern::forward;
+  run.room.range_sigma_m = 0.01;
+  const Camera camera;
+  LidarRigView rig;
+  rig.camera = camera;
+  rig.imu = ImuCalibration();
+  rig.camera_from_lidar.rotation = Eigen::Quaterniond(Eigen::Matrix3d{{0, -1, 0}, {0, 0, -1}, {1, 0, 0}});
+  rig.imu->camera_from_imu = rig.camera_from_lidar;
+  LidarOdometry odometry(rig, run.room.imu(4), run.options);
+  cv::Mat masks = cv::Mat::zeros(camera.height, camera.width, CV_16UC1);
+  masks.colRange(0, 250).setTo(3);
+  int bodies = 0, expected = 0;
+  for (int i = 0; i < 20; ++i) {
+    std::vector<LidarPoint> points = run.room.scan(i);
+    for (LidarPoint& p : points) {
+      const auto pixel = camera.project(rig.camera_from_lidar * Vector3d(p.x, p.y, p.z));
+      if (!pixel || pixel->x() >= 245 || pixel->y() < 0 || pixel->y() > camera.height - 1 || pixel->x() < 0)
+        continue;
+      const float scale = 2 / p.x;
+      p.x *= scale, p.y *= scale, p.z *= scale;
+      ++expected;
+    }
+    for (int k = 1; k <= 4; ++k) odometry.add_masks(run.room.scan_start_ns(i) + 25'000'000 * k, masks);
+    odometry.add_scan(run.room.scan_start_ns(i), points);
+    odometry.end_sweep(run.room.scan_start_ns(i + 1));
+  }
+  for (const SweepReport& report : odometry.reports()) bodies += report.on_bodies;
+  EXPECT_GE(bodies, expected);
+  EXPECT_GT(expected, 10'000);
+  const auto first = odometry.world_from_camera(0), last = odometry.world_from_camera(2'000'000'000);
+  ASSERT_TRUE(first && last);
+  const Pose lidar_from_camera = rig.camera_from_lidar.inverse();
+  const Pose truth = relative_pose(run.room.world_from_lidar(0) * lidar_from_camera,
+                                   run.room.world_from_lidar(2) * lidar_from_camera);
+  EXPECT_LT((relative_pose(*first, *last).translation - truth.translation).norm(), 0.05);
+}
+
+TEST(LidarSweep, RefusesTimesThatNoScanHas) {
+  LidarPoint point{.x = 5, .offset_ns = 3'000'000'000};
+  EXPECT_THROW(clean_points(0, {point}, {}), std::invalid_argument);
+}
+
+TEST(LidarSweep, PlacesPointsByTheMotionOfTheSweep) {
+  LidarState start;
+  start.velocity_mps = {3, 0, 0};
+  start.gyroscope_bias_radps = {0, 0, 0.1};
+  const InertialReading reading{{0, 0, 0.6}, {0, 2, 0}};
+  std::vector<ReadingPiece> pieces;
+  for (int i = 1; i <= 20; ++i) pieces.push_back({i * 5'000'000, reading});
+  const SweepPath path(start, pieces);
+  for (const std::int64_t stamp_ns : {0, 32'000'000, 100'000'000}) {
+    LidarState then = start;
+    for (const ReadingPiece& piece : pieces)
+      if (then.stamp_ns < stamp_ns) then = propagated(then, piece.reading, std::min(piece.end_ns, stamp_ns));
+    const Vector3d body(4, -2, 1);
+    EXPECT_LT((world_point(path.end(), path.end().gyroscope_bias_radps, path.place(stamp_ns, body)) -
+               then.world_from_body * body)
+                  .norm(),
+              1e-9);
+  }
+}
+
+TEST(LidarSweep, ReadingsAreThoseBetweenTheSamples) {
+  std::vector<ImuSample> samples;
+  for (int i = 0; i <= 10; ++i) samples.push_back({i * 10'000'000, Vector3d(i, 0, 0), Vector3d(0, 2 * i, 0)});
+  const auto pieces = readings_between(samples, 14'000'000, 42'000'000);
+  ASSERT_EQ(pieces.size(), 4U);
+  const std::vector<std::int64_t> ends = {20'000'000, 30'000'000, 40'000'000, 42'000'000};
+  const std::vector<double> values = {1.7, 2.5, 3.5, 4.1};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(pieces[i].end_ns, ends[i]);
+    EXPECT_NEAR(pieces[i].reading.angular_velocity_radps.x(), values[i], 1e-12);
+    EXPECT_NEAR(pieces[i].reading.specific_force_mps2.y(), 2 * values[i], 1e-12);
+  }
+  EXPECT_EQ(readings_between(samples, 95'000'000, 300'000'000).back().end_ns, 300'000'000);
+}
+
+}  // namespace
+}  // namespace uniquadric

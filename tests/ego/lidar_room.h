@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "core/sequence/imu.h"
+#include "core/sequence/lidar.h"
+
+namespace uniquadric {
+
+/// A LiDAR that sways through a room of six walls with six cupboards in it, every point cast where the sensor
+/// is at its own time, by closed form. The world has its origin at the room's middle.
+struct LidarRoom {
+  enum class Pattern { spinning, forward };
+  Pattern pattern = Pattern::spinning;
+  Eigen::Vector3d half_size_m{7, 5, 2.5};
+  double range_sigma_m = 0;
+  int points = 12'000;  // a scan
+  double rate_hz = 10;
+  double vigour = 1;  // of the motion: 1 m/s and 0.5 rad/s
+  std::int64_t start_ns = 0;
+  Eigen::Vector3d gyroscope_bias_radps = Eigen::Vector3d::Zero(),
+                  accelerometer_bias_mps2 = Eigen::Vector3d::Zero();
+
+  Pose world_from_lidar(double time_s) const;
+  std::int64_t scan_start_ns(int scan) const;
+  std::vector<LidarPoint> scan(int scan) const;
+  /// At the LiDAR's own place and axes.
+  std::vector<ImuSample> imu(double duration_s, double rate_hz = 200) const;
+  /// Distance of a point from the nearest surface.
+  double off_surfaces_m(const Eigen::Vector3d& p) const;
+};
+
+}  // namespace uniquadric
