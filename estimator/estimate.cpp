@@ -47,6 +47,8 @@ std::string perception_key(const Sequence& sequence, const Variant& variant, con
   for (const auto& network : {segmentation.sam.encoder, segmentation.sam.decoder, segmentation.detector.model,
                               variant.perception.aot.nano.backbone, variant.perception.aot.nano.head})
     files.emplace_back(network);
+  if (variant.perception.ego == EgoSource::lidar)
+    for (const char* name : {"lidar.txt", "imu.csv"}) files.push_back(sequence.folder / name);
   for (const fs::path& file : files)
     if (fs::is_regular_file(file)) hash.add(file.filename().string()).add_file(file);
   return hash.hex();

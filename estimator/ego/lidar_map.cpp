@@ -70,15 +70,19 @@ void LidarMapLevel::add(const Eigen::Vector3d& p) {
 
 LidarMapLevel::Neighbours LidarMapLevel::neighbours_of(const Eigen::Vector3d& p) const {
   const auto centre = cell_of(p);
+  // The 27 cells lie in at most eight blocks: the one of the lowest cell, and the next ones.
+  const auto lowest = block_of({centre[0] - 1, centre[1] - 1, centre[2] - 1});
+  std::array<const Block*, 8> blocks{};
+  std::array<bool, 8> is_known{};
   Neighbours result;
-  std::array<std::int32_t, 3> last{};
-  const Block* block = nullptr;
-  bool is_known = false;
   for (int k = 0; k < 27; ++k) {
     const std::array<std::int32_t, 3> cell = {centre[0] + k % 3 - 1, centre[1] + k / 3 % 3 - 1,
                                               centre[2] + k / 9 - 1};
     const auto key = block_of(cell);
-    if (!is_known || key != last) block = find(key), last = key, is_known = true;
+    const auto which = static_cast<std::size_t>((key[0] - lowest[0]) | (key[1] - lowest[1]) << 1 |
+                                                (key[2] - lowest[2]) << 2);
+    if (!is_known[which]) blocks[which] = find(key), is_known[which] = true;
+    const Block* block = blocks[which];
     if (!block) continue;
     const Cell& mean = block->cells[index_in_block(cell)];
     if (mean.count == 0) continue;

@@ -14,7 +14,7 @@ namespace uniquadric {
 struct LidarMapOptions {
   double cell_m = 0.25;      // of the finest means that are kept
   int levels = 2;            // of cells, each twice as large as the one before
-  int neighbours = 12;       // means a plane is fitted to, at most
+  int neighbours = 9;        // means a plane is fitted to, at most
   int min_neighbours = 5;    // at least: FAST-LIO2's five
   double min_flatness = 5;   // middle eigenvalue over the least one: what is thinner is a line or a blob
   int max_count = 30;        // points of a cell; later ones leave it as it is: a map does not follow drift

@@ -26,7 +26,7 @@ struct LidarOdometryOptions {
   double acceleration_mps2_rthz = 1.0;
   double angular_acceleration_radps2_rthz = 1.0;
   LidarSightOptions sight;
-  int iterations = 5;
+  int iterations = 4;
   double lost_sigma_m = 1.0;      // of the place: beyond it the sensor is lost
   double first_velocity_mps = 3;  // standard deviation, of a start that is thought to be at rest
   int first_sweeps = 10;  // gone through first_passes times, for the first motion undoes the first cloud

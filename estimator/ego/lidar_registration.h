@@ -22,7 +22,7 @@ struct LidarSightOptions {
   double gate_m = 0.1;             // at least
   double open_gate_m = 0.5;        // at most: farther off is another surface
   double huber_sigmas = 1.5;
-  int searches = 3;     // iterations that look for planes anew
+  int searches = 2;     // iterations that look for planes anew
   int min_points = 30;  // on planes; below, the sweep says nothing
 };
 
