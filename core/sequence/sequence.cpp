@@ -70,14 +70,16 @@ Sequence open_sequence(const fs::path& given_folder) {
   if (const auto lidar = root.find("lidar")) sequence.lidar = read_lidar_calibration(*lidar);
   root.refuse_unknown_keys();
 
-  for (const auto& entry : read_file_list(folder, "rgb.txt", false)) {
+  const bool has_frames = !sequence.lidar || fs::exists(folder / "rgb.txt");  // a LiDAR may be alone
+  for (const auto& entry :
+       has_frames ? read_file_list(folder, "rgb.txt", false) : std::vector<ListedFile>()) {
     SequenceFrame frame;
     frame.frame = std::ssize(sequence.frames);
     frame.stamp_ns = entry.stamp_ns;
     frame.rgb = entry.file;
     sequence.frames.push_back(frame);
   }
-  if (sequence.frames.empty()) throw InputError(folder / "rgb.txt", "names no image");
+  if (sequence.frames.empty() && !sequence.lidar) throw InputError(folder / "rgb.txt", "names no image");
   if (fs::exists(folder / "depth.txt"))
     associate_depth(sequence.frames, read_file_list(folder, "depth.txt", false));
   if (fs::exists(folder / "masks.txt"))
@@ -87,6 +89,8 @@ Sequence open_sequence(const fs::path& given_folder) {
   if (sequence.lidar)
     for (const auto& entry : read_file_list(folder, "lidar.txt", false))
       sequence.scans.push_back({entry.stamp_ns, entry.file});
+  if (sequence.frames.empty() && sequence.scans.empty())
+    throw InputError(folder / "lidar.txt", "names no scan, and there are no images");
   if (fs::exists(folder / "camera_given.tum")) sequence.given_camera = read_tum(folder / "camera_given.tum");
   return sequence;
 }

@@ -147,10 +147,30 @@ Camera without_distortion(Camera camera) {
   return camera;
 }
 
+// Without images a frame is a scan's end, and all that is known of it is where the sensor was.
+Perception perceive_scans(const Sequence& sequence, const LidarEgoOptions& options) {
+  LidarEgo lidar(sequence, options);
+  lidar.finish();
+  Perception perception;
+  perception.camera = without_distortion(sequence.camera);
+  for (const auto& [stamp_ns, pose] : lidar.trajectory()) {
+    PerceivedFrame& frame = perception.frames.emplace_back();
+    frame.frame = std::ssize(perception.frames) - 1;
+    frame.stamp_ns = stamp_ns;
+    frame.world_from_camera = pose;
+  }
+  return perception;
+}
+
 }  // namespace
 
 Perception perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
                     std::vector<StageTime>& times) {
+  if (sequence.frames.empty()) {
+    if (options.ego != EgoSource::lidar)
+      throw InputError(sequence.folder, "has no images: only `ego: {source: lidar}` can follow it");
+    return perceive_scans(sequence, options.lidar);
+  }
   const bool is_given = options.ego == EgoSource::given;
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
   const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);

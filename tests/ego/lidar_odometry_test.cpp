@@ -9,7 +9,9 @@
 #include <stdexcept>
 
 #include "core/base/random.h"
+#include "estimator/ego/lidar_ego.h"
 #include "tests/ego/lidar_room.h"
+#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
@@ -234,6 +236,47 @@ TEST(LidarOdometry, PointsOnMaskedBodiesDoNotCount) {
   const Pose truth = relative_pose(run.room.world_from_lidar(0) * lidar_from_camera,
                                    run.room.world_from_lidar(2) * lidar_from_camera);
   EXPECT_LT((relative_pose(*first, *last).translation - truth.translation).norm(), 0.05);
+}
+
+// A recording of a LiDAR alone, through its files.
+TEST(LidarEgo, FollowsASequenceWithoutImages) {
+  const TempFolder temp;
+  const LidarRoom room;
+  Sequence made;
+  made.name = "room";
+  made.rate_hz = 10;
+  made.lidar = LidarCalibration{.pattern = "test", .rate_hz = room.rate_hz, .camera_from_lidar = {}};
+  std::filesystem::create_directories(temp.path() / "lidar");
+  for (int i = 0; i < 15; ++i) {
+    made.scans.push_back({room.scan_start_ns(i), "lidar/" + std::to_string(i) + ".pcd"});
+    write_lidar_points(temp.path() / made.scans.back().file, room.scan(i));
+  }
+  write_sequence_index(temp.path(), made);
+  std::filesystem::remove(temp.path() / "rgb.txt");
+  const Sequence sequence = open_sequence(temp.path());
+  ASSERT_TRUE(sequence.frames.empty());
+  LidarEgo ego(sequence, {});
+  ego.finish();
+  const Trajectory trajectory = ego.trajectory();
+  ASSERT_EQ(trajectory.size(), 15U);
+  const Pose found = relative_pose(trajectory.front().pose, trajectory.back().pose);
+  const Pose truth = relative_pose(room.world_from_lidar(0.1), room.world_from_lidar(1.5));
+  EXPECT_LT((found.translation - truth.translation).norm(), 0.03);
+}
+
+TEST(LidarEgo, ScansWithTimesThatNoneHasAreRefusedByName) {
+  const TempFolder temp;
+  Sequence made;
+  made.name = "broken";
+  made.rate_hz = 10;
+  made.lidar = LidarCalibration{.pattern = "test", .rate_hz = 10, .camera_from_lidar = {}};
+  made.scans.push_back({0, "0.pcd"});
+  write_lidar_points(temp.path() / "0.pcd", {LidarPoint{.x = 5, .offset_ns = 3'000'000'000}});
+  write_sequence_index(temp.path(), made);
+  const Sequence sequence = open_sequence(temp.path());
+  LidarEgo ego(sequence, {});
+  EXPECT_NE(input_error([&] { ego.finish(); }).find("0.pcd: point 0: 3 s after the scan's start"),
+            std::string::npos);
 }
 
 TEST(LidarSweep, RefusesTimesThatNoScanHas) {
