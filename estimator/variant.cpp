@@ -204,6 +204,21 @@ void visit(Io& io, SilhouetteOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, LidarDepthOptions& o) {
+  io.choice("undistortion", o.undistortion,
+            Choices<Undistortion>{
+                {"none", Undistortion::none}, {"ego", Undistortion::ego}, {"object", Undistortion::object}});
+  io.positive("window_s", o.window_s);
+  io.number("time_offset_s", o.time_offset_s, -10.0, 10.0);
+  io.number("erode_px", o.erode_px, 0, 100);
+  io.positive("reach_px", o.planes.reach_px);
+  io.number("neighbours", o.planes.neighbours, 4, 1000);
+  io.number("min_neighbours", o.planes.min_neighbours, 4, 1000);
+  io.number("max_jump", o.planes.max_jump, 0.0, 1.0);
+  io.number("max_points", o.max_points, 1, 1'000'000);
+}
+
+template <typename Io>
 void visit(Io& io, PerceptionOptions& o) {
   io.section("ego", [&](auto& inner) {
     inner.choice("source", o.ego,
@@ -211,6 +226,13 @@ void visit(Io& io, PerceptionOptions& o) {
                      {"given", EgoSource::given}, {"rgbd", EgoSource::rgbd}, {"lidar", EgoSource::lidar}});
     visit(inner, o.odometry);
     inner.section("lidar", [&](auto& innermost) { visit(innermost, o.lidar); });
+  });
+  io.section("depth", [&](auto& inner) {
+    inner.choice("source", o.depth,
+                 Choices<DepthSource>{{"recorded", DepthSource::recorded},
+                                      {"images", DepthSource::images},
+                                      {"lidar", DepthSource::lidar}});
+    inner.section("lidar", [&](auto& innermost) { visit(innermost, o.lidar_depth); });
   });
   io.section("segmentation", [&](auto& inner) { visit(inner, o.segmentation); });
   io.section("aot", [&](auto& inner) { visit(inner, o.aot); });

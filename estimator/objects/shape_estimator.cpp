@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "core/geometry/box_symmetry.h"
@@ -18,7 +19,11 @@ constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at l
 constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
 constexpr double kTurnGain = 4;         // of the cost, for which the axes turn: 8 of chi-square for 3 numbers
 constexpr PoseSigmas kBoxSigmas{0.01, 0.02};  // of the box that most of Alg. 1's agree with
-constexpr double kHeld = 1e-4;                // [rad]
+constexpr double kBestViews = 0.5;            // quantile of the views that show most of a side
+constexpr double kRimSpacings = 0.75;         // between points, that they end inside the outline at most
+constexpr double kLeastRim =
+    0.8;                        // share of a semi-axis that an ellipsoid would show: below, points say little
+constexpr double kHeld = 1e-4;  // [rad]
 constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
@@ -47,6 +52,32 @@ AxisFusion fusion_rule(AxisPrior prior) {
     default:
       return AxisFusion::renyi;
   }
+}
+
+// Mean distance of a view's points to their neighbours.
+double point_spacing(const Shape& shape, const std::vector<PointView>& views) {
+  double count = 1;
+  for (const PointView& view : views) count += static_cast<double>(view.points->cols());
+  const double radius = std::cbrt(shape.semi_axes_m.prod());
+  return radius * std::sqrt(2 * std::numbers::pi * static_cast<double>(views.size()) / count);
+}
+
+// How far an ellipsoid's visible part reaches along an axis, as a share of the semi-axis, in the views that
+// show most of it. A body with more of a box is seen up to its end.
+double rim_share(const Shape& shape, const std::vector<PointView>& views, int axis, int sign) {
+  std::vector<double> shares;
+  for (const PointView& view : views) {
+    if (!view.cut.empty()) continue;
+    const Eigen::Vector3d camera = shape.body_from_object.inverse() * view.body_from_camera.translation;
+    const Eigen::Vector3d normal = camera.cwiseQuotient(shape.semi_axes_m).normalized();
+    const double away = std::min(0.0, sign * normal[axis]);
+    shares.push_back(std::sqrt(1 - away * away));
+  }
+  if (shares.empty()) return 0;
+  const auto at =
+      shares.begin() + static_cast<std::ptrdiff_t>(kBestViews * static_cast<double>(shares.size() - 1));
+  std::nth_element(shares.begin(), at, shares.end());
+  return *at;
 }
 
 }  // namespace
@@ -235,9 +266,15 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
 // count.
 Shape ShapeEstimator::with_seen_extents(Shape shape) const {
   std::vector<PointView> views;
-  for (const ShapeView& view : views_)
-    views.push_back({view.world_from_body.inverse() * view.world_from_camera, &view.points, &view.normals,
-                     is_whole(view.silhouette)});
+  for (const ShapeView& view : views_) {
+    PointView& seen = views.emplace_back();
+    seen.body_from_camera = view.world_from_body.inverse() * view.world_from_camera;
+    seen.points = &view.points;
+    seen.normals = &view.normals;
+    for (const SupportLine& line : view.silhouette.support)
+      if (!line.free) seen.cut.push_back(line.normal);
+  }
+  const double spacing = point_spacing(shape, views);
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     std::array<double, 2> ends{};
@@ -250,6 +287,9 @@ Shape ShapeEstimator::with_seen_extents(Shape shape) const {
       if (!reach) continue;
       const double end = reach->position_m - center;
       ends[side] = reach->views > 0 ? end : std::max(ends[side], end);
+      const double seen_share = rim_share(shape, views, axis, side ? -1 : 1);
+      if (reach->views == 0 && seen_share > kLeastRim)
+        ends[side] = std::min(ends[side], std::max(end, (end + kRimSpacings * spacing) / seen_share));
     }
     if (!(ends[0] + ends[1] > 0)) continue;
     shape.semi_axes_m[axis] = (ends[0] + ends[1]) / 2;

@@ -22,7 +22,9 @@ void check_sequence(const Sequence& sequence, const Segmenter& segmenter,
                     const std::optional<std::map<std::int64_t, Pose>>& poses, bool by_lidar) {
   if (by_lidar) return;
   const auto& frames = sequence.frames;
-  const auto has_depth = [](const SequenceFrame& frame) { return !frame.depth.empty(); };
+  const auto has_depth = [&](const SequenceFrame& frame) {
+    return !frame.depth.empty() || (poses && sequence.lidar);
+  };
   const auto has_pose = [&](const SequenceFrame& frame) { return !poses || poses->contains(frame.stamp_ns); };
   const auto has_masks = [&](const SequenceFrame& frame) { return has_something_for(segmenter, frame); };
   if (std::none_of(frames.begin(), frames.end(), has_depth))

@@ -27,6 +27,7 @@ struct LateOutlines {
 struct Work {
   std::size_t index = 0;
   cv::Mat rgb, depth, masks;
+  std::map<int, SurfacePoints> surfaces;  // of the bodies, where the depth is a LiDAR's
   std::vector<AotFrame::Arrived> arrived;
   PerceivedFrame result;
   std::vector<LateOutlines> late;
@@ -98,6 +99,11 @@ void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work
   if (work.depth.empty()) return;
   for (const int id : ids_in(work.masks)) {
     BodyObservation& body = body_of(work.result, id);
+    if (const auto surface = work.surfaces.find(id); surface != work.surfaces.end()) {
+      body.points = std::move(surface->second.points);
+      body.normals = std::move(surface->second.normals);
+      continue;
+    }
     if (options.points.smooth_px == 0) {
       body.points = object_points(work.depth, work.masks == id, camera, options.points);
       continue;
@@ -133,6 +139,38 @@ std::unique_ptr<AsyncObjectTracker> make_tracker(const Sequence& sequence, const
   options.trust_ids = options.trust_ids || segmenter.names_bodies;
   return std::make_unique<AsyncObjectTracker>(sequence.camera,
                                               slow_segmenter(sequence, segmenter, options, seed), options);
+}
+
+// Points are put together along the camera's path, which features that wait for their depth cannot give.
+bool wants_lidar_depth(const Sequence& sequence, const PerceptionOptions& options) {
+  const auto has_depth = [](const SequenceFrame& frame) { return !frame.depth.empty(); };
+  const bool can = sequence.lidar && options.ego != EgoSource::rgbd;
+  if (options.depth == DepthSource::lidar && !can)
+    throw InputError(sequence.folder, sequence.lidar
+                                          ? "the variant takes depth from the LiDAR (depth: lidar) and the "
+                                            "camera's motion from depth (ego: rgbd); use ego: lidar"
+                                          : "has no LiDAR, which the variant (depth: lidar) needs");
+  return options.depth == DepthSource::lidar ||
+         (options.depth == DepthSource::recorded && can &&
+          std::none_of(sequence.frames.begin(), sequence.frames.end(), has_depth));
+}
+
+// Between the poses of the frames; nothing outside.
+std::optional<Pose> pose_between(const std::map<std::int64_t, Pose>& poses, std::int64_t stamp_ns) {
+  const auto after = poses.lower_bound(stamp_ns);
+  if (after == poses.end()) return std::nullopt;
+  if (after->first == stamp_ns) return after->second;
+  if (after == poses.begin()) return std::nullopt;
+  const auto before = std::prev(after);
+  const double gone = static_cast<double>(stamp_ns - before->first);
+  return interpolate(before->second, after->second, gone / static_cast<double>(after->first - before->first));
+}
+
+// What the features say of how bodies moved goes to the LiDAR's depth of the next frame.
+void tell_motions(const TrackedFeatures& tracked, const Pose& world_from_camera, const Pose& world_from_last,
+                  std::int64_t step_ns, LidarDepth& lidar) {
+  for (const auto& [label, motion] : tracked.motions)
+    lidar.moved(label, world_from_camera * motion * world_from_last.inverse(), step_ns);
 }
 
 // When the frame after this one comes; after the last one as long as before it.
@@ -183,6 +221,11 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
   std::optional<LidarEgo> lidar;
   if (by_lidar) lidar.emplace(sequence, options.lidar);
   const auto tracker = make_tracker(sequence, segmenter, options.aot, run.seed);
+  std::optional<LidarDepth> lidar_depth;
+  const auto path = [&](std::int64_t stamp_ns) {
+    return lidar ? lidar->odometry().world_from_camera(stamp_ns) : pose_between(*poses, stamp_ns);
+  };
+  if (wants_lidar_depth(sequence, options)) lidar_depth.emplace(sequence, path, options.lidar_depth);
   Perception perception;
   perception.camera = without_distortion(sequence.camera);
   perception.frames.resize(sequence.frames.size());
@@ -222,18 +265,34 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
   const auto track = [&](std::shared_ptr<Work> work) {
     const SequenceFrame& frame = sequence.frames[work->index];
     Stopwatch watch(frame.frame, work->times);
+    if (lidar) {
+      lidar->track(frame, work->masks);
+      watch.stop("ego");
+    }
+    if (lidar_depth) {
+      LidarView view = lidar_depth->at(frame.stamp_ns, next_stamp_ns(sequence, work->index), work->masks);
+      work->depth = std::move(view.depth);
+      work->surfaces = std::move(view.bodies);
+      watch.stop("lidar_depth");
+    }
     BodyHints hints;
     if (run.feedback) hints = run.feedback->hints(frame.frame, frame.stamp_ns);
     const TrackedFeatures tracked = features.track(frame, work->rgb, work->depth, work->masks, hints);
     add_features(tracked, work->result);
     watch.stop("features");
-    if (lidar)
-      lidar->track(frame, work->masks);
-    else if (!is_given)
+    if (lidar_depth && work->index > 0) {
+      const std::int64_t last_ns = sequence.frames[work->index - 1].stamp_ns;
+      const auto now = path(frame.stamp_ns), last = path(last_ns);
+      if (now && last) tell_motions(tracked, *now, *last, frame.stamp_ns - last_ns, *lidar_depth);
+    }
+    if (options.ego == EgoSource::rgbd) {
       odometry.track(frame, tracked, work->depth, work->masks);
-    watch.stop("ego");
+      watch.stop("ego");
+    }
     if (run.feedback)
-      work->result.world_from_camera = is_given ? pose_at(*poses, frame.stamp_ns) : odometry.pose();
+      work->result.world_from_camera = is_given ? pose_at(*poses, frame.stamp_ns)
+                                       : lidar  ? path(frame.stamp_ns)
+                                                : odometry.pose();
     return work;
   };
   const auto look = [&](std::shared_ptr<Work> work) {

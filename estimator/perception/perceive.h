@@ -10,6 +10,7 @@
 #include "estimator/ego/rgbd_odometry.h"
 #include "estimator/perception/aot.h"
 #include "estimator/perception/features.h"
+#include "estimator/perception/lidar_depth.h"
 #include "estimator/perception/perception.h"
 #include "estimator/perception/segmentation.h"
 #include "estimator/perception/silhouette.h"
@@ -25,11 +26,20 @@ enum class EgoSource {
   lidar,  ///< from the LiDAR's points, with the IMU where there is one (LidarEgo)
 };
 
+/// Where depth comes from.
+enum class DepthSource {
+  recorded,  ///< the sequence's depth images, or its LiDAR where it has none
+  images,
+  lidar,  ///< LidarDepth
+};
+
 /// All options of the perception stage.
 struct PerceptionOptions {
   EgoSource ego = EgoSource::given;
   EgoOptions odometry;    // of EgoSource::rgbd
   LidarEgoOptions lidar;  // of EgoSource::lidar
+  DepthSource depth = DepthSource::recorded;
+  LidarDepthOptions lidar_depth;  // of DepthSource::lidar
   SegmentationOptions segmentation;
   AotOptions aot;
   FeatureOptions features;

@@ -19,6 +19,8 @@ struct PointView {
   /// Angle at the middle of an ellipsoid between its foremost point and those that end before its outline
   /// [rad].
   double horizon_rad = std::numbers::pi / 2;
+  /// Unit vectors across the image to where something hid a part of the body, or the image ended.
+  std::vector<Eigen::Vector2d> cut = {};
 };
 
 /// How far a body reaches along a direction.
@@ -34,7 +36,9 @@ struct ReachOptions {
   double min_cosine = 0.7;      // of that surface's normals and the direction
   int min_points = 40;          // on it
   double max_scatter = 0.25;    // about it, of that depth
+  double stray_share = 0.1;     // of all points that may lie beyond it: what the body stands on, in its mask
   double min_sine = 0.25;       // of the angle between the touching plane and the line to the camera
+  double cut_cosine = 0.5;      // of the angle from a cut within which an end may be hidden: 60 degrees
   double least_quantile = 0.9;  // of all views where none shows the end: one view's outliers do not count
 };
 
@@ -42,8 +46,8 @@ struct ReachOptions {
 double mean_of_furthest(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& direction, double share);
 
 /// From the points of many views; `direction`: unit, in the body's frame. A body shows its furthest point to
-/// every camera beyond the plane that touches it there: the median of those views counts. Nothing without
-/// points.
+/// every camera beyond the plane that touches it there, unless it is cut on that side: the median of those
+/// views counts. Nothing without points.
 std::optional<Reach> reach_along(const std::vector<PointView>& views, const Eigen::Vector3d& direction,
                                  const ReachOptions& options = {});
 

@@ -68,7 +68,7 @@ TEST(Reach, OneViewWithStrayPointsOrAPartHiddenDoesNotMoveTheEnd) {
     scene.clouds[0].col(i) = scene.views[0].body_from_camera.inverse() * Eigen::Vector3d(0.6, 0, 0);
   Eigen::Matrix3Xd half = scene.clouds[1].leftCols(10);
   scene.views[1].points = &half;  // the rest hidden
-  scene.views[1].whole = false;
+  scene.views[1].cut = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   const auto reach = reach_along(scene.views, Eigen::Vector3d::UnitX());
   ASSERT_TRUE(reach);
   EXPECT_NEAR(reach->position_m, kHalf, 2e-3);

@@ -29,9 +29,10 @@ std::string other_value(const std::string& key, const std::string& value) {
       {"single_frame", "windows"}, {"final", "causal"},       {"virtual", "threads"},
       {"sequence", "fixed"},       {"ultrafast", "fast"},     {"none", "renyi"},
       {"object", "global"},        {"perception", "backend"}, {"given", "rgbd"},
-      {"flow", "nanotrack"},       {"frames", "scans"}};
+      {"flow", "nanotrack"},       {"frames", "scans"},       {"recorded", "images"}};
   if (value.empty()) return "";
   if (key == "fit") return "pca";
+  if (key == "undistortion") return "ego";
   if (key == "exponents") return "3";
   if (key == "outline_noise") return "measured";
   if (key == "axis_samples") return "extents";

@@ -1,0 +1,117 @@
+#include "estimator/perception/lidar_depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace uniquadric {
+namespace {
+
+double seconds(std::int64_t from_ns, std::int64_t to_ns) {
+  return 1e-9 * static_cast<double>(to_ns - from_ns);
+}
+
+cv::Point pixel_of(const Eigen::Vector2d& pixel) {
+  return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
+}
+
+int label_at(const cv::Mat& masks, const Eigen::Vector2d& pixel) {
+  return masks.empty() ? 0 : masks.at<std::uint16_t>(pixel_of(pixel));
+}
+
+// The part of the image whose depth somebody asks for: bodies and what may hide them.
+cv::Rect around_bodies(const cv::Mat& masks, double margin_px) {
+  std::vector<cv::Point> pixels;
+  if (!masks.empty()) cv::findNonZero(masks != 0, pixels);
+  if (pixels.empty()) return {};
+  const int margin = static_cast<int>(margin_px);
+  cv::Rect rect = cv::boundingRect(pixels);
+  rect -= cv::Point(margin, margin);
+  rect += cv::Size(2 * margin, 2 * margin);
+  return rect & cv::Rect({}, masks.size());
+}
+
+constexpr int kNobody = 0xffff;
+
+// Rims of a mask belong to nobody: what a beam hits there may lie behind the body or on it.
+cv::Mat without_rims(const cv::Mat& masks, int px) {
+  if (masks.empty() || px == 0) return masks;
+  const cv::Mat box = cv::getStructuringElement(cv::MORPH_RECT, {2 * px + 1, 2 * px + 1});
+  cv::Mat least, most, result = masks.clone();
+  cv::erode(masks, least, box);
+  cv::dilate(masks, most, box);
+  result.setTo(kNobody, least != most);
+  return result;
+}
+
+}  // namespace
+
+LidarDepth::LidarDepth(const Sequence& sequence, CameraPath path, const LidarDepthOptions& options)
+    : camera_(sequence.camera),
+      camera_from_lidar_(sequence.lidar->camera_from_lidar),
+      path_(std::move(path)),
+      options_(options),
+      stream_(sequence, std::llround(1e9 * options.time_offset_s)) {}
+
+void LidarDepth::moved(int label, const Pose& world_motion, std::int64_t step_ns) {
+  motions_[label] = {log_se3(world_motion) / seconds(0, step_ns)};
+}
+
+// Where a point of a body is after some seconds (Eq. 4).
+Eigen::Vector3d LidarDepth::moved_by(int label, const Eigen::Vector3d& point, double s) const {
+  const auto motion = motions_.find(label);
+  if (label <= 0 || motion == motions_.end() || options_.undistortion != Undistortion::object) return point;
+  return exp_se3(motion->second.twist * s) * point;
+}
+
+void LidarDepth::advance(std::int64_t to_ns) {
+  std::erase_if(held_, [&](const Held& p) { return seconds(p.stamp_ns, to_ns) > options_.window_s; });
+  for (Held& p : held_) p.at_frame = moved_by(p.label, p.at_frame, seconds(last_ns_, to_ns));
+  last_ns_ = to_ns;
+}
+
+void LidarDepth::receive(std::int64_t stamp_ns, std::int64_t until_ns, const Pose& world_from_camera,
+                         const cv::Mat& masks) {
+  const cv::Mat inner = without_rims(masks, options_.erode_px);
+  const Pose camera_from_world = world_from_camera.inverse();
+  for (const StampedPoint& p : stream_.take(until_ns)) {
+    if (seconds(p.stamp_ns, stamp_ns) > options_.window_s) continue;
+    const auto pose = options_.undistortion == Undistortion::none ? world_from_camera : path_(p.stamp_ns);
+    if (!pose) continue;
+    const Eigen::Vector3d point = *pose * (camera_from_lidar_ * p.point);
+    const auto pixel = camera_.project(camera_from_world * point);
+    if (!pixel || !camera_.contains(*pixel)) continue;
+    const int label = label_at(inner, *pixel);
+    if (label == kNobody) continue;
+    held_.push_back({p.stamp_ns, moved_by(label, point, seconds(p.stamp_ns, stamp_ns)), p.point, label});
+  }
+}
+
+LidarView LidarDepth::at(std::int64_t stamp_ns, std::int64_t next_stamp_ns, const cv::Mat& masks) {
+  const auto world_from_camera = path_(stamp_ns);
+  if (!world_from_camera) return {};
+  advance(stamp_ns);
+  receive(stamp_ns, stamp_ns + (next_stamp_ns - stamp_ns) / 2, *world_from_camera, masks);
+  const Pose camera_from_world = world_from_camera->inverse();
+  const cv::Rect wanted = around_bodies(masks, options_.planes.reach_px);
+  std::map<int, std::vector<ImagePoint>> samples;
+  for (const Held& p : held_) {
+    const bool raw = options_.undistortion == Undistortion::none;
+    const Eigen::Vector3d in_camera = raw ? camera_from_lidar_ * p.in_lidar : camera_from_world * p.at_frame;
+    const auto pixel = camera_.project(in_camera);
+    if (pixel && camera_.contains(*pixel) && wanted.contains(pixel_of(*pixel)) &&
+        label_at(masks, *pixel) == p.label)
+      samples[p.label].push_back({*pixel, 1 / in_camera.z()});
+  }
+  LidarView view{cv::Mat::zeros(camera_.height, camera_.width, CV_32FC1), {}};
+  for (const auto& [label, points] : samples) {
+    PointPlaneOptions options = options_.planes;
+    options.one_body = label > 0;
+    const std::vector<PointPlane> planes = point_planes(points, options);
+    fill_depth(planes, label, masks, options_.planes.reach_px, view.depth);
+    if (label > 0) view.bodies[label] = surface_points(planes, camera_, options_.max_points);
+  }
+  return view;
+}
+
+}  // namespace uniquadric

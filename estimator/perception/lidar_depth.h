@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/camera.h"
+#include "core/geometry/pose.h"
+#include "core/sequence/sequence.h"
+#include "estimator/perception/lidar_stream.h"
+#include "estimator/perception/point_planes.h"
+#include "estimator/shape/object_points.h"
+
+namespace uniquadric {
+
+/// What is undone of the motion during a scan (the paper's Fig. on undistortion).
+enum class Undistortion {
+  none,    ///< nothing: points lie where the sensor saw them from where it is now
+  ego,     ///< the sensor's own motion (Eq. 2, 3)
+  object,  ///< and that of each body (Eq. 4)
+};
+
+/// All numbers are ours.
+struct LidarDepthOptions {
+  Undistortion undistortion = Undistortion::object;
+  double window_s = 0.1;     // of points behind each frame: a scan of most sensors
+  double time_offset_s = 0;  // added to the LiDAR's stamps
+  int erode_px = 1;          // of masks, before points are said to be a body's
+  PointPlaneOptions planes;
+  int max_points = 2000;  // of a body
+};
+
+/// Depth of one frame from LiDAR points.
+struct LidarView {
+  cv::Mat depth;  ///< CV_32FC1 [m], 0 where no point is near: planes along the line of sight through points
+  std::map<int, SurfacePoints> bodies;  ///< points of each mask, camera frame, at the frame's time
+};
+
+/// Makes depth for camera frames out of LiDAR points: of the last window_s, each where its surface is at the
+/// frame's time (motion-aware undistortion, Eq. 2 to 4), projected into the image; around each a plane
+/// through its nearest neighbours of the same body is laid, and neighbours across a jump in depth are left
+/// out. The paper prints the correction of bodies without its direction; ours is p(t_frame) =
+/// T_world_object(t_frame) T_world_object(t)^-1 p(t).
+class LidarDepth {
+ public:
+  using CameraPath = std::function<std::optional<Pose>(std::int64_t stamp_ns)>;  ///< world_from_camera
+
+  LidarDepth(const Sequence& sequence, CameraPath path, const LidarDepthOptions& options);
+
+  /// Frames in their order. `masks` CV_16UC1 labels, 0 background, or empty. Nothing without a camera pose.
+  LidarView at(std::int64_t stamp_ns, std::int64_t next_stamp_ns, const cv::Mat& masks);
+
+  /// How a body moved in the world over the step that ended at the last frame: p_now = motion * p_before.
+  void moved(int label, const Pose& world_motion, std::int64_t step_ns);
+
+ private:
+  struct Held {
+    std::int64_t stamp_ns;
+    Eigen::Vector3d at_frame;  // world, where the point's surface is at the last frame's time
+    Eigen::Vector3d in_lidar;
+    int label;
+  };
+  struct Motion {
+    Vector6d twist;  // of world_motion over one second
+  };
+
+  void advance(std::int64_t to_ns);
+  void receive(std::int64_t stamp_ns, std::int64_t until_ns, const Pose& world_from_camera,
+               const cv::Mat& masks);
+  Eigen::Vector3d moved_by(int label, const Eigen::Vector3d& point, double seconds) const;
+
+  Camera camera_;
+  Pose camera_from_lidar_;
+  CameraPath path_;
+  LidarDepthOptions options_;
+  LidarStream stream_;
+  std::vector<Held> held_;
+  std::map<int, Motion> motions_;
+  std::int64_t last_ns_ = 0;
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,213 @@
+#include "estimator/perception/point_planes.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <unordered_map>
+
+namespace uniquadric {
+namespace {
+
+constexpr int kRounds = 2;
+constexpr double kSliverShare = 0.2;  // of the largest surface's points; larger ones are the body's too
+constexpr double kOutlierSigmas = 2.5, kLeastScatter = 2e-4;  // of inverse depth, relative
+
+// Buckets of points by squares of the image.
+class PixelGrid {
+ public:
+  PixelGrid(const std::vector<ImagePoint>& points, double side) : points_(points), side_(side) {
+    for (std::size_t i = 0; i < points.size(); ++i) cells_[key(cell(points[i].pixel))].push_back(i);
+  }
+
+  // The k nearest within the side of a square, the point itself first.
+  std::vector<std::size_t> nearest(const Eigen::Vector2d& pixel, std::size_t k) const {
+    std::vector<std::pair<double, std::size_t>> found;
+    const Eigen::Vector2i c = cell(pixel);
+    for (int y = c.y() - 1; y <= c.y() + 1; ++y)
+      for (int x = c.x() - 1; x <= c.x() + 1; ++x) {
+        const auto in = cells_.find(key({x, y}));
+        if (in == cells_.end()) continue;
+        for (const std::size_t i : in->second)
+          if (const double d = (points_[i].pixel - pixel).squaredNorm(); d <= side_ * side_)
+            found.emplace_back(d, i);
+      }
+    const std::size_t n = std::min(k, found.size());
+    std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(n), found.end());
+    std::vector<std::size_t> result;
+    for (std::size_t i = 0; i < n; ++i) result.push_back(found[i].second);
+    return result;
+  }
+
+ private:
+  Eigen::Vector2i cell(const Eigen::Vector2d& pixel) const {
+    return (pixel / side_).array().floor().cast<int>();
+  }
+  static std::int64_t key(const Eigen::Vector2i& c) { return (std::int64_t{c.y()} << 32) + c.x(); }
+
+  const std::vector<ImagePoint>& points_;
+  double side_;
+  std::unordered_map<std::int64_t, std::vector<std::size_t>> cells_;
+};
+
+int root(std::vector<int>& parent, int i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+// Which points hang together without a jump in depth: the number of each one's surface.
+std::vector<int> surfaces(const std::vector<ImagePoint>& points,
+                          const std::vector<std::vector<std::size_t>>& near, double max_jump) {
+  std::vector<int> parent(points.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (const std::size_t j : near[i])
+      if (std::abs(points[i].inverse_depth - points[j].inverse_depth) < max_jump * points[i].inverse_depth)
+        parent[root(parent, static_cast<int>(i))] = root(parent, static_cast<int>(j));
+  for (std::size_t i = 0; i < points.size(); ++i) parent[i] = root(parent, static_cast<int>(i));
+  return parent;
+}
+
+// What a mask takes in beside its body or a window lets through: small surfaces off the depths of the
+// largest.
+std::vector<bool> on_body(const std::vector<ImagePoint>& points, const std::vector<int>& surface) {
+  struct Part {
+    std::size_t count = 0;
+    double sum = 0, least = std::numeric_limits<double>::infinity(), most = 0;
+  };
+  std::map<int, Part> parts;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Part& part = parts[surface[i]];
+    const double w = points[i].inverse_depth;
+    ++part.count, part.sum += w;
+    part.least = std::min(part.least, w), part.most = std::max(part.most, w);
+  }
+  const Part& main = std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
+                       return a.second.count < b.second.count;
+                     })->second;
+  std::vector<bool> on(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Part& part = parts[surface[i]];
+    const double mean = part.sum / static_cast<double>(part.count);
+    on[i] = static_cast<double>(part.count) > kSliverShare * static_cast<double>(main.count) ||
+            (mean >= main.least && mean <= main.most);
+  }
+  return on;
+}
+
+struct Fit {
+  Eigen::Vector3d plane;  // w0, slope
+  double scatter = 0;
+  int count = 0;
+};
+
+std::optional<Fit> fit(const std::vector<ImagePoint>& points, const std::vector<std::size_t>& near,
+                       const Eigen::Vector2d& pixel, const Eigen::Vector3d& about, double gate) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double squares = 0;
+  int count = 0;
+  for (const std::size_t i : near) {
+    const Eigen::Vector2d d = points[i].pixel - pixel;
+    const Eigen::Vector3d row(1, d.x(), d.y());
+    const double off = points[i].inverse_depth - row.dot(about);
+    if (std::abs(off) > gate) continue;
+    normal += row * row.transpose();
+    right += off * row;
+    squares += off * off;
+    ++count;
+  }
+  if (count < 4) return std::nullopt;
+  Eigen::Matrix3d inverse;
+  bool invertible = false;
+  normal.computeInverseWithCheck(inverse, invertible, 1e-9);
+  if (!invertible) return std::nullopt;  // all in one line
+  const Eigen::Vector3d change = inverse * right;
+  return Fit{about + change, std::sqrt(std::max(0.0, squares - change.dot(right)) / (count - 3)), count};
+}
+
+std::optional<PointPlane> plane_at(const std::vector<ImagePoint>& points,
+                                   const std::vector<std::size_t>& near, const ImagePoint& here,
+                                   const PointPlaneOptions& options) {
+  Eigen::Vector3d about(here.inverse_depth, 0, 0);
+  double gate = options.max_jump * here.inverse_depth;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto found = fit(points, near, here.pixel, about, gate);
+    if (!found || found->count < options.min_neighbours) return std::nullopt;
+    about = found->plane;
+    gate = kOutlierSigmas * std::max(found->scatter, kLeastScatter * here.inverse_depth);
+  }
+  if (std::abs(about[0] - here.inverse_depth) > options.max_jump * here.inverse_depth) return std::nullopt;
+  return PointPlane{here.pixel, about[0], about.tail<2>()};
+}
+
+}  // namespace
+
+std::vector<PointPlane> point_planes(const std::vector<ImagePoint>& points,
+                                     const PointPlaneOptions& options) {
+  if (points.empty()) return {};
+  const PixelGrid grid(points, options.reach_px);
+  std::vector<std::vector<std::size_t>> near;
+  for (const ImagePoint& point : points)
+    near.push_back(grid.nearest(point.pixel, static_cast<std::size_t>(options.neighbours)));
+  std::vector<bool> keep(points.size(), true);
+  if (options.one_body) keep = on_body(points, surfaces(points, near, options.max_jump));
+  std::vector<PointPlane> planes;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!keep[i]) continue;
+    if (const auto plane = plane_at(points, near[i], points[i], options)) planes.push_back(*plane);
+  }
+  return planes;
+}
+
+void fill_depth(const std::vector<PointPlane>& planes, int label, const cv::Mat& masks, double reach_px,
+                cv::Mat& depth) {
+  cv::Mat far(depth.size(), CV_8UC1, cv::Scalar(1)), nearest, distance;
+  cv::Mat at(depth.size(), CV_32SC1, cv::Scalar(-1));
+  const cv::Rect image({}, depth.size());
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const cv::Point pixel(static_cast<int>(std::lround(planes[i].pixel.x())),
+                          static_cast<int>(std::lround(planes[i].pixel.y())));
+    if (!image.contains(pixel)) continue;
+    far.at<unsigned char>(pixel) = 0;
+    at.at<int>(pixel) = static_cast<int>(i);
+  }
+  if (planes.empty()) return;
+  cv::distanceTransform(far, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+  std::vector<int> plane_of(planes.size() + 2, -1);
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u)
+      if (const int i = at.at<int>(v, u); i >= 0)
+        plane_of[static_cast<std::size_t>(nearest.at<int>(v, u))] = i;
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u) {
+      if ((masks.empty() ? 0 : masks.at<std::uint16_t>(v, u)) != label) continue;
+      if (distance.at<float>(v, u) > reach_px) continue;
+      const PointPlane& plane =
+          planes[static_cast<std::size_t>(plane_of[static_cast<std::size_t>(nearest.at<int>(v, u))])];
+      const double w = plane.inverse_depth + plane.slope_per_px.dot(Eigen::Vector2d(u, v) - plane.pixel);
+      if (w > 0.5 * plane.inverse_depth) depth.at<float>(v, u) = static_cast<float>(1 / w);
+    }
+}
+
+SurfacePoints surface_points(const std::vector<PointPlane>& planes, const Camera& camera, int most) {
+  const auto n = std::min<std::ptrdiff_t>(std::ssize(planes), most);
+  SurfacePoints result{Eigen::Matrix3Xd(3, n), Eigen::Matrix3Xd(3, n)};
+  std::ptrdiff_t count = 0;
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const PointPlane& plane = planes[static_cast<std::size_t>(i * std::ssize(planes) / n)];
+    const auto ray = camera.unproject(plane.pixel);
+    if (!ray) continue;
+    const double a = camera.fx * plane.slope_per_px.x(), b = camera.fy * plane.slope_per_px.y();
+    result.points.col(count) = *ray / plane.inverse_depth;
+    result.normals.col(count++) =
+        -Eigen::Vector3d(a, b, plane.inverse_depth - a * ray->x() - b * ray->y()).normalized();
+  }
+  return {result.points.leftCols(count), result.normals.leftCols(count)};
+}
+
+}  // namespace uniquadric

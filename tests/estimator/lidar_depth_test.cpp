@@ -1,0 +1,175 @@
+#include "estimator/perception/lidar_depth.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/random.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kWall = 12, kBoard = 8;  // depths [m]
+constexpr double kSpeed = 10;             // of the board, to the right [m/s]
+constexpr std::int64_t kScan = 100'000'000, kFrame = 33'333'333;
+
+Camera small_camera() {
+  Camera camera;
+  camera.width = 320, camera.height = 240;
+  camera.fx = camera.fy = 230, camera.cx = 159.5, camera.cy = 119.5;
+  return camera;
+}
+
+double board_x(std::int64_t stamp_ns) {
+  return kSpeed * 1e-9 * static_cast<double>(stamp_ns) - 2;
+}
+
+bool on_board(const Eigen::Vector2d& ray, std::int64_t stamp_ns) {
+  return std::abs(kBoard * ray.x() - board_x(stamp_ns)) < 1 && std::abs(kBoard * ray.y()) < 0.7;
+}
+
+cv::Mat mask_at(const Camera& camera, std::int64_t stamp_ns) {
+  cv::Mat mask = cv::Mat::zeros(camera.height, camera.width, CV_16UC1);
+  for (int v = 0; v < mask.rows; ++v)
+    for (int u = 0; u < mask.cols; ++u)
+      if (on_board(camera.unproject({u, v})->head<2>(), stamp_ns)) mask.at<std::uint16_t>(v, u) = 7;
+  return mask;
+}
+
+// A board that passes before a wall; the LiDAR sits in the camera and looks where it does, 24,000 points a
+// scan, each at its own time, in the file in no order of time; every tenth beam comes back empty.
+Sequence passing_board(const std::filesystem::path& folder) {
+  Sequence sequence;
+  sequence.folder = folder;
+  sequence.camera = small_camera();
+  sequence.lidar = LidarCalibration{};
+  for (int k = 0; k < 4; ++k) {
+    RandomStream random(1, "scan", static_cast<std::uint64_t>(k));
+    std::vector<LidarPoint> points(24000);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i].offset_ns = static_cast<std::uint32_t>(random.uniform() * kScan);
+      const Eigen::Vector2d ray(random.uniform(-0.69, 0.69), random.uniform(-0.52, 0.52));
+      const double z = on_board(ray, k * kScan + points[i].offset_ns) ? kBoard : kWall;
+      if (i % 10 == 0) continue;
+      points[i].x = static_cast<float>(z * ray.x());
+      points[i].y = static_cast<float>(z * ray.y());
+      points[i].z = static_cast<float>(z);
+    }
+    sequence.scans.push_back({k * kScan, std::to_string(k) + ".pcd"});
+    write_lidar_points(folder / sequence.scans.back().file, points);
+  }
+  return sequence;
+}
+
+struct Seen {
+  double left = 0, right = 0, depth_error = 0;  // of the board's points [m], less where they are
+  int points = 0;
+};
+
+Seen look(Undistortion undistortion, bool told) {
+  const TempFolder temp;
+  const Sequence sequence = passing_board(temp.path());
+  LidarDepthOptions options;
+  options.undistortion = undistortion;
+  LidarDepth depth(
+      sequence, [](std::int64_t) { return Pose(); }, options);
+  LidarView view;
+  std::int64_t now = 0;
+  for (int k = 0; k < 9; ++k) {
+    now = k * kFrame;
+    view = depth.at(now, now + kFrame, mask_at(sequence.camera, now));
+    if (told) depth.moved(7, {Eigen::Quaterniond::Identity(), {kSpeed * 1e-9 * kFrame, 0, 0}}, kFrame);
+  }
+  Seen seen;
+  const Eigen::Matrix3Xd& points = view.bodies.at(7).points;
+  seen.points = static_cast<int>(points.cols());
+  seen.left = points.row(0).minCoeff() - (board_x(now) - 1);
+  seen.right = points.row(0).maxCoeff() - (board_x(now) + 1);
+  seen.depth_error = (points.row(2).array() - kBoard).abs().maxCoeff();
+  return seen;
+}
+
+TEST(LidarDepth, Eq4_PointsOfABodyLieWhereItIsAtTheFrame) {
+  const Seen seen = look(Undistortion::object, true);
+  EXPECT_GT(seen.points, 500);
+  EXPECT_LT(seen.depth_error, 1e-6);
+  EXPECT_NEAR(seen.left, 0, 0.12);  // the mask's rim, and the points are 5 cm apart
+  EXPECT_NEAR(seen.right, 0, 0.12);
+}
+
+TEST(LidarDepth, WithoutABodysMotionItsPointsTrailBehind) {
+  const Seen seen = look(Undistortion::ego, true);
+  const Seen with = look(Undistortion::object, true);
+  EXPECT_LT(seen.points, 0.9 * with.points);  // they have left the mask, or the mask shows the wall there
+}
+
+TEST(LidarDepth, DepthIsThatOfThePlanesAlongTheLinesOfSight) {
+  const TempFolder temp;
+  const Sequence sequence = passing_board(temp.path());
+  LidarDepth depth(sequence, [](std::int64_t) { return Pose(); }, {});
+  const std::int64_t now = 6 * kFrame;
+  const cv::Mat mask = mask_at(sequence.camera, now);
+  LidarView view;
+  for (int k = 0; k <= 6; ++k)
+    view = depth.at(k * kFrame, (k + 1) * kFrame, mask_at(sequence.camera, k * kFrame));
+  int known = 0, all = 0;
+  for (int v = 0; v < mask.rows; ++v)
+    for (int u = 0; u < mask.cols; ++u) {
+      if (mask.at<std::uint16_t>(v, u) != 7) continue;
+      ++all;
+      const float z = view.depth.at<float>(v, u);
+      if (!(z > 0)) continue;
+      EXPECT_NEAR(z, kBoard, 1e-3);
+      ++known;
+    }
+  EXPECT_GT(all, 1000);
+  EXPECT_GT(known, 0.9 * all);
+}
+
+TEST(PointPlanes, NeighboursAcrossAJumpAreLeftOutAndSlantsKept) {
+  RandomStream random(2, "planes");
+  std::vector<ImagePoint> points;
+  const auto inverse_depth = [](const Eigen::Vector2d& p) { return p.x() < 100 ? 0.1 + 1e-4 * p.y() : 0.05; };
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector2d pixel(random.uniform(0, 200), random.uniform(0, 150));
+    points.push_back({pixel, inverse_depth(pixel)});
+  }
+  const std::vector<PointPlane> planes = point_planes(points, {});
+  EXPECT_GT(planes.size(), 1900);
+  for (const PointPlane& plane : planes) {
+    EXPECT_NEAR(plane.inverse_depth, inverse_depth(plane.pixel), 1e-9);
+    EXPECT_NEAR(plane.slope_per_px.y(), plane.pixel.x() < 100 ? 1e-4 : 0, 1e-9);
+  }
+}
+
+TEST(PointPlanes, SliversOfOtherThingsAreNotTheBody) {
+  RandomStream random(3, "slivers");
+  std::vector<ImagePoint> points;
+  for (int i = 0; i < 500; ++i) points.push_back({{random.uniform(0, 80), random.uniform(0, 80)}, 0.1});
+  for (int i = 0; i < 30; ++i) points.push_back({{random.uniform(80, 84), random.uniform(0, 80)}, 0.05});
+  PointPlaneOptions options;
+  options.one_body = true;
+  for (const PointPlane& plane : point_planes(points, options)) EXPECT_NEAR(plane.inverse_depth, 0.1, 1e-9);
+  options.one_body = false;
+  EXPECT_GT(point_planes(points, options).size(), 510);
+}
+
+TEST(LidarStream, CutsByThePointsOwnStampsAndPassesOverEmptyReturns) {
+  const TempFolder temp;
+  const Sequence sequence = passing_board(temp.path());
+  LidarStream stream(sequence, 1000);
+  std::size_t count = 0;
+  std::int64_t last = 0;
+  for (std::int64_t until = kFrame; until < 5 * kScan; until += kFrame)
+    for (const StampedPoint& p : stream.take(until)) {
+      EXPECT_GE(p.stamp_ns, last);
+      EXPECT_GT(p.stamp_ns, until - kFrame);
+      EXPECT_LE(p.stamp_ns, until);
+      EXPECT_FALSE(p.point.isZero());
+      last = p.stamp_ns;
+      ++count;
+    }
+  EXPECT_EQ(count, 4 * 24000 * 9 / 10);
+}
+
+}  // namespace
+}  // namespace uniquadric
