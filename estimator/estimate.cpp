@@ -35,11 +35,13 @@ std::string perception_key(const Sequence& sequence, const Variant& variant, con
       .add(perception_yaml(variant))
       .add(options.seed);
   std::vector<fs::path> files;
-  for (const char* name : {"sequence.yaml", "rgb.txt", "depth.txt", "masks.txt", "camera_given.tum"})
+  for (const char* name :
+       {"sequence.yaml", "rgb.txt", "depth.txt", "masks.txt", "camera_given.tum", "lidar.txt", "imu.csv"})
     files.push_back(sequence.folder / name);
+  const auto own = std::ssize(files);
   if (fs::is_directory(options.prompts.path)) {
     for (const auto& entry : fs::directory_iterator(options.prompts.path)) files.push_back(entry.path());
-    std::sort(files.begin() + 5, files.end());
+    std::sort(files.begin() + own, files.end());
   } else {
     files.push_back(options.prompts.path);
   }
@@ -47,8 +49,10 @@ std::string perception_key(const Sequence& sequence, const Variant& variant, con
   for (const auto& network : {segmentation.sam.encoder, segmentation.sam.decoder, segmentation.detector.model,
                               variant.perception.aot.nano.backbone, variant.perception.aot.nano.head})
     files.emplace_back(network);
-  if (variant.perception.ego == EgoSource::lidar)
-    for (const char* name : {"lidar.txt", "imu.csv"}) files.push_back(sequence.folder / name);
+  for (const SequenceFrame& frame : sequence.frames)
+    for (const fs::path& image : {frame.rgb, frame.depth, frame.masks})
+      if (!image.empty()) files.push_back(sequence.folder / image);
+  for (const SequenceScan& scan : sequence.scans) files.push_back(sequence.folder / scan.file);
   for (const fs::path& file : files)
     if (fs::is_regular_file(file)) hash.add(file.filename().string()).add_file(file);
   return hash.hex();

@@ -83,7 +83,9 @@ void add_simulate(CLI::App& app, Common& common) {
   sub->add_option("SCENE", scene, "scene file (YAML)")->required();
   sub->add_option("OUT", out, "folder for sequence/ and truth/")->required();
   sub->add_option("--seed", options.seed, "of all noise")->check(whole_number());
-  sub->add_option("--noise-scale", noise_scale, "of the amplitudes of all noise")->check(kAtLeast0);
+  sub->add_option("--noise-scale", noise_scale, "of the amplitudes of all noise")
+      ->check(kAtLeast0)
+      ->check(CLI::Range(0.0, kMostNoiseScale));
   auto* count =
       sub->add_option("--frames", frames, "instead of the scene's number")->check(whole_number(1, kMaxCount));
   sub->add_option("--gl", gl,

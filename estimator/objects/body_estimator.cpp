@@ -161,7 +161,7 @@ bool BodyEstimator::come_back(const PerceivedFrame& frame, const BodyObservation
                      kStraySigmas, false, options_.alignment);
   if (!found || found->matched < kBack) return false;
   world_from_body = in_world(frame, found->camera_from_body);
-  shape_ = *strayed_;
+  shape_.go_back_to(*strayed_);
   strayed_.reset();
   return true;
 }

@@ -54,6 +54,12 @@ class ShapeEstimator {
 
   /// Where the time of each of the long window's solutions is noted; null: nowhere.
   void note_times(std::vector<StageTime>* times) { times_ = times; }
+  /// Takes up what another knew, but not where it noted its times.
+  void go_back_to(const ShapeEstimator& before) {
+    std::vector<StageTime>* times = times_;
+    *this = before;
+    times_ = times;
+  }
 
   const Shape& shape() const { return shape_; }
   SurfaceModel surface() const { return surface_.model(); }

@@ -28,7 +28,10 @@ void check_sequence(const Sequence& sequence, const Segmenter& segmenter,
   const auto has_pose = [&](const SequenceFrame& frame) { return !poses || poses->contains(frame.stamp_ns); };
   const auto has_masks = [&](const SequenceFrame& frame) { return has_something_for(segmenter, frame); };
   if (std::none_of(frames.begin(), frames.end(), has_depth))
-    throw InputError(sequence.folder, "no frame has depth");
+    throw InputError(sequence.folder,
+                     sequence.scans.empty()
+                         ? "no frame has depth"
+                         : "no frame has a depth image; LiDAR scans need ego: lidar or given");
   if (std::none_of(frames.begin(), frames.end(), has_pose))
     throw InputError(sequence.folder, pose_span(sequence, *poses));
   if (std::none_of(frames.begin(), frames.end(), has_masks))

@@ -15,8 +15,12 @@ cv::Point pixel_of(const Eigen::Vector2d& pixel) {
   return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
 }
 
+constexpr int kNobody = 0xffff;
+
 int label_at(const cv::Mat& masks, const Eigen::Vector2d& pixel) {
-  return masks.empty() ? 0 : masks.at<std::uint16_t>(pixel_of(pixel));
+  if (masks.empty()) return 0;
+  const cv::Point at = pixel_of(pixel);  // the image's outline itself rounds outwards
+  return cv::Rect({}, masks.size()).contains(at) ? masks.at<std::uint16_t>(at) : kNobody;
 }
 
 // The part of the image whose depth somebody asks for: bodies and what may hide them.
@@ -30,8 +34,6 @@ cv::Rect around_bodies(const cv::Mat& masks, double margin_px) {
   rect += cv::Size(2 * margin, 2 * margin);
   return rect & cv::Rect({}, masks.size());
 }
-
-constexpr int kNobody = 0xffff;
 
 // Rims of a mask belong to nobody: what a beam hits there may lie behind the body or on it.
 cv::Mat without_rims(const cv::Mat& masks, int px) {

@@ -9,7 +9,7 @@ namespace uniquadric {
 namespace {
 
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
-using State = Eigen::Matrix<double, 9, 1>;  // offset, velocity, acceleration in units of the mean time step
+using State = Eigen::Matrix<double, 9, 1>;  // offset, velocity, acceleration in units of the usual time step
 
 // Density of the jerk's noise that is tried, against the variance of a measurement: from a body at rest to
 // one whose frames do not know of each other.
@@ -17,6 +17,8 @@ constexpr double kLeastJerk = 1e-10, kMostJerk = 1e4;
 constexpr double kFirstJerk = 1e-2;
 constexpr double kLoose = 1e-2;  // information that makes the first velocity and acceleration definite
 constexpr int kLeastSamples = 5;
+// Of a time step, usual ones: its information grows with the fifth power, and drowns all other in rounding.
+constexpr double kLeastStep = 0.3;
 
 // One of translation and rotation, linearised about a nominal trajectory.
 struct Chain {
@@ -215,18 +217,27 @@ void move(Pose& pose, const Eigen::Vector3d& by, Part part) {
     pose.rotation = (exp_so3(by) * pose.rotation).normalized();
 }
 
+double usual_step_ns(const std::vector<PoseSample>& samples) {
+  std::vector<std::int64_t> steps;
+  for (std::size_t k = 1; k < samples.size(); ++k)
+    steps.push_back(samples[k].stamp_ns - samples[k - 1].stamp_ns);
+  const auto middle = steps.begin() + std::ssize(steps) / 2;
+  std::nth_element(steps.begin(), middle, steps.end());
+  return static_cast<double>(*middle);
+}
+
 Chain linearise(const std::vector<PoseSample>& samples, const std::vector<Pose>& nominal, Part part,
                 const TrajectorySmootherOptions& options) {
   const std::size_t n = samples.size();
-  const double mean_ns =
-      static_cast<double>(samples.back().stamp_ns - samples.front().stamp_ns) / static_cast<double>(n - 1);
+  const double usual_ns = usual_step_ns(samples);
   Chain chain;
   for (std::size_t k = 0; k < n; ++k) {
     chain.measured.push_back(difference(samples[k].world_from_object, nominal[k], part));
     chain.information.push_back(place_information(samples, k, part, options));
     if (k + 1 == n) break;
     const PoseSample& next = samples[k + 1];
-    chain.time_steps.push_back(static_cast<double>(next.stamp_ns - samples[k].stamp_ns) / mean_ns);
+    const double step = static_cast<double>(next.stamp_ns - samples[k].stamp_ns) / usual_ns;
+    chain.time_steps.push_back(std::max(step, kLeastStep));
     chain.step.push_back(difference(nominal[k + 1], nominal[k], part));
     chain.went.push_back(difference(next.world_from_object, samples[k].world_from_object, part) -
                          chain.step.back());
@@ -291,6 +302,10 @@ void smooth_trajectory(std::vector<PoseSample>& samples, const TrajectorySmoothe
   std::vector<PoseSample> part(first, last);
   std::vector<Pose> nominal = bridged(part);
   for (const Part p : {Part::translation, Part::rotation}) smooth(part, nominal, p, options);
+  const auto is_finite = [](const Pose& p) {
+    return p.translation.allFinite() && p.rotation.coeffs().allFinite();
+  };
+  if (!std::all_of(nominal.begin(), nominal.end(), is_finite)) return;
   for (std::size_t k = 0; k < part.size(); ++k) part[k].world_from_object = nominal[k];
   std::copy(part.begin(), part.end(), first);
 }

@@ -7,6 +7,7 @@
 
 #include "core/base/config.h"
 #include "core/base/text.h"
+#include "simulator/scene/noise_scale.h"
 
 namespace uniquadric {
 namespace {
@@ -39,7 +40,9 @@ BenchScene read_scene(const ConfigNode& root, const ConfigNode& node,
   if (!node.is_map()) return {read_file(root, node), 1, seeds};
   BenchScene scene{read_file(root, node.at("scene")), node.get<double>("noise_scale", 1), seeds};
   scene.name = node.name("name", scene.name);
-  if (scene.noise_scale < 0) node.at("noise_scale").fail("cannot be negative");
+  if (!(scene.noise_scale >= 0 && scene.noise_scale <= kMostNoiseScale))
+    node.at("noise_scale").fail(fmt::format("expected 0 to {}", kMostNoiseScale));
+  if (scene.name == "." || scene.name == "..") node.at("name").fail("names a folder that is there already");
   if (node.has("seeds")) scene.seeds = read_seeds(node);
   node.refuse_unknown_keys();
   return scene;

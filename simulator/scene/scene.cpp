@@ -126,7 +126,8 @@ Scene load_scene(const fs::path& path) {
   if (scene.world.empty() && scene.objects.empty())
     root.fail("has neither world nor objects: nothing to see");
   const double noise_scale = root.get<double>("noise_scale", 1);
-  if (noise_scale < 0) root.at("noise_scale").fail(fmt::format("cannot be negative, found {}", noise_scale));
+  if (!(noise_scale >= 0 && noise_scale <= kMostNoiseScale))
+    root.at("noise_scale").fail(fmt::format("expected 0 to {}, found {}", kMostNoiseScale, noise_scale));
   root.refuse_unknown_keys();
   scene.hash = scene_hash(text, files);
   scale_noise(scene, noise_scale);

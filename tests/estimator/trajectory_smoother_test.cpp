@@ -176,6 +176,18 @@ TEST(TrajectorySmoother, AWrongPoseAndAWrongGuessHardlyCount) {
   EXPECT_LT(error_of(samples, swing).largest_m, 0.01);
 }
 
+TEST(TrajectorySmoother, FramesCloseInTimeAndLongGapsDoNoHarm) {
+  for (const std::int64_t apart_ns : {1, 1000, 100'000, 200'000, 1'000'000, 5'000'000}) {
+    std::vector<PoseSample> samples = samples_of(swing, 120, 0.001, 0.004);
+    samples[61] = samples[60];
+    samples[61].stamp_ns += apart_ns;
+    for (std::size_t i = 110; i < samples.size(); ++i) samples[i].stamp_ns += 3'000'000'000;
+    smooth_trajectory(samples, {});
+    EXPECT_LT(error_of(samples, swing, 0, 105).largest_m, 0.02) << apart_ns;
+    EXPECT_LT(error_of(samples, swing, 0, 105).largest_rad, 0.02) << apart_ns;
+  }
+}
+
 TEST(TrajectorySmoother, WhatComesAfterTheLastEvidenceStaysPredicted) {
   std::vector<PoseSample> samples = samples_of(swing, 60, 0.001, 0.004);
   hide(samples, 50, 60);

@@ -151,7 +151,9 @@ TEST_F(Cli, RefusesBadVariantsAndBenches) {
     const std::string rest = "]\nvariants: [v.yaml]\nseeds: [1]\n";
     expect_refusal({"bench", write("c.yaml", "scenes: [" + scenes + rest), out()}, "c.yaml:1: " + why);
   };
-  refused("{scene: bench.yaml, noise_scale: -1}", "scenes[0].noise_scale: cannot be negative");
+  refused("{scene: bench.yaml, noise_scale: -1}", "scenes[0].noise_scale: expected 0 to 1000");
+  refused("{scene: bench.yaml, noise_scale: 1, name: ..}",
+          "scenes[0].name: names a folder that is there already");
   refused("{scene: bench.yaml, noise: 1}", "unknown key 'scenes[0].noise'");
   refused("{scene: bench.yaml, seeds: [2, 2]}", "scenes[0].seeds[1]: 2 stands twice");
   refused("bench.yaml, {scene: bench.yaml, noise_scale: 2}", "scenes[1]: the name 'bench' stands twice");
