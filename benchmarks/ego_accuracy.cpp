@@ -2,10 +2,9 @@
 // the poses that the sequence carries. Times are those of the processor, with OpenCV on one thread.
 #include <fmt/format.h>
 
-#include <ctime>
-#include <map>
 #include <opencv2/core/utility.hpp>
 
+#include "benchmarks/ego_pairs.h"
 #include "core/base/error.h"
 #include "core/sequence/sequence.h"
 #include "estimator/ego/rgbd_odometry.h"
@@ -15,16 +14,6 @@
 
 namespace uniquadric {
 namespace {
-
-double rms(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v * v;
-  return std::sqrt(sum / double(values.size()));
-}
-
-double now_ms() {
-  return 1e3 * double(std::clock()) / CLOCKS_PER_SEC;
-}
 
 void run(const std::filesystem::path& folder, const char* reference_file, const char* out) {
   cv::setNumThreads(1);
@@ -50,27 +39,17 @@ void run(const std::filesystem::path& folder, const char* reference_file, const 
   const Trajectory trajectory = odometry.trajectory();
   const double final_ms = now_ms() - start;
   if (out) write_tum(out, trajectory);
-  std::map<std::int64_t, Pose> truth;
-  for (const auto& [stamp, pose] : reference) truth.emplace(stamp, pose);
   fmt::print("{}: {} frames, features {:.1f} ms, ego {:.1f} ms a frame, {:.0f} ms at the end\n",
              sequence.name, sequence.frames.size(), feature_ms / double(sequence.frames.size()),
              ego_ms / double(sequence.frames.size()), final_ms);
   for (const auto& [name, estimate] : {std::pair{"online", online}, {"final", trajectory}}) {
-    PosePairs pairs;
-    for (const auto& [stamp, pose] : estimate)
-      if (const auto match = truth.find(stamp); match != truth.end()) {
-        pairs.stamps_ns.push_back(stamp);
-        pairs.reference.push_back(match->second);
-        pairs.estimate.push_back(pose);
-      }
+    PosePairs pairs = pairs_of(reference, estimate);
     fmt::print("  {:6}: {} poses", name, pairs.size());
     if (pairs.size() < kMinPairs) {
       fmt::print("\n");
       continue;
     }
-    double path = 0;
-    for (std::size_t i = 1; i < pairs.size(); ++i)
-      path += (pairs.reference[i].translation - pairs.reference[i - 1].translation).norm();
+    const double path = path_m(pairs);
     const auto drift = *maximum_drift(pairs);
     const double tilt =
         std::acos(std::min(1.0, (pairs.reference[0].rotation *

@@ -4,9 +4,8 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <ctime>
-#include <map>
 
+#include "benchmarks/ego_pairs.h"
 #include "core/sequence/sequence.h"
 #include "estimator/ego/lidar_ego.h"
 #include "estimator/variant.h"
@@ -16,36 +15,10 @@
 namespace uniquadric {
 namespace {
 
-double rms(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v * v;
-  return std::sqrt(sum / double(values.size()));
-}
-
-double now_ms() {
-  return 1e3 * double(std::clock()) / CLOCKS_PER_SEC;
-}
-
-PosePairs pairs_of(const Trajectory& reference, const Trajectory& estimate) {
-  std::map<std::int64_t, Pose> truth;
-  for (const auto& [stamp, pose] : reference) truth.emplace(stamp, pose);
-  PosePairs pairs;
-  for (const auto& [stamp, pose] : estimate)
-    if (const auto match = truth.find(stamp); match != truth.end()) {
-      pairs.stamps_ns.push_back(stamp);
-      pairs.reference.push_back(match->second);
-      pairs.estimate.push_back(pose);
-    }
-  return pairs;
-}
-
 void show(PosePairs pairs) {
   std::vector<IndexStep> steps;
-  double path = 0;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    path += (pairs.reference[i].translation - pairs.reference[i - 1].translation).norm();
-    steps.push_back({i - 1, i});
-  }
+  for (std::size_t i = 1; i < pairs.size(); ++i) steps.push_back({i - 1, i});
+  const double path = path_m(pairs);
   const auto relative = relative_errors(pairs, steps);
   const auto drift = *maximum_drift(pairs);
   const Alignment alignment = align(AlignmentKind::se3, pairs.reference, pairs.estimate);

@@ -21,11 +21,6 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-Camera without_distortion(Camera camera) {
-  camera.distortion = {};
-  return camera;
-}
-
 // Everything that the perception stage's result depends on.
 std::string perception_key(const Sequence& sequence, const Variant& variant, const EstimateOptions& options) {
   Hash hash;
@@ -70,9 +65,7 @@ Perception perceive_into(const Sequence& sequence, const Variant& variant, const
   if (variant.feedback == Feedback::backend)
     run.feedback =
         &joined.emplace(without_distortion(sequence.camera), variant.body, variant.joined, options.seed);
-  Perception perception = perceive(sequence, variant.perception, run, times);
-  perception.key = perception_key(sequence, variant, options);
-  return perception;
+  return perceive(sequence, variant.perception, run, times);
 }
 
 bool is_kept(const fs::path& folder, const std::string& key) {
@@ -92,17 +85,19 @@ void refuse_to_keep_joined(const Variant& variant, const EstimateOptions& option
 Perception kept_perception(const Sequence& sequence, const Variant& variant, const EstimateOptions& options,
                            bool force, std::vector<StageTime>& times) {
   const fs::path& folder = options.perception;
-  if (!is_kept(options.perception, perception_key(sequence, variant, options))) {
+  const std::string key = perception_key(sequence, variant, options);
+  if (!is_kept(folder, key)) {
     const bool is_older = fs::exists(folder / "perception.yaml");
     if (!force && !is_older && fs::is_directory(folder) && !fs::is_empty(folder))
       throw InputError(folder, "is not empty and holds no perception; give another folder");
     PendingFolder pending(folder, true);
-    write_perception(pending.path(),
-                     perceive_into(sequence, variant, options, pending.path() / "masks", times));
+    Perception perception = perceive_into(sequence, variant, options, pending.path() / "masks", times);
+    perception.key = key;
+    write_perception(pending.path(), perception);
     write_text(pending.path() / "timing.csv", timing_csv(times));
     pending.commit();
   }
-  return read_perception(options.perception);
+  return read_perception(folder);
 }
 
 Tracks tracks_of(const Perception& perception, BackendResult& result) {

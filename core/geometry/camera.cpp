@@ -65,4 +65,9 @@ std::optional<Eigen::Vector3d> Camera::unproject(const Eigen::Vector2d& pixel) c
   return std::nullopt;
 }
 
+Camera without_distortion(Camera camera) {
+  camera.distortion = {};
+  return camera;
+}
+
 }  // namespace uniquadric

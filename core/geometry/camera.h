@@ -24,4 +24,7 @@ struct Camera {
   std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;
 };
 
+/// The same camera with an ideal lens: what sees the undistorted pixels.
+Camera without_distortion(Camera camera);
+
 }  // namespace uniquadric

@@ -21,6 +21,12 @@ struct LidarPoint {
   std::uint8_t tag = 0;  ///< bits 4-5: number of the echo in its beam (0 is the first), as Livox has it
 };
 
+/// A return by itself, once its scan no longer counts.
+struct TimedPoint {
+  std::int64_t stamp_ns = 0;
+  Eigen::Vector3f lidar = Eigen::Vector3f::Zero();  ///< in the lidar's frame at that time [m]
+};
+
 /// Section `lidar` of sequence.yaml.
 struct LidarCalibration {
   std::string pattern;  ///< name of the scan pattern, or of its file

@@ -18,11 +18,6 @@ struct SweepOptions {
   double max_scan_s = 1;  // a point later in its scan than this has no time but a mistake
 };
 
-struct TimedPoint {
-  std::int64_t stamp_ns = 0;
-  Eigen::Vector3f lidar = Eigen::Vector3f::Zero();  ///< in the lidar's frame at that time [m]
-};
-
 /// The points of a scan that are points, in the order of their times: empty returns (0, 0, 0), numbers that
 /// are not finite and ranges out of bounds are left out. Throws std::invalid_argument for a time beyond
 /// max_scan_s.

@@ -11,11 +11,6 @@ namespace {
 
 constexpr int kUprightTries = 10;  // frames in which the floor is looked for
 
-Camera without_distortion(Camera camera) {
-  camera.distortion = {};
-  return camera;
-}
-
 double median_depth(const std::vector<Feature>& features) {
   std::vector<double> depths;
   for (const Feature& feature : features)

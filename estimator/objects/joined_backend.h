@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <map>
-#include <memory>
 
 #include "estimator/objects/body_estimator.h"
 #include "estimator/perception/body_hints.h"

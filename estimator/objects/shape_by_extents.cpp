@@ -59,8 +59,9 @@ std::vector<PointView> point_views(const ExtentEvidence& evidence) {
   for (const ShapeView& view : evidence.views) {
     const Rim rim = rim_of(evidence.camera, view);
     const double m_per_px = view.points.cols() > 0 ? view.points.row(2).mean() / evidence.camera.fx : 0;
-    views.push_back({view.world_from_body.inverse() * view.world_from_camera, &view.points, &view.normals,
-                     is_whole(view.silhouette), m_per_px * rim.least_px, rim.horizon_rad});
+    PointView& seen = views.emplace_back(point_view(view));
+    seen.rim_m = m_per_px * rim.least_px;
+    seen.horizon_rad = rim.horizon_rad;
   }
   return views;
 }
@@ -115,6 +116,16 @@ Shape ellipsoid_of_outlines(const ExtentEvidence& evidence, const Shape& start) 
 }
 
 }  // namespace
+
+PointView point_view(const ShapeView& view) {
+  PointView seen;
+  seen.body_from_camera = view.world_from_body.inverse() * view.world_from_camera;
+  seen.points = &view.points;
+  seen.normals = &view.normals;
+  for (const SupportLine& line : view.silhouette.support)
+    if (!line.free) seen.cut.push_back(line.normal);
+  return seen;
+}
 
 std::optional<Shape> shape_by_extents(const ExtentEvidence& evidence, const Shape& before) {
   std::deque<Eigen::Quaterniond> boxes;

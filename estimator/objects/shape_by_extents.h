@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "estimator/shape/axis_fusion.h"
+#include "estimator/shape/reach.h"
 #include "estimator/window/long_window.h"
 
 namespace uniquadric {
@@ -19,6 +20,9 @@ struct ExtentEvidence {
   AxisFusionOptions fusion;
   LongWindowOptions long_window;
 };
+
+/// Points and cut sides of a view, in the body's frame; `view` has to outlive it.
+PointView point_view(const ShapeView& view);
 
 /// Solves for a quadric (q = 2). Two explanations are tried:
 ///   - a body with edges: its axes are those of Alg. 1's boxes where they agree, its extents what views

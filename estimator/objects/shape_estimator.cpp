@@ -266,14 +266,7 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
 // count.
 Shape ShapeEstimator::with_seen_extents(Shape shape) const {
   std::vector<PointView> views;
-  for (const ShapeView& view : views_) {
-    PointView& seen = views.emplace_back();
-    seen.body_from_camera = view.world_from_body.inverse() * view.world_from_camera;
-    seen.points = &view.points;
-    seen.normals = &view.normals;
-    for (const SupportLine& line : view.silhouette.support)
-      if (!line.free) seen.cut.push_back(line.normal);
-  }
+  for (const ShapeView& view : views_) views.push_back(point_view(view));
   const double spacing = point_spacing(shape, views);
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {

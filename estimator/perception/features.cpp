@@ -12,11 +12,6 @@ namespace {
 constexpr int kLandmarkSightings = 12;  // after which its own noise is below that of a new sighting
 constexpr double kCrowding = 0.6;       // distance between features, of that in an even lattice
 
-Camera without_distortion(Camera camera) {
-  camera.distortion = {};
-  return camera;
-}
-
 cv::Mat gray_of(const cv::Mat& image) {
   if (image.channels() == 1) return image;
   cv::Mat gray;

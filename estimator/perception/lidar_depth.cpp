@@ -56,14 +56,14 @@ LidarDepth::LidarDepth(const Sequence& sequence, CameraPath path, const LidarDep
       stream_(sequence, std::llround(1e9 * options.time_offset_s)) {}
 
 void LidarDepth::moved(int label, const Pose& world_motion, std::int64_t step_ns) {
-  motions_[label] = {log_se3(world_motion) / seconds(0, step_ns)};
+  twists_[label] = log_se3(world_motion) / seconds(0, step_ns);
 }
 
 // Where a point of a body is after some seconds (Eq. 4).
 Eigen::Vector3d LidarDepth::moved_by(int label, const Eigen::Vector3d& point, double s) const {
-  const auto motion = motions_.find(label);
-  if (label <= 0 || motion == motions_.end() || options_.undistortion != Undistortion::object) return point;
-  return exp_se3(motion->second.twist * s) * point;
+  const auto twist = twists_.find(label);
+  if (label <= 0 || twist == twists_.end() || options_.undistortion != Undistortion::object) return point;
+  return exp_se3(twist->second * s) * point;
 }
 
 void LidarDepth::advance(std::int64_t to_ns) {
@@ -76,16 +76,17 @@ void LidarDepth::receive(std::int64_t stamp_ns, std::int64_t until_ns, const Pos
                          const cv::Mat& masks) {
   const cv::Mat inner = without_rims(masks, options_.erode_px);
   const Pose camera_from_world = world_from_camera.inverse();
-  for (const StampedPoint& p : stream_.take(until_ns)) {
+  for (const TimedPoint& p : stream_.take(until_ns)) {
     if (seconds(p.stamp_ns, stamp_ns) > options_.window_s) continue;
     const auto pose = options_.undistortion == Undistortion::none ? world_from_camera : path_(p.stamp_ns);
     if (!pose) continue;
-    const Eigen::Vector3d point = *pose * (camera_from_lidar_ * p.point);
+    const Eigen::Vector3d in_lidar = p.lidar.cast<double>();
+    const Eigen::Vector3d point = *pose * (camera_from_lidar_ * in_lidar);
     const auto pixel = camera_.project(camera_from_world * point);
     if (!pixel || !camera_.contains(*pixel)) continue;
     const int label = label_at(inner, *pixel);
     if (label == kNobody) continue;
-    held_.push_back({p.stamp_ns, moved_by(label, point, seconds(p.stamp_ns, stamp_ns)), p.point, label});
+    held_.push_back({p.stamp_ns, moved_by(label, point, seconds(p.stamp_ns, stamp_ns)), in_lidar, label});
   }
 }
 

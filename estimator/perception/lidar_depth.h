@@ -63,10 +63,6 @@ class LidarDepth {
     Eigen::Vector3d in_lidar;
     int label;
   };
-  struct Motion {
-    Vector6d twist;  // of world_motion over one second
-  };
-
   void advance(std::int64_t to_ns);
   void receive(std::int64_t stamp_ns, std::int64_t until_ns, const Pose& world_from_camera,
                const cv::Mat& masks);
@@ -78,7 +74,7 @@ class LidarDepth {
   LidarDepthOptions options_;
   LidarStream stream_;
   std::vector<Held> held_;
-  std::map<int, Motion> motions_;
+  std::map<int, Vector6d> twists_;  // of the bodies' world motions over one second
   std::int64_t last_ns_ = 0;
 };
 

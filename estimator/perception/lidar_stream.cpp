@@ -7,21 +7,21 @@ namespace uniquadric {
 LidarStream::LidarStream(const Sequence& sequence, std::int64_t offset_ns)
     : sequence_(sequence), offset_ns_(offset_ns) {}
 
-std::vector<StampedPoint> LidarStream::take(std::int64_t until_ns) {
+std::vector<TimedPoint> LidarStream::take(std::int64_t until_ns) {
   while (next_scan_ < sequence_.scans.size() &&
          sequence_.scans[next_scan_].stamp_ns + offset_ns_ <= until_ns) {
     const SequenceScan& scan = sequence_.scans[next_scan_++];
     for (const LidarPoint& p : read_lidar_points(sequence_.folder / scan.file)) {
-      const Eigen::Vector3d point(p.x, p.y, p.z);
+      const Eigen::Vector3f point(p.x, p.y, p.z);
       if (point.allFinite() && !point.isZero(0))
         waiting_.push_back({scan.stamp_ns + offset_ns_ + p.offset_ns, point});
     }
     std::stable_sort(waiting_.begin(), waiting_.end(),
-                     [](const StampedPoint& a, const StampedPoint& b) { return a.stamp_ns < b.stamp_ns; });
+                     [](const TimedPoint& a, const TimedPoint& b) { return a.stamp_ns < b.stamp_ns; });
   }
   const auto end = std::partition_point(waiting_.begin(), waiting_.end(),
-                                        [&](const StampedPoint& p) { return p.stamp_ns <= until_ns; });
-  std::vector<StampedPoint> taken(waiting_.begin(), end);
+                                        [&](const TimedPoint& p) { return p.stamp_ns <= until_ns; });
+  std::vector<TimedPoint> taken(waiting_.begin(), end);
   waiting_.erase(waiting_.begin(), end);
   return taken;
 }

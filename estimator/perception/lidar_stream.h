@@ -10,12 +10,6 @@
 
 namespace uniquadric {
 
-/// A LiDAR return as it was measured: the sensor's frame at the point's own time.
-struct StampedPoint {
-  std::int64_t stamp_ns = 0;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< [m]
-};
-
 /// The points of a sequence's scans in the order of their own times, cut anew wherever the reader wants (soft
 /// synchronisation, SPEC 4): scans are files of a driver, not of the camera. Empty returns (0, 0, 0) and
 /// points that are not finite are passed over. `offset_ns` is added to the LiDAR's stamps.
@@ -25,13 +19,13 @@ class LidarStream {
 
   /// All points not yet taken with stamps up to `until_ns`, in order of time. Throws InputError naming a file
   /// that cannot be read.
-  std::vector<StampedPoint> take(std::int64_t until_ns);
+  std::vector<TimedPoint> take(std::int64_t until_ns);
 
  private:
   const Sequence& sequence_;
   std::int64_t offset_ns_ = 0;
   std::size_t next_scan_ = 0;
-  std::deque<StampedPoint> waiting_;
+  std::deque<TimedPoint> waiting_;
 };
 
 }  // namespace uniquadric

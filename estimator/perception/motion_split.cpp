@@ -20,11 +20,6 @@ struct MovedPixel {
   PointSighting sighting;  // where it is now in the camera's frame, and where it was seen before
 };
 
-Camera without_lens(Camera camera) {
-  camera.distortion = {};
-  return camera;
-}
-
 std::optional<MovedPixel> moved_pixel(const cv::Point& pixel, const RgbdImage& now, const RgbdImage& before,
                                       const cv::Vec2f& origin, const Camera& camera) {
   const double z = now.depth.at<float>(pixel);
@@ -85,7 +80,7 @@ cv::Mat second_share(const cv::Rect& box, const cv::Mat& part, const std::vector
 
 cv::Mat split_by_motion(const cv::Mat& parts, const RgbdImage& now, const RgbdImage& before,
                         const Camera& lens, const MotionSplitOptions& options, RandomStream& random) {
-  const Camera camera = without_lens(lens);
+  const Camera camera = without_distortion(lens);
   const FlowOptions flow_options{FlowOptions::Preset::medium, 1};  // exact: nothing mends its errors here
   const cv::Mat flow =
       backward_flow(flow_image(now.rgb, flow_options), flow_image(before.rgb, flow_options), flow_options);

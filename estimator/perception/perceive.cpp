@@ -180,11 +180,6 @@ std::int64_t next_stamp_ns(const Sequence& sequence, std::size_t index) {
   return index == 0 ? frames[0].stamp_ns : 2 * frames[index].stamp_ns - frames[index - 1].stamp_ns;
 }
 
-Camera without_distortion(Camera camera) {
-  camera.distortion = {};
-  return camera;
-}
-
 // Without images a frame is a scan's end, and all that is known of it is where the sensor was.
 Perception perceive_scans(const Sequence& sequence, const LidarEgoOptions& options) {
   LidarEgo lidar(sequence, options);

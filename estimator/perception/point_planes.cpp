@@ -10,6 +10,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "estimator/perception/surface_descriptor.h"
+
 namespace uniquadric {
 namespace {
 
@@ -202,10 +204,10 @@ SurfacePoints surface_points(const std::vector<PointPlane>& planes, const Camera
     const PointPlane& plane = planes[static_cast<std::size_t>(i * std::ssize(planes) / n)];
     const auto ray = camera.unproject(plane.pixel);
     if (!ray) continue;
-    const double a = camera.fx * plane.slope_per_px.x(), b = camera.fy * plane.slope_per_px.y();
+    const Eigen::Vector2d undistorted = (camera.matrix() * *ray).head<2>();
+    const PlaneDepth surface{1 / plane.inverse_depth, 0, plane.slope_per_px, 0};
     result.points.col(count) = *ray / plane.inverse_depth;
-    result.normals.col(count++) =
-        -Eigen::Vector3d(a, b, plane.inverse_depth - a * ray->x() - b * ray->y()).normalized();
+    result.normals.col(count++) = surface_normal(camera, undistorted, surface);
   }
   return {result.points.leftCols(count), result.normals.leftCols(count)};
 }

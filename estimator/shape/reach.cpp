@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include "estimator/shape/quantile.h"
+
 namespace uniquadric {
 namespace {
 
@@ -40,12 +42,6 @@ EndSurface end_surface(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& di
 bool is_cut(const PointView& view, const Eigen::Vector3d& direction, double cosine) {
   return std::any_of(view.cut.begin(), view.cut.end(),
                      [&](const Eigen::Vector2d& side) { return side.dot(direction.head<2>()) > cosine; });
-}
-
-double quantile(std::vector<double> values, double q) {
-  const auto at = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[at];
 }
 
 Eigen::Matrix3Xd facing_points(const PointView& view, const Eigen::Vector3d& direction, double min_cosine) {

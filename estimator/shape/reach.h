@@ -14,7 +14,6 @@ struct PointView {
   Pose body_from_camera;
   const Eigen::Matrix3Xd *points = nullptr,
                          *normals = nullptr;  ///< (3 x n) camera frame [m] (smoothed_points)
-  bool whole = true;                          ///< nothing hid a part of the body
   double rim_m = 0;  ///< by which the points end before the outline of a body with edges
   /// Angle at the middle of an ellipsoid between its foremost point and those that end before its outline
   /// [rad].

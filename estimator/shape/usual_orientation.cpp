@@ -6,6 +6,7 @@
 
 #include "core/geometry/box_symmetry.h"
 #include "core/geometry/pose.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -17,12 +18,6 @@ constexpr double kOneBox = 0.1;         // [rad], scatter of boxes of which ther
 Eigen::Quaterniond named_as(const Eigen::Quaterniond& box, const Eigen::Quaterniond& reference) {
   const Eigen::Matrix3d R = box.toRotationMatrix();
   return Eigen::Quaterniond(R * nearest_box_rotation(R, reference.toRotationMatrix())).normalized();
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 Eigen::Quaterniond medoid(const std::deque<Eigen::Quaterniond>& boxes) {
@@ -53,9 +48,9 @@ std::optional<UsualOrientation> usual_orientation(const std::deque<Eigen::Quater
   Eigen::Vector3d shift;
   const double few = kOneBox / static_cast<double>(boxes.size());
   for (int k = 0; k < 3; ++k) {
-    shift[k] = median(turns[k]);
+    shift[k] = quantile(turns[k], 0.5);
     for (double& turn : turns[k]) turn = std::abs(turn - shift[k]);
-    usual.sigma_rad[k] = kMadToSigma * median(turns[k]) + few;
+    usual.sigma_rad[k] = kMadToSigma * quantile(turns[k], 0.5) + few;
   }
   usual.rotation = (center * exp_so3(shift)).normalized();
   return usual;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "estimator/shape/quantile.h"
+
 namespace uniquadric {
 namespace {
 
@@ -56,14 +58,8 @@ std::vector<Seen> seen_by_all(const std::vector<PointView>& views, const Eigen::
   std::vector<Seen> whole, cut;
   for (const PointView& view : views)
     if (view.points->cols() >= kLeastPoints)
-      (view.whole ? whole : cut).push_back(seen_by(view, axes, ends, options));
+      (view.cut.empty() ? whole : cut).push_back(seen_by(view, axes, ends, options));
   return whole.empty() ? cut : whole;
-}
-
-double quantile(std::vector<double> values, double q) {
-  const auto at = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "evaluation/report/arc_curves.h"
 #include "evaluation/report/markup.h"
+#include "evaluation/view_arc.h"
 
 namespace uniquadric {
 namespace {
@@ -16,7 +17,7 @@ constexpr double kLeft = 46, kRight = 16, kTop = 34, kBottom = 42;
 constexpr double kPlotWidth = kPanelWidth - kLeft - kRight, kPlotHeight = kPanelHeight - kTop - kBottom;
 constexpr int kColumns = 2;
 constexpr double kMargin = 8, kLegendLine = 22, kLegendSample = 26, kLetter = 7.4;
-constexpr double kStep_deg = 5, kMost_deg = 180, kWide_deg = 40;
+constexpr double kStep_deg = 5, kMost_deg = 180;
 
 // The page's colours (page/data.js, page.css), which keep apart for the colour-blind. Written out a rule
 // each: some viewers of pictures know no variables of CSS.
@@ -91,7 +92,7 @@ std::string axes() {
       kLeft + kPlotWidth / 2, kTop + kPlotHeight + 33);
   text += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">3D IoU</text>\n",
                       kLeft + kPlotWidth, kTop - 12);
-  return text + fmt::format("<path class=\"wide\" d=\"M{:.1f} {:.1f}v{:.1f}\"/>\n", x_of(kWide_deg), kTop,
+  return text + fmt::format("<path class=\"wide\" d=\"M{:.1f} {:.1f}v{:.1f}\"/>\n", x_of(kWideArc_deg), kTop,
                             kPlotHeight);
 }
 

@@ -160,11 +160,11 @@ TEST(LidarStream, CutsByThePointsOwnStampsAndPassesOverEmptyReturns) {
   std::size_t count = 0;
   std::int64_t last = 0;
   for (std::int64_t until = kFrame; until < 5 * kScan; until += kFrame)
-    for (const StampedPoint& p : stream.take(until)) {
+    for (const TimedPoint& p : stream.take(until)) {
       EXPECT_GE(p.stamp_ns, last);
       EXPECT_GT(p.stamp_ns, until - kFrame);
       EXPECT_LE(p.stamp_ns, until);
-      EXPECT_FALSE(p.point.isZero());
+      EXPECT_FALSE(p.lidar.isZero());
       last = p.stamp_ns;
       ++count;
     }

@@ -92,7 +92,7 @@ TEST(ViewExtents, OfABodyInPartHiddenCountOnlyWithoutWholeViews) {
   std::vector<Eigen::Matrix3Xd> halves;
   for (std::size_t i = 0; i < seen.views.size(); i += 2) {
     halves.push_back(seen.clouds[i].leftCols(seen.clouds[i].cols() / 2));
-    seen.views[i].whole = false;
+    seen.views[i].cut = {{1, 0}};
   }
   for (std::size_t i = 0; i < halves.size(); ++i) seen.views[2 * i].points = &halves[i];
   const auto found = fuse_extents(seen.views, kAlong, 0.1, BodyEnds::edges);
