@@ -3,11 +3,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <set>
+#include <map>
 #include <span>
 
 namespace uniquadric {
 namespace {
+
+// Frames in memory at once: bodies go through them beside each other, and wait for each other at their end.
+constexpr std::size_t kBatch = 32;
 
 const BodyObservation* find_body(const PerceivedFrame& frame, int id) {
   for (const BodyObservation& body : frame.bodies)
@@ -72,54 +75,66 @@ void finish(std::vector<BodyState>& states, const TrajectorySmootherOptions& opt
   }
 }
 
-struct BodyTrack {
-  ObjectTrack track;
-  int without_state = 0;
-  std::vector<StageTime> times;
-};
+// One body through the frames, in their order.
+class BodyRun {
+ public:
+  BodyRun(int id, const Perception& perception, const Variant& variant, std::uint64_t seed)
+      : id_(id), estimator_(id, perception.camera(), variant.body, seed) {}
 
-BodyTrack estimate_body(const Perception& perception, int id, const Variant& variant, std::uint64_t seed) {
-  BodyTrack result;
-  result.track.id = id;
-  BodyEstimator estimator(id, perception.camera, variant.body, seed);
-  std::vector<BodyState> states;
-  for (const PerceivedFrame& frame : perception.frames) {
+  void step(const PerceivedFrame& frame) {
     std::vector<StageTime> windows, solutions;
     Stopwatch watch(frame.frame, windows);
-    const BodyObservation* body = find_body(frame, id);
-    if (auto state = estimator.step(frame, body, &solutions))
-      states.push_back(std::move(*state));
+    const BodyObservation* body = find_body(frame, id_);
+    if (auto state = estimator_.step(frame, body, &solutions))
+      states_.push_back(std::move(*state));
     else
-      result.without_state += body != nullptr;
+      without_state_ += body != nullptr;
     watch.stop("windows");
     for (StageTime& solution : solutions) {
       solution.frame = frame.frame;
       windows.back().ms -= solution.ms;  // stages do not overlap
     }
-    result.times.insert(result.times.end(), solutions.begin(), solutions.end());
-    result.times.push_back(windows.back());
+    times_.insert(times_.end(), solutions.begin(), solutions.end());
+    times_.push_back(windows.back());
   }
-  if (variant.output == Output::final) finish(states, variant.body.trajectory);
-  for (const BodyState& state : states) result.track.states.push_back(object_state(state));
-  return result;
-}
+
+  void end(const Variant& variant, BackendResult& result) {
+    if (variant.output == Output::final) finish(states_, variant.body.trajectory);
+    result.observations_without_state += without_state_;
+    result.times.insert(result.times.end(), times_.begin(), times_.end());
+    if (states_.empty()) return;
+    ObjectTrack& track = result.objects.emplace_back();
+    track.id = id_;
+    for (const BodyState& state : states_) track.states.push_back(object_state(state));
+  }
+
+ private:
+  int id_;
+  BodyEstimator estimator_;
+  std::vector<BodyState> states_;
+  int without_state_ = 0;
+  std::vector<StageTime> times_;
+};
 
 }  // namespace
 
 BackendResult estimate_windows(const Perception& perception, const Variant& variant, std::uint64_t seed) {
-  std::set<int> ids;
-  for (const PerceivedFrame& frame : perception.frames)
-    for (const BodyObservation& body : frame.bodies) ids.insert(body.id);
-  const std::vector<int> order(ids.begin(), ids.end());
-  std::vector<BodyTrack> tracks(order.size());
-  tbb::parallel_for(std::size_t{0}, order.size(),
-                    [&](std::size_t i) { tracks[i] = estimate_body(perception, order[i], variant, seed); });
-  BackendResult result;
-  for (BodyTrack& body : tracks) {
-    result.observations_without_state += body.without_state;
-    result.times.insert(result.times.end(), body.times.begin(), body.times.end());
-    if (!body.track.states.empty()) result.objects.push_back(std::move(body.track));
+  std::map<int, BodyRun> by_id;
+  for (std::size_t begin = 0, end; begin < perception.frames().size(); begin = end) {
+    end = std::min(begin + kBatch, perception.frames().size());
+    std::vector<PerceivedFrame> frames;
+    for (std::size_t i = begin; i < end; ++i) frames.push_back(perception.read(i));
+    for (const PerceivedFrame& frame : frames)
+      for (const BodyObservation& body : frame.bodies)
+        by_id.try_emplace(body.id, body.id, perception, variant, seed);
+    std::vector<BodyRun*> bodies;
+    for (auto& [id, body] : by_id) bodies.push_back(&body);
+    tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t i) {
+      for (const PerceivedFrame& frame : frames) bodies[i]->step(frame);
+    });
   }
+  BackendResult result;
+  for (auto& [id, body] : by_id) body.end(variant, result);
   return result;
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/sequence/tracks.h"
-#include "estimator/perception/perception.h"
+#include "estimator/perception/perception_files.h"
 #include "estimator/stopwatch.h"
 #include "estimator/variant.h"
 

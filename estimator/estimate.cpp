@@ -53,8 +53,9 @@ std::string perception_key(const Sequence& sequence, const Variant& variant, con
   return hash.hex();
 }
 
-Perception perceive_into(const Sequence& sequence, const Variant& variant, const EstimateOptions& options,
-                         const fs::path& masks_folder, std::vector<StageTime>& times) {
+Perception perceive_into(const fs::path& folder, const Sequence& sequence, const Variant& variant,
+                         const EstimateOptions& options, const std::string& key, const fs::path& masks_folder,
+                         std::vector<StageTime>& times) {
   PerceiveOptions run;
   run.prompts = options.prompts;
   run.seed = options.seed;
@@ -62,10 +63,13 @@ Perception perceive_into(const Sequence& sequence, const Variant& variant, const
   run.quiet = options.quiet;
   run.masks_folder = masks_folder;
   std::optional<JoinedBackend> joined;
+  const Camera camera = without_distortion(sequence.camera);
   if (variant.feedback == Feedback::backend)
-    run.feedback =
-        &joined.emplace(without_distortion(sequence.camera), variant.body, variant.joined, options.seed);
-  return perceive(sequence, variant.perception, run, times);
+    run.feedback = &joined.emplace(camera, variant.body, variant.joined, options.seed);
+  fs::create_directories(folder);
+  PerceptionWriter out(folder, camera, key);
+  perceive(sequence, variant.perception, run, out, times);
+  return Perception(folder);
 }
 
 bool is_kept(const fs::path& folder, const std::string& key) {
@@ -91,18 +95,16 @@ Perception kept_perception(const Sequence& sequence, const Variant& variant, con
     if (!force && !is_older && fs::is_directory(folder) && !fs::is_empty(folder))
       throw InputError(folder, "is not empty and holds no perception; give another folder");
     PendingFolder pending(folder, true);
-    Perception perception = perceive_into(sequence, variant, options, pending.path() / "masks", times);
-    perception.key = key;
-    write_perception(pending.path(), perception);
+    perceive_into(pending.path(), sequence, variant, options, key, pending.path() / "masks", times);
     write_text(pending.path() / "timing.csv", timing_csv(times));
     pending.commit();
   }
-  return read_perception(folder);
+  return Perception(folder);
 }
 
 Tracks tracks_of(const Perception& perception, BackendResult& result) {
   Tracks tracks;
-  for (const PerceivedFrame& frame : perception.frames)
+  for (const FrameInfo& frame : perception.frames())
     if (frame.world_from_camera) tracks.camera.push_back({frame.stamp_ns, *frame.world_from_camera});
   tracks.objects = std::move(result.objects);
   return tracks;
@@ -132,14 +134,14 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   const std::string prompts =
       options.prompts.empty() ? "everything" : options.prompts.path.filename().string();
   text += fmt::format("seed: {}\nprompts: {}\n", options.seed, yaml_quoted(prompts));
-  text += fmt::format("frames: {}\n", perception.frames.size());
+  text += fmt::format("frames: {}\n", perception.frames().size());
   text += fmt::format("frames_with_states: {}\n", with_states.size());
   text += fmt::format("frames_without_pose: {}\n",
-                      count(perception.frames, [](const auto& f) { return !f.world_from_camera; }));
+                      count(perception.frames(), [](const auto& f) { return !f.world_from_camera; }));
   text += fmt::format("frames_without_depth: {}\n",
                       count(sequence.frames, [](const auto& f) { return f.depth.empty(); }));
   text += fmt::format("frames_without_masks: {}\n",
-                      count(perception.frames, [](const auto& f) { return !f.has_masks; }));
+                      count(perception.frames(), [](const auto& f) { return !f.has_masks; }));
   text += fmt::format("objects_without_state: {}\n", without_state);
   return text + "variant:\n" + indented(variant_yaml(variant));
 }
@@ -154,9 +156,11 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   std::vector<StageTime> times;
   const int threads = options.threads > 0 ? options.threads : tbb::this_task_arena::max_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const fs::path own_perception = pending.path() / "perception";
   const Perception perception =
-      options.perception.empty() ? perceive_into(sequence, variant, options, pending.path() / "masks", times)
-                                 : kept_perception(sequence, variant, options, false, times);
+      options.perception.empty()
+          ? perceive_into(own_perception, sequence, variant, options, "", pending.path() / "masks", times)
+          : kept_perception(sequence, variant, options, false, times);
   BackendResult result = variant.backend == Backend::single_frame
                              ? estimate_single_frames(perception, variant, options.seed)
                              : estimate_windows(perception, variant, options.seed);
@@ -170,6 +174,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   write_text(pending.path() / "timing.csv", timing_csv(times));
   write_text(pending.path() / "run.yaml",
              run_yaml(sequence, variant, options, perception, tracks, without_state));
+  fs::remove_all(own_perception);
   pending.commit();
 }
 

@@ -63,9 +63,9 @@ void follow_axes(ObjectTrack& track) {
 
 BackendResult estimate_single_frames(const Perception& perception, const Variant& variant,
                                      std::uint64_t seed) {
-  std::vector<FrameStates> frames(perception.frames.size());
+  std::vector<FrameStates> frames(perception.frames().size());
   tbb::parallel_for(std::size_t{0}, frames.size(),
-                    [&](std::size_t i) { frames[i] = estimate_frame(perception.frames[i], variant, seed); });
+                    [&](std::size_t i) { frames[i] = estimate_frame(perception.read(i), variant, seed); });
   BackendResult result;
   std::map<int, ObjectTrack> tracks;
   for (const FrameStates& frame : frames) {

@@ -167,7 +167,8 @@ AotFrame AsyncObjectTracker::track(const SequenceFrame& frame, const cv::Mat& rg
   watch.stop("association");
   out.masks = newest.masks.clone();
   out.has_masks = newest.has_masks;
-  while (seen_.size() > 1 && seen_.front().frame.frame < clock_->oldest_pending()) seen_.pop_front();
+  out.oldest_pending = clock_->oldest_pending();
+  while (seen_.size() > 1 && seen_.front().frame.frame < out.oldest_pending) seen_.pop_front();
   return out;
 }
 

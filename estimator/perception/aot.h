@@ -69,7 +69,8 @@ struct AotFrame {
     cv::Mat masks, depth;  ///< depth: of that frame, as it was given
   };
   std::vector<Arrived> arrived;
-  std::vector<StageTime> times;  ///< mask_flow, mask_tracker, segmenter, association
+  std::int64_t oldest_pending = 0;  ///< the oldest frame whose result may still come
+  std::vector<StageTime> times;     ///< mask_flow, mask_tracker, segmenter, association
 };
 
 /// The paper's Asynchronous Object Tracker: a slow segmenter looks at keyframes, a mask tracker carries masks

@@ -4,6 +4,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include <deque>
 #include <memory>
 #include <opencv2/imgproc.hpp>
 
@@ -19,7 +20,7 @@ constexpr int kFramesInFlight = 4;  // more cost memory and gain nothing on two 
 
 // The outlines of a segmenter's result for an earlier frame.
 struct LateOutlines {
-  std::size_t index = 0;  // of that frame
+  std::int64_t frame = 0;
   std::map<int, Silhouette> silhouettes;
 };
 
@@ -31,6 +32,7 @@ struct Work {
   std::vector<AotFrame::Arrived> arrived;
   PerceivedFrame result;
   std::vector<LateOutlines> late;
+  std::int64_t oldest_pending = 0;  // for no frame before it will there be any more of these
   std::vector<StageTime> times;
 };
 
@@ -43,10 +45,6 @@ std::map<std::int64_t, Pose> by_stamp(const Trajectory& trajectory) {
 std::optional<Pose> pose_at(const std::map<std::int64_t, Pose>& poses, std::int64_t stamp_ns) {
   const auto pose = poses.find(stamp_ns);
   return pose == poses.end() ? std::nullopt : std::optional(pose->second);
-}
-
-void add_poses(Perception& perception, const std::map<std::int64_t, Pose>& poses) {
-  for (PerceivedFrame& frame : perception.frames) frame.world_from_camera = pose_at(poses, frame.stamp_ns);
 }
 
 std::map<std::int64_t, Pose> given_poses(const Sequence& sequence) {
@@ -92,9 +90,8 @@ void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work
   for (auto& [id, silhouette] :
        outlines(work.masks, work.depth, camera, options.silhouettes, !options.aot.enabled, frame))
     body_of(work.result, id).silhouette = std::move(silhouette);
-  for (const auto& [index, masks, depth] : work.arrived)
-    work.late.push_back(
-        {static_cast<std::size_t>(index), outlines(masks, depth, camera, options.silhouettes, true, frame)});
+  for (const auto& [earlier, masks, depth] : work.arrived)
+    work.late.push_back({earlier, outlines(masks, depth, camera, options.silhouettes, true, frame)});
   watch.stop("silhouettes");
   if (work.depth.empty()) return;
   for (const int id : ids_in(work.masks)) {
@@ -122,13 +119,16 @@ void add_features(const TrackedFeatures& tracked, PerceivedFrame& frame) {
 
 // A late outline goes to the frame that it is of. A body that was not tracked there had no pose, and its
 // outline says nothing without.
-void add_late_outlines(std::vector<LateOutlines>& late, std::vector<PerceivedFrame>& frames) {
-  for (auto& [index, silhouettes] : late)
-    for (BodyObservation& body : frames[index].bodies) {
-      const auto found = silhouettes.find(body.id);
-      if (found == silhouettes.end()) continue;
-      const bool is_late = found->second.known_at_frame > frames[index].frame;
-      (is_late ? body.segmented : body.silhouette) = std::move(found->second);
+void add_late_outlines(std::vector<LateOutlines>& late, std::deque<PerceivedFrame>& frames) {
+  for (auto& [number, silhouettes] : late)
+    for (PerceivedFrame& frame : frames) {
+      if (frame.frame != number) continue;
+      for (BodyObservation& body : frame.bodies) {
+        const auto found = silhouettes.find(body.id);
+        if (found == silhouettes.end()) continue;
+        const bool is_late = found->second.known_at_frame > frame.frame;
+        (is_late ? body.segmented : body.silhouette) = std::move(found->second);
+      }
     }
 }
 
@@ -181,28 +181,26 @@ std::int64_t next_stamp_ns(const Sequence& sequence, std::size_t index) {
 }
 
 // Without images a frame is a scan's end, and all that is known of it is where the sensor was.
-Perception perceive_scans(const Sequence& sequence, const LidarEgoOptions& options) {
+void perceive_scans(const Sequence& sequence, const LidarEgoOptions& options, PerceptionWriter& out) {
   LidarEgo lidar(sequence, options);
   lidar.finish();
-  Perception perception;
-  perception.camera = without_distortion(sequence.camera);
+  PerceivedFrame frame;
   for (const auto& [stamp_ns, pose] : lidar.trajectory()) {
-    PerceivedFrame& frame = perception.frames.emplace_back();
-    frame.frame = std::ssize(perception.frames) - 1;
     frame.stamp_ns = stamp_ns;
-    frame.world_from_camera = pose;
+    out.add(frame);
+    ++frame.frame;
   }
-  return perception;
+  out.finish(by_stamp(lidar.trajectory()));
 }
 
 }  // namespace
 
-Perception perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
-                    std::vector<StageTime>& times) {
+void perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
+              PerceptionWriter& out, std::vector<StageTime>& times) {
   if (sequence.frames.empty()) {
     if (options.ego != EgoSource::lidar)
       throw InputError(sequence.folder, "has no images: only `ego: {source: lidar}` can follow it");
-    return perceive_scans(sequence, options.lidar);
+    return perceive_scans(sequence, options.lidar, out);
   }
   const bool is_given = options.ego == EgoSource::given;
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
@@ -221,9 +219,8 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
     return lidar ? lidar->odometry().world_from_camera(stamp_ns) : pose_between(*poses, stamp_ns);
   };
   if (wants_lidar_depth(sequence, options)) lidar_depth.emplace(sequence, path, options.lidar_depth);
-  Perception perception;
-  perception.camera = without_distortion(sequence.camera);
-  perception.frames.resize(sequence.frames.size());
+  const Camera camera = without_distortion(sequence.camera);
+  std::deque<PerceivedFrame> waiting;  // for outlines that come late
   Progress progress("perceive", std::ssize(sequence.frames), run.quiet);
 
   std::size_t next = 0;
@@ -253,6 +250,7 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
                                       next_stamp_ns(sequence, work->index));
     work->masks = tracked.masks;
     work->arrived = std::move(tracked.arrived);
+    work->oldest_pending = tracked.oldest_pending;
     work->result.has_masks = tracked.has_masks;
     work->times.insert(work->times.end(), tracked.times.begin(), tracked.times.end());
     return work;
@@ -293,20 +291,23 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
   const auto look = [&](std::shared_ptr<Work> work) {
     if (keeps_masks && !work->masks.empty())
       write_png(run.masks_folder / fmt::format("{:06}.png", work->result.frame), work->masks);
-    look_at_bodies(perception.camera, options, *work);
+    look_at_bodies(camera, options, *work);
     auto& bodies = work->result.bodies;
     std::sort(bodies.begin(), bodies.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     return work;
   };
   const auto keep = [&](const std::shared_ptr<Work>& work) {
     times.insert(times.end(), work->times.begin(), work->times.end());
-    perception.frames[work->index] = std::move(work->result);
-    add_late_outlines(work->late, perception.frames);
+    waiting.push_back(std::move(work->result));
+    add_late_outlines(work->late, waiting);
     if (run.feedback) {
-      Stopwatch watch(sequence.frames[work->index].frame, times);
-      run.feedback->take(perception.frames[work->index]);
+      Stopwatch watch(waiting.back().frame, times);
+      run.feedback->take(waiting.back());
       watch.stop("feedback");
     }
+    for (; !waiting.empty() && (!tracker || waiting.front().frame < work->oldest_pending);
+         waiting.pop_front())
+      out.add(waiting.front());
     progress.advance();
   };
   using Handle = std::shared_ptr<Work>;
@@ -321,8 +322,8 @@ Perception perceive(const Sequence& sequence, const PerceptionOptions& options, 
                                tbb::make_filter<Handle, void>(tbb::filter_mode::serial_in_order, keep));
   });
   if (lidar) lidar->finish();
-  add_poses(perception, is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()));
-  return perception;
+  for (const PerceivedFrame& frame : waiting) out.add(frame);
+  out.finish(is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()));
 }
 
 }  // namespace uniquadric

@@ -11,7 +11,7 @@
 #include "estimator/perception/aot.h"
 #include "estimator/perception/features.h"
 #include "estimator/perception/lidar_depth.h"
-#include "estimator/perception/perception.h"
+#include "estimator/perception/perception_files.h"
 #include "estimator/perception/segmentation.h"
 #include "estimator/perception/silhouette.h"
 #include "estimator/shape/object_points.h"
@@ -57,9 +57,9 @@ struct PerceiveOptions {
 };
 
 /// The perception stage: masks, outlines, feature tracks, depth points and the camera's poses of every frame,
-/// in their order. The same for any number of threads. `times` receives what each stage took. Throws
-/// InputError for sequences with nothing to work on (check_sequence).
-Perception perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
-                    std::vector<StageTime>& times);
+/// in their order, written as they are known. The same for any number of threads. `times` receives what each
+/// stage took. Throws InputError for sequences with nothing to work on (check_sequence).
+void perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
+              PerceptionWriter& out, std::vector<StageTime>& times);
 
 }  // namespace uniquadric

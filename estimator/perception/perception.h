@@ -1,14 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "core/geometry/camera.h"
 #include "core/geometry/ellipsoid.h"
 #include "core/geometry/pose.h"
 
@@ -36,7 +34,10 @@ struct Silhouette {
 };
 
 /// Whether nothing hides a part of the outline.
-bool is_whole(const Silhouette& silhouette);
+inline bool is_whole(const Silhouette& silhouette) {
+  return std::all_of(silhouette.support.begin(), silhouette.support.end(),
+                     [](const SupportLine& line) { return line.free; });
+}
 
 /// One sighting of a point of a body (or of the background).
 struct Feature {
@@ -57,26 +58,15 @@ struct BodyObservation {
   std::optional<Pose> motion;  ///< p_now = motion * p_before of the body's points in the two camera frames
 };
 
-struct PerceivedFrame {
+/// What is known of a frame besides its bodies.
+struct FrameInfo {
   std::int64_t frame = 0, stamp_ns = 0;
   std::optional<Pose> world_from_camera;  ///< nothing: the camera was lost
   bool has_masks = false;                 ///< whether its masks are known: segmented, or carried to it
-  std::vector<BodyObservation> bodies;    ///< in order of their ids
 };
 
-/// The result of the perception stage: all that the back end knows of the images.
-struct Perception {
-  Camera camera;    ///< without distortion
-  std::string key;  ///< hash of what it was made from: sequence, options, code
-  std::vector<PerceivedFrame> frames;
+struct PerceivedFrame : FrameInfo {
+  std::vector<BodyObservation> bodies;  ///< in order of their ids
 };
-
-/// Writes perception.yaml, camera.yaml, camera.tum (the poses alone, for other tools) and observations.bin
-/// into an existing folder.
-void write_perception(const std::filesystem::path& folder, const Perception& perception);
-/// The key of a kept perception.
-std::string perception_key_of(const std::filesystem::path& folder);
-/// Reads them back, the same bits. Throws InputError with file and line.
-Perception read_perception(const std::filesystem::path& folder);
 
 }  // namespace uniquadric

@@ -33,7 +33,7 @@ struct Errors {
 
 Errors run(const SyntheticBody& body, const SyntheticOptions& options, double from_s,
            const BodyOptions& body_options = {}) {
-  const Perception perception = synthetic_perception({body}, options);
+  const SyntheticPerception perception = synthetic_perception({body}, options);
   const Tracks truth = synthetic_truth({body}, options);
   BodyEstimator estimator(1, perception.camera, body_options, 1);
   Errors errors;
@@ -109,7 +109,7 @@ TEST(BodyEstimator, ThePapersQuadricIsAboutTheEllipsoid) {
 // Nothing may be known of them before.
 TEST(BodyEstimator, WhatComesLateIsNotKnownBefore) {
   constexpr int kLate = 4, kFirst = 20;
-  Perception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
+  SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
   std::vector<std::vector<Eigen::Vector3d>> axes;
   BodyOptions by_outlines;
   by_outlines.shape.long_window.extents = false;
@@ -135,7 +135,7 @@ TEST(BodyEstimator, WhatComesLateIsNotKnownBefore) {
 
 // The first sight is a glimpse of some points, none of which is seen again: the next one is another first.
 TEST(BodyEstimator, AGlimpseThatLeadsNowhereIsForgotten) {
-  Perception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
+  SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
   BodyObservation& glimpse = perception.frames[0].bodies.at(0);
   glimpse.points = glimpse.points.leftCols(20).eval();
   glimpse.normals = glimpse.normals.leftCols(std::min<Eigen::Index>(20, glimpse.normals.cols())).eval();

@@ -24,7 +24,7 @@ Pose camera(double) {
 
 struct Scene {
   SyntheticBody body = box_body(kAxes, still);
-  Perception perception;
+  SyntheticPerception perception;
   Pose camera_from_body = camera(0).inverse() * still(0);
   const BodyObservation& seen() const { return perception.frames[0].bodies[0]; }
 

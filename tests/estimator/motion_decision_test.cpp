@@ -59,7 +59,7 @@ Watched watch(const std::function<Pose(double)>& motion, const BodyOptions& body
   SyntheticOptions options;
   options.frames = 180;
   options.world_from_camera = walking_camera;
-  Perception perception = synthetic_perception({box_body(kAxes, motion)}, options);
+  SyntheticPerception perception = synthetic_perception({box_body(kAxes, motion)}, options);
   BodyEstimator estimator(1, perception.camera, body, 1);
   Watched result;
   for (PerceivedFrame& frame : perception.frames) {

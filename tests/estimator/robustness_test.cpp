@@ -103,7 +103,14 @@ TEST(Robustness, WhatIsKnownWhen) {
   int late = 0;
   for (const bool carries : {true, false}) {
     options.aot.enabled = carries;
-    for (const PerceivedFrame& frame : perceive(sequence, options, quiet, times).frames) {
+    const fs::path folder = temp.path() / (carries ? "carried" : "segmented");
+    fs::create_directories(folder);
+    PerceptionWriter out(folder, sequence.camera, "");
+    perceive(sequence, options, quiet, out, times);
+    const Perception perception(folder);
+    ASSERT_EQ(perception.frames().size(), 16u);
+    for (std::size_t i = 0; i < 16; ++i) {
+      const PerceivedFrame frame = perception.read(i);
       EXPECT_EQ(frame.has_masks, !carries || frame.frame >= kLatencyFrames);
       ASSERT_EQ(frame.bodies.size(), frame.has_masks ? 1u : 0u) << frame.frame;
       if (frame.bodies.empty()) continue;
@@ -251,7 +258,8 @@ TEST(Robustness, WithItsOwnExpectationsForHintsPerceptionIsTheSame) {
     std::vector<StageTime> times;
     const fs::path folder = temp.path() / (joined ? "joined" : "alone");
     fs::create_directories(folder);
-    write_perception(folder, perceive(sequence, {}, run, times));
+    PerceptionWriter out(folder, sequence.camera, "");
+    perceive(sequence, {}, run, out, times);
     bytes[joined] = read_text(folder / "observations.bin");
   }
   EXPECT_GT(echo.hinted, 8);

@@ -108,12 +108,12 @@ SyntheticBody ellipsoid_body(const Eigen::Vector3d& a, std::function<Pose(double
   return body;
 }
 
-Perception synthetic_perception(const std::vector<SyntheticBody>& bodies, const SyntheticOptions& options) {
-  Perception perception;
-  perception.key = "synthetic";
+SyntheticPerception synthetic_perception(const std::vector<SyntheticBody>& bodies,
+                                         const SyntheticOptions& options) {
+  SyntheticPerception perception;
   for (int f = 0; f < options.frames; ++f) {
     const double t = f / options.rate_hz;
-    PerceivedFrame frame{f, stamp_at(options, f), options.world_from_camera(t), {}};
+    PerceivedFrame frame{{f, stamp_at(options, f), options.world_from_camera(t)}, {}};
     for (int b = 0; b < std::ssize(bodies); ++b) {
       if (options.hidden && options.hidden(b, t)) continue;
       RandomStream random(options.seed, "synthetic", f, b);

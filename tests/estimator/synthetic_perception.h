@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/geometry/camera.h"
 #include "core/sequence/tracks.h"
 #include "estimator/perception/perception.h"
 
@@ -37,9 +38,15 @@ struct SyntheticOptions {
   bool found_again = true;
 };
 
+struct SyntheticPerception {
+  Camera camera;
+  std::vector<PerceivedFrame> frames;
+};
+
 /// What perception would see of convex bodies, made from the truth without any image: features and clouds on
 /// the faces turned to the camera, support lines of the projected points.
-Perception synthetic_perception(const std::vector<SyntheticBody>& bodies, const SyntheticOptions& options);
+SyntheticPerception synthetic_perception(const std::vector<SyntheticBody>& bodies,
+                                         const SyntheticOptions& options);
 
 /// The truth of the same.
 Tracks synthetic_truth(const std::vector<SyntheticBody>& bodies, const SyntheticOptions& options);

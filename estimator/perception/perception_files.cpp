@@ -1,14 +1,13 @@
-#include "estimator/perception/perception.h"
+#include "estimator/perception/perception_files.h"
 
 #include <fmt/format.h>
-#include <algorithm>
-
 #include <cstring>
 #include <span>
 
 #include "core/base/config.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/hash.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
@@ -19,8 +18,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSchema = 1;
-constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '2'};
+// The magic, the bodies of each frame, the index of the frames, and where that is.
+constexpr const char* kObservations = "observations.bin";
+constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '3'};
 constexpr std::uint64_t kMaxCount = 1u << 28;  // of anything in a list; more is a damaged file
+
+[[noreturn]] void throw_damaged(const fs::path& path) {
+  throw InputError(path, "is damaged or truncated");
+}
 
 // Appends values as they lie in memory (little-endian machines alone are supported).
 class Writer {
@@ -56,7 +61,7 @@ class Reader {
     return n;
   }
   bool at_end() const { return left_.empty(); }
-  [[noreturn]] void fail() const { throw InputError(path_, "is damaged or truncated"); }
+  [[noreturn]] void fail() const { throw_damaged(path_); }
 
  private:
   void take(void* to, std::size_t size) {
@@ -161,34 +166,75 @@ BodyObservation get_body(Reader& in) {
   return body;
 }
 
-}  // namespace
-
-bool is_whole(const Silhouette& silhouette) {
-  return std::all_of(silhouette.support.begin(), silhouette.support.end(),
-                     [](const SupportLine& line) { return line.free; });
+FilePlace place_of(std::uint64_t offset, const std::string& bytes) {
+  return {offset, bytes.size(), Hash().add(bytes).value()};
 }
 
-void write_perception(const fs::path& folder, const Perception& perception) {
+// Files of sizes that contradict what they say are damaged.
+std::string read_part(const fs::path& path, std::uint64_t offset, std::uint64_t size) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(path, "cannot be read");
+  const std::uint64_t whole = fs::file_size(path);
+  if (offset > whole || size > whole - offset) throw_damaged(path);
+  std::string bytes(size, '\0');
+  file.seekg(static_cast<std::streamoff>(offset));
+  if (!file.read(bytes.data(), std::ssize(bytes))) throw_damaged(path);
+  return bytes;
+}
+
+std::string read_place(const fs::path& path, const FilePlace& place) {
+  std::string bytes = read_part(path, place.offset, place.size);
+  if (Hash().add(bytes).value() != place.hash) throw_damaged(path);
+  return bytes;
+}
+
+}  // namespace
+
+PerceptionWriter::PerceptionWriter(fs::path folder, const Camera& camera, std::string key)
+    : folder_(std::move(folder)),
+      camera_(camera),
+      key_(std::move(key)),
+      file_(folder_ / kObservations, std::ios::binary) {
+  write(std::string(kMagic, sizeof kMagic));
+}
+
+void PerceptionWriter::write(const std::string& bytes) {
+  if (!file_.write(bytes.data(), std::ssize(bytes)).flush())
+    throw std::runtime_error(fmt::format("{}: cannot be written", (folder_ / kObservations).string()));
+  size_ += bytes.size();
+}
+
+void PerceptionWriter::add(const PerceivedFrame& frame) {
+  Writer bodies;
+  bodies.put(static_cast<std::uint64_t>(frame.bodies.size()));
+  for (const BodyObservation& body : frame.bodies) put(bodies, body);
+  frames_.push_back(frame);
+  places_.push_back(place_of(size_, bodies.bytes()));
+  write(bodies.bytes());
+}
+
+void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_camera) {
   Trajectory camera;
-  Writer out;
-  for (const char c : kMagic) out.put(c);
-  out.put(static_cast<std::uint64_t>(perception.frames.size()));
-  for (const PerceivedFrame& frame : perception.frames) {
-    if (frame.world_from_camera) camera.push_back({frame.stamp_ns, *frame.world_from_camera});
-    out.put(frame.frame);
-    out.put(frame.stamp_ns);
-    out.put(frame.world_from_camera.has_value());
-    if (frame.world_from_camera) put(out, *frame.world_from_camera);
-    out.put(frame.has_masks);
-    out.put(static_cast<std::uint64_t>(frame.bodies.size()));
-    for (const BodyObservation& body : frame.bodies) put(out, body);
+  Writer index, end;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    const auto pose = world_from_camera.find(frames_[i].stamp_ns);
+    const bool has_pose = pose != world_from_camera.end();
+    if (has_pose) camera.push_back({frames_[i].stamp_ns, pose->second});
+    index.put(frames_[i].frame);
+    index.put(frames_[i].stamp_ns);
+    index.put(frames_[i].has_masks);
+    index.put(has_pose);
+    if (has_pose) put(index, pose->second);
+    index.put(places_[i]);
   }
-  write_tum(folder / "camera.tum", camera);
-  write_camera_yaml(folder / "camera.yaml", perception.camera);
-  write_text(folder / "observations.bin", out.bytes());
-  write_text(folder / "perception.yaml",
+  end.put(place_of(size_, index.bytes()));
+  write(index.bytes());
+  write(end.bytes());
+  write_tum(folder_ / "camera.tum", camera);
+  write_camera_yaml(folder_ / "camera.yaml", camera_);
+  write_text(folder_ / "perception.yaml",
              fmt::format("schema: {}\nprogram: {}\nkey: {}\nframes: {}\n", kSchema, yaml_quoted(kProgram),
-                         yaml_quoted(perception.key), perception.frames.size()));
+                         yaml_quoted(key_), frames_.size()));
 }
 
 std::string perception_key_of(const fs::path& folder) {
@@ -197,26 +243,32 @@ std::string perception_key_of(const fs::path& folder) {
   return root.get<std::string>("key");
 }
 
-Perception read_perception(const fs::path& folder) {
-  Perception perception;
-  perception.key = perception_key_of(folder);
-  perception.camera = read_camera_yaml(folder / "camera.yaml");
-  const fs::path path = folder / "observations.bin";
-  const std::string bytes = read_text(path);
-  Reader in(path, bytes);
-  for (const char c : kMagic)
-    if (in.get<char>() != c) throw InputError(path, "holds no observations of this version");
-  perception.frames.resize(in.count(26));
-  for (PerceivedFrame& frame : perception.frames) {
-    frame.frame = in.get<std::int64_t>();
-    frame.stamp_ns = in.get<std::int64_t>();
-    if (in.get<char>() != 0) frame.world_from_camera = get_pose(in);
-    frame.has_masks = in.get<char>() != 0;
-    frame.bodies.resize(in.count(27));
-    for (BodyObservation& body : frame.bodies) body = get_body(in);
+Perception::Perception(const fs::path& folder)
+    : file_(folder / kObservations),
+      camera_(read_camera_yaml(folder / "camera.yaml")),
+      key_(perception_key_of(folder)) {
+  if (read_part(file_, 0, sizeof kMagic) != std::string_view(kMagic, sizeof kMagic))
+    throw InputError(file_, "holds no observations of this version");
+  const std::string end = read_part(file_, fs::file_size(file_) - sizeof(FilePlace), sizeof(FilePlace));
+  const std::string bytes = read_place(file_, Reader(file_, end).get<FilePlace>());
+  for (Reader index(file_, bytes); !index.at_end();) {
+    FrameInfo& frame = frames_.emplace_back();
+    frame.frame = index.get<std::int64_t>();
+    frame.stamp_ns = index.get<std::int64_t>();
+    frame.has_masks = index.get<char>() != 0;
+    if (index.get<char>() != 0) frame.world_from_camera = get_pose(index);
+    places_.push_back(index.get<FilePlace>());
   }
+}
+
+PerceivedFrame Perception::read(std::size_t index) const {
+  const std::string bytes = read_place(file_, places_.at(index));
+  Reader in(file_, bytes);
+  PerceivedFrame frame{frames_.at(index), {}};
+  frame.bodies.resize(in.count(27));
+  for (BodyObservation& body : frame.bodies) body = get_body(in);
   if (!in.at_end()) in.fail();
-  return perception;
+  return frame;
 }
 
 }  // namespace uniquadric

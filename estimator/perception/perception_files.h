@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/geometry/camera.h"
+#include "estimator/perception/perception.h"
+
+namespace uniquadric {
+
+/// A part of a file, and the hash of what it holds.
+struct FilePlace {
+  std::uint64_t offset = 0, size = 0, hash = 0;
+};
+
+/// Writes the perception stage's result frame by frame, so that no more than a frame of it is in memory:
+/// perception.yaml, camera.yaml, camera.tum (the poses alone, for other tools) and observations.bin in an
+/// existing folder.
+class PerceptionWriter {
+ public:
+  /// `camera`: without distortion. `key`: hash of what it is made from: sequence, options, code; may be
+  /// empty.
+  PerceptionWriter(std::filesystem::path folder, const Camera& camera, std::string key);
+
+  /// The next frame; its pose counts only where finish() gives it. Throws std::runtime_error when it cannot
+  /// be written.
+  void add(const PerceivedFrame& frame);
+
+  /// To be called last. The poses of the frames by stamp; a frame without one is one where the camera was
+  /// lost.
+  void finish(const std::map<std::int64_t, Pose>& world_from_camera);
+
+ private:
+  void write(const std::string& bytes);
+
+  std::filesystem::path folder_;
+  Camera camera_;
+  std::string key_;
+  std::ofstream file_;
+  std::uint64_t size_ = 0;  // of what has been written
+  std::vector<FrameInfo> frames_;
+  std::vector<FilePlace> places_;
+};
+
+/// A kept perception: all that the back end knows of the images. The bodies of a frame are read when asked
+/// for, the same bits that were written.
+class Perception {
+ public:
+  /// Throws InputError with file and line.
+  explicit Perception(const std::filesystem::path& folder);
+
+  const Camera& camera() const { return camera_; }  ///< without distortion
+  const std::string& key() const { return key_; }
+  const std::vector<FrameInfo>& frames() const { return frames_; }
+
+  /// One frame with its bodies; from any thread. Throws InputError when the file is damaged.
+  PerceivedFrame read(std::size_t index) const;
+
+ private:
+  std::filesystem::path file_;
+  Camera camera_;
+  std::string key_;
+  std::vector<FrameInfo> frames_;
+  std::vector<FilePlace> places_;
+};
+
+/// The key of a kept perception.
+std::string perception_key_of(const std::filesystem::path& folder);
+
+}  // namespace uniquadric
