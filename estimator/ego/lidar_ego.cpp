@@ -1,17 +1,25 @@
 #include "estimator/ego/lidar_ego.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "core/base/error.h"
+#include "estimator/perception/lidar_stream.h"
 
 namespace uniquadric {
 namespace {
 
-LidarRigView rig_of(const Sequence& sequence, const LidarEgoOptions& options) {
-  if (!sequence.lidar || sequence.scans.empty())
+const Sequence& with_scans(const Sequence& sequence, const LidarEgoOptions& options) {
+  if (!sequence.lidar)
     throw InputError(sequence.folder, "has no LiDAR scans, which the variant (ego: lidar) needs");
+  require_scans(sequence, -options.time_offset_ns);
+  return sequence;
+}
+
+LidarRigView rig_of(const Sequence& sequence, const LidarEgoOptions& options) {
   LidarRigView rig;
   rig.camera_from_lidar = sequence.lidar->camera_from_lidar;
   rig.imu = sequence.imu;
@@ -21,15 +29,26 @@ LidarRigView rig_of(const Sequence& sequence, const LidarEgoOptions& options) {
 
 std::vector<ImuSample> imu_of(const Sequence& sequence, const LidarEgoOptions& options) {
   if (!sequence.imu || !options.odometry.use_imu) return {};
-  return read_imu_csv(sequence.folder / "imu.csv");
+  const std::filesystem::path file = sequence.folder / "imu.csv";
+  std::vector<ImuSample> samples = read_imu_csv(file);
+  if (samples.empty())
+    throw InputError(file, "holds no reading; without an IMU the variant needs ego.lidar.use_imu: false");
+  const std::int64_t first_ns = sequence.scans.front().stamp_ns;
+  const std::int64_t last_ns = sequence.scans.back().stamp_ns + std::llround(1e9 / sequence.lidar->rate_hz);
+  if (samples.front().stamp_ns > last_ns || samples.back().stamp_ns < first_ns)
+    throw InputError(
+        file, fmt::format("no reading meets a scan: the readings span {}..{} s, the scans {}..{} s",
+                          format_stamp(samples.front().stamp_ns), format_stamp(samples.back().stamp_ns),
+                          format_stamp(first_ns), format_stamp(last_ns)));
+  return samples;
 }
 
 }  // namespace
 
 LidarEgo::LidarEgo(const Sequence& sequence, const LidarEgoOptions& options)
-    : sequence_(sequence),
+    : sequence_(with_scans(sequence, options)),
       options_(options),
-      odometry_(rig_of(sequence, options), imu_of(sequence, options), options.odometry) {
+      odometry_(rig_of(sequence_, options), imu_of(sequence_, options), options.odometry) {
   if (sequence.frames.empty()) options_.cut = SweepCut::scans;
 }
 

@@ -24,7 +24,8 @@ struct LidarEgoOptions {
 /// LiDAR odometry of a sequence: reads its scans and IMU as frames go by.
 class LidarEgo {
  public:
-  /// The sequence has to outlive this. Throws InputError when it has no scans.
+  /// The sequence has to outlive this. Throws InputError as require_scans() does, and when the
+  /// IMU that the options ask for has no reading in the time of the scans.
   LidarEgo(const Sequence& sequence, const LidarEgoOptions& options);
 
   /// Frames in their order; `masks` CV_16UC1 or empty: labels other than 0 are left out. Throws InputError

@@ -19,11 +19,16 @@ std::string pose_span(const Sequence& sequence, const std::map<std::int64_t, Pos
 }  // namespace
 
 void check_sequence(const Sequence& sequence, const Segmenter& segmenter,
-                    const std::optional<std::map<std::int64_t, Pose>>& poses, bool by_lidar) {
-  if (by_lidar) return;
+                    const std::optional<std::map<std::int64_t, Pose>>& poses, bool by_lidar,
+                    bool wants_images) {
   const auto& frames = sequence.frames;
+  const auto has_image = [](const SequenceFrame& frame) { return !frame.depth.empty(); };
+  if (wants_images && std::none_of(frames.begin(), frames.end(), has_image))
+    throw InputError(sequence.folder / "depth.txt",
+                     "no frame has a depth image, which the variant (depth: images) needs");
+  if (by_lidar) return;
   const auto has_depth = [&](const SequenceFrame& frame) {
-    return !frame.depth.empty() || (poses && sequence.lidar);
+    return has_image(frame) || (poses && sequence.lidar);
   };
   const auto has_pose = [&](const SequenceFrame& frame) { return !poses || poses->contains(frame.stamp_ns); };
   const auto has_masks = [&](const SequenceFrame& frame) { return has_something_for(segmenter, frame); };

@@ -48,6 +48,7 @@ class LidarDepth {
  public:
   using CameraPath = std::function<std::optional<Pose>(std::int64_t stamp_ns)>;  ///< world_from_camera
 
+  /// The sequence has to outlive this. Throws InputError as require_scans() does.
   LidarDepth(const Sequence& sequence, CameraPath path, const LidarDepthOptions& options);
 
   /// Frames in their order. `masks` CV_16UC1 labels, 0 background, or empty. Nothing without a camera pose.

@@ -1,8 +1,28 @@
 #include "estimator/perception/lidar_stream.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
 
 namespace uniquadric {
+
+void require_scans(const Sequence& sequence, std::int64_t offset_ns) {
+  const auto& scans = sequence.scans;
+  const auto& frames = sequence.frames;
+  const std::filesystem::path file = sequence.folder / "lidar.txt";
+  if (scans.empty()) throw InputError(file, "names no scan, which the variant needs");
+  if (frames.empty()) return;
+  const std::int64_t first_ns = scans.front().stamp_ns + offset_ns;
+  const std::int64_t end_ns = scans.back().stamp_ns + offset_ns + std::llround(1e9 / sequence.lidar->rate_hz);
+  if (first_ns > frames.back().stamp_ns || end_ns < frames.front().stamp_ns)
+    throw InputError(
+        file, fmt::format("no scan meets a frame: the scans span {}..{} s, the frames {}..{} s",
+                          format_stamp(first_ns), format_stamp(end_ns), format_stamp(frames.front().stamp_ns),
+                          format_stamp(frames.back().stamp_ns)));
+}
 
 LidarStream::LidarStream(const Sequence& sequence, std::int64_t offset_ns)
     : sequence_(sequence), offset_ns_(offset_ns) {}

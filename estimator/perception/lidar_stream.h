@@ -10,6 +10,10 @@
 
 namespace uniquadric {
 
+/// Throws InputError naming lidar.txt when the sequence has no scan, or has frames and no scan meets their
+/// time. `offset_ns` is added to the LiDAR's stamps.
+void require_scans(const Sequence& sequence, std::int64_t offset_ns = 0);
+
 /// The points of a sequence's scans in the order of their own times, cut anew wherever the reader wants (soft
 /// synchronisation, SPEC 4): scans are files of a driver, not of the camera. Empty returns (0, 0, 0) and
 /// points that are not finite are passed over. `offset_ns` is added to the LiDAR's stamps.

@@ -14,6 +14,8 @@
 #include "core/geometry/box_symmetry.h"
 #include "core/sequence/import_tum.h"
 #include "core/sequence/tracks.h"
+#include "estimator/perception/check_sequence.h"
+#include "estimator/perception/lidar_stream.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -250,6 +252,92 @@ TEST(Estimate, ASequenceWithoutAnythingToEstimateIsRefused) {
     ++refused;
   }
   EXPECT_EQ(refused, 5);
+}
+
+// A LiDAR and an IMU beside the camera, with scans of one point from `first_ns` on and readings at their
+// time; no depth images.
+void add_lidar(Sequence& sequence, int scans, std::int64_t first_ns, int readings,
+               std::int64_t first_reading_ns) {
+  sequence.lidar = LidarCalibration{.pattern = "test", .rate_hz = 10, .camera_from_lidar = {}};
+  sequence.imu = ImuCalibration{};
+  for (int i = 0; i < scans; ++i) {
+    sequence.scans.push_back({first_ns + i * 100'000'000, std::to_string(i) + ".pcd"});
+    write_lidar_points(sequence.folder / sequence.scans.back().file, {LidarPoint{.x = 5}});
+  }
+  std::vector<ImuSample> samples(static_cast<std::size_t>(readings));
+  for (int i = 0; i < readings; ++i)
+    samples[static_cast<std::size_t>(i)].stamp_ns = first_reading_ns + i * 5'000'000;
+  write_imu_csv(sequence.folder / "imu.csv", samples);
+  for (SequenceFrame& frame : sequence.frames) frame.depth.clear();
+  fs::remove(sequence.folder / "depth.txt");
+  write_sequence_index(sequence.folder, sequence);
+}
+
+TEST(Estimate, ALidarOrAnImuThatIsEmptyOrOfAnotherTimeIsRefused) {
+  constexpr std::int64_t kThen = 1'000'000'000, kLater = 501'000'000'000;  // the frames are from 1 s on
+  struct Case {
+    std::string what;
+    EgoSource ego;
+    int scans;
+    std::int64_t first_ns;
+    int readings;
+    std::int64_t first_reading_ns;
+  };
+  const std::vector<Case> cases = {
+      {"lidar.txt: names no scan", EgoSource::given, 0, kThen, 40, kThen},
+      {"lidar.txt: names no scan", EgoSource::lidar, 0, kThen, 40, kThen},
+      {"lidar.txt: no scan meets a frame: the scans span 501.000000000..501.300000000 s, the frames "
+       "1.000000000..1.066666666 s",
+       EgoSource::given, 3, kLater, 40, kLater},
+      {"lidar.txt: no scan meets a frame", EgoSource::lidar, 3, kLater, 40, kLater},
+      {"lidar.txt: no scan meets a frame", EgoSource::lidar, 3, 0, 40, 0},  // over before the first
+      {"imu.csv: holds no reading", EgoSource::lidar, 3, kThen, 0, kThen},
+      {"imu.csv: no reading meets a scan: the readings span 501.000000000..501.195000000 s, the scans "
+       "1.000000000..1.300000000 s",
+       EgoSource::lidar, 3, kThen, 40, kLater},
+  };
+  int refused = 0;
+  for (const Case& c : cases) {
+    const TempFolder temp;
+    const fs::path out = temp.path() / "out";
+    Sequence sequence = write_box_sequence(temp.path() / "sequence", 3, false);
+    add_lidar(sequence, c.scans, c.first_ns, c.readings, c.first_reading_ns);
+    Variant variant;
+    variant.perception.ego = c.ego;
+    const std::string message = input_error([&] { estimate(sequence.folder, variant, quiet(), out); });
+    EXPECT_NE(message.find(c.what), std::string::npos) << message;
+    EXPECT_FALSE(fs::exists(out));
+    ++refused;
+  }
+  EXPECT_EQ(refused, 7);
+}
+
+TEST(CheckSequence, DepthImagesThatAreAskedForMustBeThereThoughThereIsALidar) {
+  const TempFolder temp;
+  Sequence sequence = write_box_sequence(temp.path(), 3, false);
+  const Segmenter segmenter;
+  const std::map<std::int64_t, Pose> poses = {{sequence.frames[0].stamp_ns, Pose()}};
+  check_sequence(sequence, segmenter, poses, false, true);
+  for (int i = 1; i < 3; ++i) sequence.frames[i].depth.clear();
+  check_sequence(sequence, segmenter, poses, false, true);  // one image is enough
+  add_lidar(sequence, 3, sequence.frames[0].stamp_ns, 0, 0);
+  check_sequence(sequence, segmenter, poses, false, false);
+  for (const bool by_lidar : {false, true}) {
+    const std::string message =
+        input_error([&] { check_sequence(sequence, segmenter, poses, by_lidar, true); });
+    EXPECT_NE(message.find("depth.txt: no frame has a depth image"), std::string::npos) << message;
+  }
+}
+
+TEST(CheckSequence, ScansMeetTheFramesByTheClockThatTheOptionsTell) {
+  const TempFolder temp;
+  Sequence sequence = write_box_sequence(temp.path(), 3, false);
+  add_lidar(sequence, 3, 501'000'000'000, 0, 0);
+  EXPECT_THROW(require_scans(sequence), InputError);
+  EXPECT_NO_THROW(require_scans(sequence, -500'000'000'000));
+  EXPECT_THROW(require_scans(sequence, -501'000'000'000), InputError);
+  sequence.frames.clear();  // a LiDAR alone
+  EXPECT_NO_THROW(require_scans(sequence));
 }
 
 // The detections of every third frame in a folder of their own: a third of the time.
