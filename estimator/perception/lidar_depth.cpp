@@ -16,6 +16,7 @@ cv::Point pixel_of(const Eigen::Vector2d& pixel) {
 }
 
 constexpr int kNobody = 0xffff;
+constexpr int kTrustedFrames = 2;  // that a motion counts for: features fail for one frame without a reason
 
 int label_at(const cv::Mat& masks, const Eigen::Vector2d& pixel) {
   if (masks.empty()) return 0;
@@ -58,14 +59,14 @@ LidarDepth::LidarDepth(const Sequence& sequence, CameraPath path, const LidarDep
 }
 
 void LidarDepth::moved(int label, const Pose& world_motion, std::int64_t step_ns) {
-  twists_[label] = log_se3(world_motion) / seconds(0, step_ns);
+  motions_[label] = {log_se3(world_motion) / seconds(0, step_ns)};
 }
 
 // Where a point of a body is after some seconds (Eq. 4).
 Eigen::Vector3d LidarDepth::moved_by(int label, const Eigen::Vector3d& point, double s) const {
-  const auto twist = twists_.find(label);
-  if (label <= 0 || twist == twists_.end() || options_.undistortion != Undistortion::object) return point;
-  return exp_se3(twist->second * s) * point;
+  const auto told = motions_.find(label);
+  if (label <= 0 || told == motions_.end() || options_.undistortion != Undistortion::object) return point;
+  return exp_se3(told->second.twist * s) * point;
 }
 
 void LidarDepth::advance(std::int64_t to_ns) {
@@ -93,6 +94,8 @@ void LidarDepth::receive(std::int64_t stamp_ns, std::int64_t until_ns, const Pos
 }
 
 LidarView LidarDepth::at(std::int64_t stamp_ns, std::int64_t next_stamp_ns, const cv::Mat& masks) {
+  for (auto& [label, told] : motions_) ++told.frames;
+  std::erase_if(motions_, [](const auto& motion) { return motion.second.frames > kTrustedFrames; });
   const auto world_from_camera = path_(stamp_ns);
   if (!world_from_camera) return {};
   advance(stamp_ns);

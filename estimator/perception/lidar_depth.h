@@ -54,7 +54,9 @@ class LidarDepth {
   /// Frames in their order. `masks` CV_16UC1 labels, 0 background, or empty. Nothing without a camera pose.
   LidarView at(std::int64_t stamp_ns, std::int64_t next_stamp_ns, const cv::Mat& masks);
 
-  /// How a body moved in the world over the step that ended at the last frame: p_now = motion * p_before.
+  /// How a body moved in the world over the step that ended at the last frame: p_now = motion * p_before. It
+  /// counts for that frame and, where none is told for it, for the next one: then the body is hidden, and may
+  /// turn or stop.
   void moved(int label, const Pose& world_motion, std::int64_t step_ns);
 
  private:
@@ -75,7 +77,11 @@ class LidarDepth {
   LidarDepthOptions options_;
   LidarStream stream_;
   std::vector<Held> held_;
-  std::map<int, Vector6d> twists_;  // of the bodies' world motions over one second
+  struct Told {
+    Vector6d twist;  // of a body's world motion over one second
+    int frames = 0;  // since it was told
+  };
+  std::map<int, Told> motions_;  // of the bodies
   std::int64_t last_ns_ = 0;
 };
 

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <unordered_map>
 
+#include "estimator/perception/pixel_grid.h"
 #include "estimator/perception/surface_descriptor.h"
 
 namespace uniquadric {
@@ -18,43 +18,6 @@ namespace {
 constexpr int kRounds = 2;
 constexpr double kSliverShare = 0.2;  // of the largest surface's points; larger ones are the body's too
 constexpr double kOutlierSigmas = 2.5, kLeastScatter = 2e-4;  // of inverse depth, relative
-
-// Buckets of points by squares of the image.
-class PixelGrid {
- public:
-  PixelGrid(const std::vector<ImagePoint>& points, double side) : points_(points), side_(side) {
-    for (std::size_t i = 0; i < points.size(); ++i) cells_[key(cell(points[i].pixel))].push_back(i);
-  }
-
-  // The k nearest within the side of a square, the point itself first.
-  std::vector<std::size_t> nearest(const Eigen::Vector2d& pixel, std::size_t k) const {
-    std::vector<std::pair<double, std::size_t>> found;
-    const Eigen::Vector2i c = cell(pixel);
-    for (int y = c.y() - 1; y <= c.y() + 1; ++y)
-      for (int x = c.x() - 1; x <= c.x() + 1; ++x) {
-        const auto in = cells_.find(key({x, y}));
-        if (in == cells_.end()) continue;
-        for (const std::size_t i : in->second)
-          if (const double d = (points_[i].pixel - pixel).squaredNorm(); d <= side_ * side_)
-            found.emplace_back(d, i);
-      }
-    const std::size_t n = std::min(k, found.size());
-    std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(n), found.end());
-    std::vector<std::size_t> result;
-    for (std::size_t i = 0; i < n; ++i) result.push_back(found[i].second);
-    return result;
-  }
-
- private:
-  Eigen::Vector2i cell(const Eigen::Vector2d& pixel) const {
-    return (pixel / side_).array().floor().cast<int>();
-  }
-  static std::int64_t key(const Eigen::Vector2i& c) { return (std::int64_t{c.y()} << 32) + c.x(); }
-
-  const std::vector<ImagePoint>& points_;
-  double side_;
-  std::unordered_map<std::int64_t, std::vector<std::size_t>> cells_;
-};
 
 int root(std::vector<int>& parent, int i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
@@ -152,10 +115,10 @@ std::optional<PointPlane> plane_at(const std::vector<ImagePoint>& points,
 std::vector<PointPlane> point_planes(const std::vector<ImagePoint>& points,
                                      const PointPlaneOptions& options) {
   if (points.empty()) return {};
-  const PixelGrid grid(points, options.reach_px);
+  const auto neighbours = static_cast<std::size_t>(options.neighbours);
+  const PixelGrid grid(points, options.reach_px, neighbours);
   std::vector<std::vector<std::size_t>> near;
-  for (const ImagePoint& point : points)
-    near.push_back(grid.nearest(point.pixel, static_cast<std::size_t>(options.neighbours)));
+  for (const ImagePoint& point : points) near.push_back(grid.nearest(point.pixel, neighbours));
   std::vector<bool> keep(points.size(), true);
   if (options.one_body) keep = on_body(points, surfaces(points, near, options.max_jump));
   std::vector<PointPlane> planes;

@@ -1,5 +1,6 @@
 #include "estimator/shape/reach.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -12,6 +13,7 @@ namespace {
 constexpr int kRounds = 3;
 constexpr double kTrim = 2.5, kMadToSigma = 1.4826, kFurthest = 0.98;
 constexpr double kTop = 0.9;  // quantile of the facing points: the rest may be of what the body stands on
+constexpr double kLeastOwn = 1e-9;       // share of a column: rounding leaves 1e-15
 constexpr std::ptrdiff_t kLeastTop = 3;  // points that an end is the mean of, at least
 
 using Quadratic = Eigen::Matrix<double, 6, 1>;
@@ -19,7 +21,8 @@ using Quadratic = Eigen::Matrix<double, 6, 1>;
 // The surface that a body ends in: heights over the plane across the direction, a quadratic in two
 // coordinates.
 struct EndSurface {
-  Eigen::Matrix<double, Eigen::Dynamic, 6> rows;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6>;
+  Rows rows;
   Eigen::VectorXd heights;
 };
 
@@ -36,6 +39,12 @@ EndSurface end_surface(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& di
     end.heights[k] = p.dot(direction);
   }
   return end;
+}
+
+// Points in one line (of a LiDAR) tell no surface: what a column has beside those before it is the diagonal.
+bool tells_a_surface(const Eigen::HouseholderQR<EndSurface::Rows>& qr, const EndSurface::Rows& rows) {
+  const Quadratic own = qr.matrixQR().diagonal().cwiseAbs(), whole = rows.colwise().norm().transpose();
+  return (own.array() > kLeastOwn * whole.array()).all();
 }
 
 // `direction`: unit, in the camera's frame.
@@ -67,7 +76,9 @@ std::optional<double> surface_end(const PointView& view, const Eigen::Vector3d& 
   double scatter = 0;
   for (int round = 0; round < kRounds; ++round) {
     if (end.heights.size() < options.min_points) return std::nullopt;
-    const Quadratic fit = end.rows.householderQr().solve(end.heights);
+    const Eigen::HouseholderQR<EndSurface::Rows> qr(end.rows);
+    if (!tells_a_surface(qr, end.rows)) return std::nullopt;
+    const Quadratic fit = qr.solve(end.heights);
     const Eigen::VectorXd fitted = end.rows * fit, off = (end.heights - fitted).cwiseAbs();
     scatter = kMadToSigma * quantile({off.begin(), off.end()}, 0.5);
     if (scatter > options.max_scatter * depth) return std::nullopt;

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/base/random.h"
+#include "estimator/perception/pixel_grid.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -102,6 +105,26 @@ TEST(LidarDepth, WithoutABodysMotionItsPointsTrailBehind) {
   EXPECT_LT(seen.points, 0.9 * with.points);  // they have left the mask, or the mask shows the wall there
 }
 
+TEST(LidarDepth, AMotionToldLongAgoIsForgotten) {
+  const TempFolder temp;
+  const Sequence sequence = passing_board(temp.path());
+  const auto here = [](std::int64_t) { return Pose(); };
+  LidarDepth told(sequence, here, {}), untold(sequence, here, {});
+  int differ = 0, agree = 0;
+  for (int k = 0; k < 11; ++k) {
+    const std::int64_t now = k * kFrame;
+    const cv::Mat mask = mask_at(sequence.camera, now);
+    const auto points = [&](LidarDepth& depth) { return depth.at(now, now + kFrame, mask).bodies[7].points; };
+    const Eigen::Matrix3Xd with = points(told), without = points(untold);
+    const bool same = with.cols() == without.cols() && with == without;
+    if (k == 2) told.moved(7, {Eigen::Quaterniond::Identity(), {0, 0, 0.1}}, kFrame);
+    if (k == 3 || k == 4) differ += !same;  // it counts for two frames
+    if (k >= 8) agree += same;              // when the points that it moved are out of the window
+  }
+  EXPECT_EQ(differ, 2);
+  EXPECT_EQ(agree, 3);
+}
+
 TEST(LidarDepth, DepthIsThatOfThePlanesAlongTheLinesOfSight) {
   const TempFolder temp;
   const Sequence sequence = passing_board(temp.path());
@@ -151,6 +174,41 @@ TEST(PointPlanes, SliversOfOtherThingsAreNotTheBody) {
   for (const PointPlane& plane : point_planes(points, options)) EXPECT_NEAR(plane.inverse_depth, 0.1, 1e-9);
   options.one_body = false;
   EXPECT_GT(point_planes(points, options).size(), 510);
+}
+
+// The second way: all points sorted by their distance.
+TEST(PixelGrid, FindsTheNearestOfAll) {
+  RandomStream random(4, "grid");
+  std::vector<ImagePoint> points;
+  for (int i = 0; i < 1500; ++i)  // thin here, dense there
+    points.push_back({{random.uniform(0, i % 2 ? 200 : 20), random.uniform(0, i % 2 ? 150 : 30)}, 0.1});
+  points.push_back(points.front());  // the same place twice
+  const PixelGrid grid(points, 14, 12);
+  for (const std::size_t k : {1, 12})
+    for (const ImagePoint& point : points) {
+      std::vector<std::pair<double, std::size_t>> all;
+      for (std::size_t i = 0; i < points.size(); ++i)
+        if (const double d = (points[i].pixel - point.pixel).squaredNorm(); d <= 14 * 14)
+          all.emplace_back(d, i);
+      std::sort(all.begin(), all.end());
+      all.resize(std::min(k, all.size()));
+      std::vector<std::size_t> expected;
+      for (const auto& [d, i] : all) expected.push_back(i);
+      EXPECT_EQ(grid.nearest(point.pixel, k), expected);
+    }
+}
+
+TEST(PixelGrid, OfACrowdInOnePlaceAFewStandForAll) {
+  RandomStream random(5, "crowd");
+  std::vector<ImagePoint> points;
+  for (int i = 0; i < 30000; ++i)  // all within a pixel or two
+    points.push_back({{50 + random.uniform(), 50 + random.uniform()}, 0.1 + 1e-4 * (i % 2)});
+  const PixelGrid grid(points, 14, 12);
+  EXPECT_LE(grid.nearest({50.5, 50.5}, points.size()).size(), 4 * 64u);
+  EXPECT_EQ(PixelGrid(points, 14, 200).nearest({50.5, 50.5}, 200).size(), 200u);
+  const std::vector<PointPlane> planes = point_planes(points, {});
+  EXPECT_GT(planes.size(), 29000u);
+  for (const PointPlane& plane : planes) EXPECT_NEAR(plane.inverse_depth, 0.10005, 2e-4);
 }
 
 TEST(LidarStream, CutsByThePointsOwnStampsAndPassesOverEmptyReturns) {

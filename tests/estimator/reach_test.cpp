@@ -100,6 +100,27 @@ TEST(Reach, NoiseOfAFaceOrABallDoesNotPushTheEndOut) {
   }
 }
 
+// One line of a LiDAR on the upper face, of which no surface can be laid through: its points count.
+TEST(Reach, OfASingleLineOfPointsIsThatOfThePoints) {
+  RandomStream random(6, "line");
+  for (const double slope : {0.0, 0.4}) {
+    Eigen::Matrix3Xd points(3, 400), normals(3, 400);
+    for (Eigen::Index i = 0; i < points.cols(); ++i) {
+      const bool top = i % 2 == 0;
+      const double x = random.uniform(-kHalf, kHalf);
+      normals.col(i) = top ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
+      const double noise = 0.004 * random.normal();
+      points.col(i) = top ? Eigen::Vector3d(x, slope * x, kHalf + noise) : Eigen::Vector3d(kHalf, 0, x);
+    }
+    const Pose camera{Eigen::Quaterniond::Identity(), {0, 0, 2}};
+    const Eigen::Matrix3Xd seen = points.colwise() - camera.translation;
+    const auto reach = reach_along({{camera, &seen, &normals}}, Eigen::Vector3d::UnitZ());
+    const auto by_points = reach_along({{camera, &seen, nullptr}}, Eigen::Vector3d::UnitZ());
+    ASSERT_TRUE(reach && by_points);
+    EXPECT_EQ(reach->position_m, by_points->position_m) << slope;
+  }
+}
+
 TEST(Reach, OfNothingIsNothing) {
   EXPECT_FALSE(reach_along({}, Eigen::Vector3d::UnitX()));
 }
