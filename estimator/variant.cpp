@@ -8,7 +8,8 @@ namespace uniquadric {
 namespace {
 
 constexpr int kVariantSchema = 1;
-constexpr int kMaxIterations = 1'000'000;  // hours: a typing error
+constexpr int kMaxIterations = 1'000'000;             // hours: a typing error
+constexpr double kLeastJump = 1e-4, kMostJump = 0.9;  // of relative depth: rounding, and all that there is
 constexpr std::int64_t kMaxTimeOffset_ns = 10'000'000'000;
 
 template <typename Io>
@@ -136,7 +137,7 @@ template <typename Io>
 void visit(Io& io, PlaneDepthOptions& o) {
   io.number("half_window_px", o.half_window_px, 1, 10);
   io.number("half_wide_px", o.half_wide_px, 0, 10);
-  io.positive("max_jump", o.max_jump);
+  io.number("max_jump", o.max_jump, kLeastJump, kMostJump);
   io.number("min_share", o.min_share, 0.0, 1.0);
   io.positive("outlier_sigmas", o.outlier_sigmas);
   io.positive("agreement_sigmas", o.agreement_sigmas);
@@ -211,10 +212,10 @@ void visit(Io& io, LidarDepthOptions& o) {
   io.positive("window_s", o.window_s);
   io.number("time_offset_s", o.time_offset_s, -10.0, 10.0);
   io.number("erode_px", o.erode_px, 0, 100);
-  io.positive("reach_px", o.planes.reach_px);
+  io.number("reach_px", o.planes.reach_px, 0.5, 200.0);
   io.number("neighbours", o.planes.neighbours, 4, 1000);
   io.number("min_neighbours", o.planes.min_neighbours, 4, 1000);
-  io.number("max_jump", o.planes.max_jump, 0.0, 1.0);
+  io.number("max_jump", o.planes.max_jump, kLeastJump, kMostJump);
   io.number("max_points", o.max_points, 1, 1'000'000);
 }
 
@@ -361,7 +362,7 @@ Variant load_variant(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::load(path);
   root.at("schema");
   Variant variant;
-  variant.name = path.stem().string();
+  variant.name = std::filesystem::is_regular_file(path) ? path.stem().string() : "piped";
   OptionReader reader(root);
   visit(reader, variant);
   root.refuse_unknown_keys();

@@ -213,9 +213,12 @@ void add_bench(CLI::App& app, Common& common, int& exit_code, const std::string&
   sub->add_option("--jobs", options.jobs, "stages at once; default: as many as there are cores")
       ->check(whole_number(1, kMaxCount));
   sub->add_flag("--keep", options.keep_sequences, "keep the sequences");
+  sub->add_flag("--force", common.force, "write into OUT though it holds other things than results");
   sub->callback([&common, &exit_code, &command] {
     options.quiet = common.quiet;
+    options.force = common.force;
     options.command = command;
+    require_apart(out, {config});
     const int failed = bench(config, out, options);
     std::cout << summary_table(out) << "report: " << out << "/report.html\n";
     if (failed > 0) {
@@ -359,6 +362,9 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
     std::cerr << "uniquadric: " << e.what() << "; see uniquadric --help\n";
+    return kBadInput;
+  } catch (const std::filesystem::filesystem_error& e) {
+    std::cerr << fmt::format("uniquadric: {}: {}\n", e.path1().string(), e.code().message());
     return kBadInput;
   } catch (const std::exception& e) {
     std::cerr << "uniquadric: " << e.what() << '\n';

@@ -40,6 +40,13 @@ void write_text(const fs::path& path, std::string_view text) {
   fs::rename(aside, path);
 }
 
+void require_no_dangling_link(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_symlink(path, error) && !fs::exists(path, error))
+    throw InputError(path,
+                     fmt::format("is a link to {}, which does not exist", fs::read_symlink(path).string()));
+}
+
 namespace {
 // The folder opened and locked until closed; -1 when there is no such folder.
 int lock_folder(const fs::path& folder, const fs::path& shown) {
@@ -62,6 +69,7 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
       keep_partial_(keep_partial) {
   std::error_code error;
   if (final_.empty()) throw InputError("the output folder has no name");
+  require_no_dangling_link(final_);
   if (fs::exists(final_) && !fs::is_directory(final_)) throw InputError(final_, "exists and is not a folder");
   if (!replace && fs::exists(final_) && !fs::is_empty(final_))
     throw InputError(final_, "exists and is not empty; give another folder or --force");

@@ -13,6 +13,9 @@ std::string read_text(const std::filesystem::path& path);
 /// failure.
 void write_text(const std::filesystem::path& path, std::string_view text);
 
+/// Throws InputError for a link to nothing: neither a place to write to nor a new one.
+void require_no_dangling_link(const std::filesystem::path& path);
+
 /// A folder that appears under its final name only when complete: work goes to `path()` (a sibling named
 /// OUT.partial), `commit()` renames it to OUT. Left uncommitted, the partial folder is removed, unless
 /// `keep_partial` asks for it to stay for a later resume.

@@ -222,8 +222,7 @@ std::string csv_field(std::string text) {
   return text;
 }
 
-int write_index(const fs::path& out, const BenchConfig& config,
-                const std::vector<std::unique_ptr<Simulation>>& simulations) {
+int write_index(const fs::path& out, const std::vector<std::unique_ptr<Simulation>>& simulations) {
   std::string text = "scene,variant,seed,status,folder,message\n";
   int failed = 0;
   for (const auto& simulation : simulations)
@@ -234,8 +233,16 @@ int write_index(const fs::path& out, const BenchConfig& config,
                           cell.folder.string(), csv_field(cell.failure));
     }
   write_text(out / "cells.csv", text);
-  write_text(out / "bench.yaml", bench_yaml(config));
   return failed;
+}
+
+// Stages and reports overwrite what bears their names.
+void require_results_folder(const fs::path& out, bool force) {
+  require_no_dangling_link(out);
+  if (!fs::exists(out)) return;
+  if (!fs::is_directory(out)) throw InputError(out, "exists and is not a folder");
+  if (force || fs::is_empty(out) || fs::exists(out / "bench.yaml") || fs::exists(out / "command.txt")) return;
+  throw InputError(out, "is not empty and holds no results of bench; give another folder or --force");
 }
 
 std::string hardware() {
@@ -253,9 +260,10 @@ std::string hardware() {
 
 int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& options) {
   const BenchConfig config = load_bench_config(config_file);
-  if (fs::exists(out) && !fs::is_directory(out)) throw InputError(out, "exists and is not a folder");
+  require_results_folder(out, options.force);
   const auto simulations = plan(config);
   fs::create_directories(out);
+  write_text(out / "bench.yaml", bench_yaml(config));  // at once: what is cut short can be gone on with
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int jobs = options.jobs > 0 ? options.jobs : cores;
   std::int64_t cells = 0;
@@ -269,7 +277,7 @@ int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& 
       pool.add([&run, &simulation = **it] { run_simulation(run, simulation); });
     pool.wait();
   }
-  const int failed = write_index(out, config, simulations);
+  const int failed = write_index(out, simulations);
   write_text(out / "command.txt", options.command + "\n");
   write_text(out / "hardware.txt", hardware());
   write_report(out);

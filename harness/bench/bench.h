@@ -8,6 +8,7 @@ namespace uniquadric {
 struct BenchOptions {
   int jobs = 0;  ///< stages at once; 0: as many as the machine has cores
   bool quiet = false;
+  bool force = false;           ///< write into a folder that holds other things than results of bench
   bool keep_sequences = false;  ///< beside the configuration's own wish
   std::string command;          ///< the command line, for the report
 };
@@ -15,7 +16,8 @@ struct BenchOptions {
 /// Runs scenes x variants x seeds of a bench file into `out` and writes the report. Stages run as processes
 /// of this program, so that one that fails, crashes or hangs costs its own cell alone; stages whose inputs
 /// and code have not changed are not run again. Returns the number of failed cells. Throws InputError for a
-/// bad configuration, scene or variant before any stage runs.
+/// bad configuration, scene or variant before any stage runs, and for an `out` that is neither new, empty nor
+/// a bench's (which has bench.yaml from the start).
 int bench(const std::filesystem::path& config, const std::filesystem::path& out, const BenchOptions& options);
 
 }  // namespace uniquadric

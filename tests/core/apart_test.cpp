@@ -1,6 +1,7 @@
 #include "core/base/apart.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "core/base/error.h"
 #include "tests/support/temp_folder.h"
@@ -46,6 +47,24 @@ TEST(RequireApart, LetsNeighboursAndNamesThatBeginAlikePass) {
   EXPECT_EQ(refusal(temp.path() / "seq", {in}), "");
   EXPECT_EQ(refusal(in / "../out", {in}), "");
   EXPECT_EQ(refusal("", {in}), "");
+}
+
+// As <(...) of a shell gives one; its name leads to nothing that could be resolved.
+TEST(RequireApart, APipeIsNoPlaceToHarm) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const fs::path in = "/dev/fd/" + std::to_string(ends[0]);
+  EXPECT_EQ(refusal("out", {in}), "");
+  close(ends[0]);
+  close(ends[1]);
+  EXPECT_EQ(refusal("out", {in}), "");  // gone: whoever reads it says so
+}
+
+TEST(RequireApart, ALinkInACircleIsNamed) {
+  const TempFolder temp;
+  fs::create_symlink(temp.path() / "b", temp.path() / "a");
+  fs::create_symlink(temp.path() / "a", temp.path() / "b");
+  EXPECT_NE(refusal(temp.path() / "a", {temp.path()}).find("a: cannot be resolved"), std::string::npos);
 }
 
 }  // namespace

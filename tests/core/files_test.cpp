@@ -64,6 +64,18 @@ TEST(PendingFolder, RefusesToReplaceAFile) {
   EXPECT_EQ(read_text(temp.path() / "out"), "precious");
 }
 
+TEST(PendingFolder, RefusesALinkToNothingAndTakesOneToAFolder) {
+  const TempFolder temp;
+  const fs::path link = temp.path() / "link";
+  fs::create_symlink(temp.path() / "nothing", link);
+  EXPECT_NE(input_error([&] { PendingFolder(link, true); }).find("link: is a link to "), std::string::npos);
+  EXPECT_FALSE(fs::exists(temp.path() / "nothing"));
+  EXPECT_FALSE(fs::exists(link.string() + ".partial"));
+  fs::create_directory(temp.path() / "nothing");
+  PendingFolder(link, false).commit();
+  EXPECT_TRUE(fs::is_directory(link));
+}
+
 TEST(Files, WriteTextLeavesNoAsideFile) {
   const TempFolder temp;
   write_text(temp.path() / "a.txt", "one");

@@ -82,6 +82,14 @@ TEST(VariantFile, BadFilesAreRefusedByLine) {
       {"schema: 1\nego: {source: slam}\n", ":2: ego.source: 'slam' is none of: given"},
       {"schema: 1\nbackend: dual_window\n", ":2: backend: 'dual_window' is none of: single_frame, windows"},
       {"schema: 1\npoints: {voxel_m: .nan}\n", "points.voxel_m: expected a finite number"},
+      {"schema: 1\nfeatures: {depth: {max_jump: 1}}\n",
+       ":2: features.depth.max_jump: expected 0.0001 to 0.9, found 1"},
+      {"schema: 1\ndepth: {lidar: {max_jump: 0}}\n",
+       ":2: depth.lidar.max_jump: expected 0.0001 to 0.9, found 0"},
+      {"schema: 1\ndepth:\n  lidar: {reach_px: 1e9}\n",
+       ":3: depth.lidar.reach_px: expected 0.5 to 200, found 1000000000"},
+      {"schema: 1\ndepth: {lidar: {reach_px: 0}}\n",
+       ":2: depth.lidar.reach_px: expected 0.5 to 200, found 0"},
       {"schema: 1\nshape: [1]\n", ":2: shape: expected a map"},
       {"schema: 1\nname: [\n", "malformed YAML"},
   };
@@ -95,7 +103,7 @@ TEST(VariantFile, BadFilesAreRefusedByLine) {
       ++refused;
     }
   }
-  EXPECT_EQ(refused, 14);
+  EXPECT_EQ(refused, 18);
 }
 
 TEST(VariantFile, ThoseOfTheProjectLoadUnderTheirOwnNames) {

@@ -1,8 +1,11 @@
 // Bad input through the program itself: one line that names the culprit, exit code 2, nothing half-written.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <fstream>
 #include <opencv2/core.hpp>
+#include <thread>
 
 #include "core/base/files.h"
 #include "core/sequence/sequence.h"
@@ -157,6 +160,42 @@ TEST_F(Cli, RefusesBadVariantsAndBenches) {
   refused("{scene: bench.yaml, noise: 1}", "unknown key 'scenes[0].noise'");
   refused("{scene: bench.yaml, seeds: [2, 2]}", "scenes[0].seeds[1]: 2 stands twice");
   refused("bench.yaml, {scene: bench.yaml, noise_scale: 2}", "scenes[1]: the name 'bench' stands twice");
+}
+
+TEST_F(Cli, AVariantMayComeThroughAPipe) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
+  ASSERT_EQ(run_program({"simulate", scene, data, "--quiet"}).exit_code, 0);
+  const fs::path pipe = folder() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::jthread writer([&] { std::ofstream(pipe) << "schema: 1\npoints: {erode_px: 2}\n"; });
+  const ProgramRun run = run_program({"estimate", data / "sequence", out(), "--variant", pipe, "--quiet"});
+  writer.join();
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const std::string options = read_text(out() / "run.yaml");
+  EXPECT_NE(options.find("erode_px: 2"), std::string::npos);
+  EXPECT_NE(options.find("name: \"piped\""), std::string::npos);
+}
+
+TEST_F(Cli, BenchWritesIntoNoForeignFolder) {
+  const fs::path scene = write("small.yaml", small_scene_yaml());
+  const fs::path variant = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/single_frame_obb.yaml";
+  const fs::path bench = write(
+      "b.yaml", "scenes: [small.yaml]\nvariants: [" + variant.string() + "]\nseeds: [1]\noverlays: 1\n");
+  const fs::path taken = folder() / "taken", precious = write("taken/precious.txt", "precious");
+  expect_refusal({"bench", bench, taken}, "taken: is not empty and holds no results of bench");
+  EXPECT_EQ(std::distance(fs::directory_iterator(taken), {}), 1);
+  expect_refusal({"bench", bench, folder(), "--force"}, "holds the input");
+  fs::create_symlink(folder() / "nothing", folder() / "link");
+  expect_refusal({"bench", bench, folder() / "link"}, "link: is a link to ");
+  write("cut_short/bench.yaml", "");  // as one that was ended before its report has it
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"bench", bench, taken, "--force", "--quiet"},
+                                             {"bench", bench, folder() / "cut_short", "--quiet"}}) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_TRUE(fs::exists(fs::path(arguments[2]) / "report.md"));
+  }
+  EXPECT_EQ(read_text(precious), "precious");
 }
 
 TEST_F(Cli, RefusesBadTracks) {
