@@ -20,14 +20,6 @@ void add(Problems& problems, const fs::path& path, const std::string& what) {
   problems.push_back(path.string() + ": " + what);
 }
 
-std::map<int, int> count_ids(const cv::Mat& ids) {
-  std::map<int, int> pixels;
-  for (int v = 0; v < ids.rows; ++v)
-    for (int u = 0; u < ids.cols; ++u) ++pixels[ids.at<std::uint16_t>(v, u)];
-  pixels.erase(0);
-  return pixels;
-}
-
 void check_stamps(const ExportSource& source, Problems& problems) {
   const auto& frames = source.sequence.frames;
   const auto differs = [&](std::size_t count, const auto& stamp_of) {

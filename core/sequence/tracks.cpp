@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kTracksSchema = 1;
+constexpr double kMostSemiAxis_m = 1e6;  // larger than what a scene can hold, and its cube is still a number
 const char* const kStateHeader =
     "frame,timestamp_ns,id,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m,exponent_q,var_semi_axis_x_m2,var_semi_"
     "axis_y_m2,"
@@ -203,6 +204,8 @@ std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
     if (object.id <= 0) node.at("id").fail("expected an integer greater than 0");
     if (!ids.insert(object.id).second) node.at("id").fail(fmt::format("{} stands twice", object.id));
     if (!(object.semi_axes_m.minCoeff() > 0)) node.at("semi_axes_m").fail("expected numbers greater than 0");
+    if (object.semi_axes_m.maxCoeff() > kMostSemiAxis_m)
+      node.at("semi_axes_m").fail(fmt::format("expected at most {} m", kMostSemiAxis_m));
     if (object.symmetry && !allows(object.semi_axes_m, *object.symmetry))
       node.at("symmetry").fail("does not go with these semi-axes: equal ones are within 5 %");
     objects.push_back(object);

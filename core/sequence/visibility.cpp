@@ -48,4 +48,12 @@ VisibilityTable read_visibility(const std::filesystem::path& path) {
   return table;
 }
 
+std::map<int, int> count_ids(const cv::Mat& masks) {
+  std::map<int, int> pixels;
+  for (int v = 0; v < masks.rows; ++v)
+    for (int u = 0; u < masks.cols; ++u) ++pixels[masks.at<std::uint16_t>(v, u)];
+  pixels.erase(0);
+  return pixels;
+}
+
 }  // namespace uniquadric

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <opencv2/core/mat.hpp>
 #include <utility>
 
 namespace uniquadric {
@@ -20,5 +21,8 @@ using VisibilityTable = std::map<std::pair<std::int64_t, int>, ObjectVisibility>
 
 /// Reads visibility.csv. Throws InputError with file and line.
 VisibilityTable read_visibility(const std::filesystem::path& path);
+
+/// How many pixels each object has in a mask image (CV_16UC1, 0 background, which is not counted).
+std::map<int, int> count_ids(const cv::Mat& masks);
 
 }  // namespace uniquadric

@@ -4,16 +4,12 @@
 #include <cmath>
 #include <vector>
 
+#include "estimator/shape/to_matrix.h"
+
 namespace uniquadric {
 namespace {
 
 constexpr std::ptrdiff_t kFewVoxels = 300;
-
-Eigen::Matrix3Xd to_matrix(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Matrix3Xd matrix(3, std::ssize(points));
-  for (Eigen::Index i = 0; i < matrix.cols(); ++i) matrix.col(i) = points[i];
-  return matrix;
-}
 
 }  // namespace
 

@@ -7,14 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "estimator/shape/to_matrix.h"
+
 namespace uniquadric {
 namespace {
-
-Eigen::Matrix3Xd to_matrix(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Matrix3Xd matrix(3, std::ssize(points));
-  for (Eigen::Index i = 0; i < matrix.cols(); ++i) matrix.col(i) = points[i];
-  return matrix;
-}
 
 cv::Mat eroded(const cv::Mat& mask, int radius_px) {
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius_px + 1, 2 * radius_px + 1});

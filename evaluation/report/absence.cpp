@@ -13,14 +13,6 @@ namespace {
 constexpr std::int64_t kSameStamp_ns = 10'000'000;  // SPEC: poses belong together within 0.01 s
 constexpr double kHiddenFraction = 0.1;             // below, an object is called hidden
 
-std::map<int, int> count_ids(const cv::Mat& masks) {
-  std::map<int, int> pixels;
-  for (int v = 0; v < masks.rows; ++v)
-    for (int u = 0; u < masks.cols; ++u) ++pixels[masks.at<std::uint16_t>(v, u)];
-  pixels.erase(0);
-  return pixels;
-}
-
 bool is_lost_at(const ObjectTrack& track, std::int64_t stamp_ns) {
   return std::any_of(track.states.begin(), track.states.end(), [&](const ObjectState& state) {
     return state.status == ObjectStatus::lost && std::abs(state.stamp_ns - stamp_ns) <= kSameStamp_ns;

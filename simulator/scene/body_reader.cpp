@@ -46,7 +46,11 @@ void read_mesh_file(const ConfigNode& node, const ConfigNode& mesh, Body& body,
   body.mesh_file = mesh.as<std::string>();
   body.meshes = std::move(imported.meshes);
   const double scale = node.positive("scale", 1);
-  fit_to_box(body.meshes, tight_box(body.meshes).sizes() * scale);
+  const Eigen::Vector3d size_m = tight_box(body.meshes).sizes() * scale;
+  if (!(size_m.maxCoeff() <= kLargestBody_m))
+    (node.has("scale") ? node.at("scale") : mesh)
+        .fail(fmt::format("extents must be at most {} m, found {}", kLargestBody_m, size_m.maxCoeff()));
+  fit_to_box(body.meshes, size_m);
   Pose turned;
   if (const auto rpy = node.find("mesh_rpy_deg")) turned.rotation = read_rpy_deg(*rpy);
   place(body, turned);

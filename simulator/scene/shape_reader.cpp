@@ -14,7 +14,6 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kLargestBody_m = 10000;          // beyond it single precision is coarser than a millimetre
 constexpr double kLeastStreet_m[] = {40, 28, 5};  // room for its houses, pavements and a lane
 constexpr int kMaxSegments = 512, kMaxFurniture = 100, kMinTexture_px = 16, kMaxTexture_px = 4096,
               kMaxMarks = 200;

@@ -11,6 +11,8 @@ namespace uniquadric {
 
 class ConfigNode;
 
+constexpr double kLargestBody_m = 10000;  ///< beyond it single precision is coarser than a millimetre
+
 struct Shape {
   std::string name;  ///< of the primitive
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();

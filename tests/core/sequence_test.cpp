@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/base/files.h"
+#include "core/sequence/visibility.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -118,6 +119,14 @@ TEST_F(SequenceFolder, RefusesBadIndexes) {
   SetUp();
   replace("sequence.yaml", "\nname:", "\nnmae:");
   expect_error("sequence.yaml", ":1: missing key 'name'");
+}
+
+TEST(Visibility, CountsThePixelsOfEachIdButTheBackground) {
+  cv::Mat masks = cv::Mat::zeros(3, 4, CV_16UC1);
+  masks.row(1).setTo(7);
+  masks.at<std::uint16_t>(2, 3) = 65535;
+  EXPECT_EQ(count_ids(masks), (std::map<int, int>{{7, 4}, {65535, 1}}));
+  EXPECT_TRUE(count_ids(cv::Mat()).empty());
 }
 
 }  // namespace

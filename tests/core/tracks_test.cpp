@@ -133,6 +133,8 @@ TEST(Tracks, DescriptionsWithBadAxesOrIdsAreRefused) {
             ":4: objects[1].name: expected a name: not empty, no comma, quote, slash or control character");
   EXPECT_EQ(message("{id: 2, name: b, semi_axes_m: [1, 0, 1]}"),
             ":4: objects[1].semi_axes_m: expected numbers greater than 0");
+  EXPECT_EQ(message("{id: 2, name: b, semi_axes_m: [1, 1e300, 1]}"),
+            ":4: objects[1].semi_axes_m: expected at most 1000000 m");
   EXPECT_EQ(message("{id: 2, name: b, semi_axes_m: [1, .nan, 1]}"),
             ":4: objects[1].semi_axes_m[1]: expected a finite number");
 }

@@ -226,5 +226,29 @@ TEST(MeshImport, ObjectIsCentredScaledAndTurned) {
   EXPECT_LT((box.max() - bar.semi_axes_m).norm(), kSingle_m);
 }
 
+TEST(MeshImport, RefusesExtentsThatNoSceneHolds) {
+  const ScratchFolder folder("import_huge");
+  const auto message = [&](const std::string& body) {
+    const auto path = folder.write("scene.yaml",
+                                   "camera: {motion: {kind: static, look_at_m: [1, 0, 0]}}\nobjects:\n"
+                                   "  - {id: 1, name: bar, mesh: ./bar.obj, motion: {kind: static}" +
+                                       body + "}\n");
+    try {
+      load_scene(path);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  folder.write("bar.obj", kBar);
+  EXPECT_EQ(message(", scale: 2500"), "");
+  EXPECT_NE(message(", scale: 2501")
+                .find("scene.yaml:3: objects[0].scale: extents must be at most 10000 m, found 10004"),
+            std::string::npos);
+  EXPECT_NE(message(", scale: 1e300").find("objects[0].scale: extents"), std::string::npos);
+  folder.write("bar.obj", "v 0 0 0\nv 4e8 0 0\nv 0 2 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n");
+  EXPECT_NE(message("").find("objects[0].mesh: extents"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace uniquadric
