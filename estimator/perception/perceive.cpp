@@ -206,7 +206,7 @@ void perceive(const Sequence& sequence, const PerceptionOptions& options, const 
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
   const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
   const bool by_lidar = options.ego == EgoSource::lidar;
-  check_sequence(sequence, segmenter, poses, by_lidar);
+  check_sequence(sequence, segmenter, poses, by_lidar, options.depth == DepthSource::images);
   const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence;
   if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
   FeatureTracker features(sequence.camera, options.features, run.seed);

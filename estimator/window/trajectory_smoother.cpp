@@ -248,11 +248,13 @@ Chain linearise(const std::vector<PoseSample>& samples, const std::vector<Pose>&
 
 // What lies far off the nominal trajectory counts less (Cauchy).
 void weigh(Chain& chain, double scale, double outlier) {
-  for (std::size_t k = 0; k < chain.measured.size(); ++k) {
-    const Eigen::Vector3d& r = chain.measured[k];
-    const double squares = r.dot(chain.information[k] * r) / (3 * scale);
-    chain.information[k] /= 1 + squares / (outlier * outlier);
-  }
+  const auto weight = [&](const Eigen::Vector3d& r, const Eigen::Matrix3d& information) {
+    return 1 / (1 + r.dot(information * r) / (3 * scale * outlier * outlier));
+  };
+  for (std::size_t k = 0; k < chain.measured.size(); ++k)
+    chain.information[k] *= weight(chain.measured[k], chain.information[k]);
+  for (std::size_t k = 0; k < chain.went.size(); ++k)
+    chain.step_information[k] *= weight(chain.went[k], chain.step_information[k]);
 }
 
 void smooth(std::vector<PoseSample>& samples, std::vector<Pose>& nominal, Part part,

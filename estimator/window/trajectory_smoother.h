@@ -30,7 +30,7 @@ struct TrajectorySmootherOptions {
   double least_translation_sigma_m = 5e-4;              // of a pose: what its covariance does not know of
   double least_rotation_sigma_rad = 2e-3;               // the same
   double guess_sigma_m = 0.02, guess_sigma_rad = 0.05;  // of a guess besides
-  double outlier = 3;                                   // sigmas at which a pose counts half (Cauchy)
+  double outlier = 3;  // sigmas at which a pose, or a step, counts half (Cauchy)
   int robust_rounds = 4;
 };
 

@@ -12,7 +12,6 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/geometry/box_symmetry.h"
-#include "core/sequence/import_tum.h"
 #include "core/sequence/tracks.h"
 #include "estimator/perception/check_sequence.h"
 #include "estimator/perception/lidar_stream.h"
@@ -329,6 +328,18 @@ TEST(CheckSequence, DepthImagesThatAreAskedForMustBeThereThoughThereIsALidar) {
   }
 }
 
+TEST(Estimate, DepthImagesThatAreAskedForMustBeThereThoughThereIsALidar) {
+  const TempFolder temp;
+  Sequence sequence = write_box_sequence(temp.path() / "sequence", 3, false);
+  add_lidar(sequence, 3, sequence.frames[0].stamp_ns, 0, 0);
+  Variant variant;
+  variant.perception.depth = DepthSource::images;
+  EXPECT_NE(input_error([&] {
+              estimate(sequence.folder, variant, quiet(), temp.path() / "out");
+            }).find("depth.txt"),
+            std::string::npos);
+}
+
 TEST(CheckSequence, ScansMeetTheFramesByTheClockThatTheOptionsTell) {
   const TempFolder temp;
   Sequence sequence = write_box_sequence(temp.path(), 3, false);
@@ -338,47 +349,6 @@ TEST(CheckSequence, ScansMeetTheFramesByTheClockThatTheOptionsTell) {
   EXPECT_THROW(require_scans(sequence, -501'000'000'000), InputError);
   sequence.frames.clear();  // a LiDAR alone
   EXPECT_NO_THROW(require_scans(sequence));
-}
-
-// The detections of every third frame in a folder of their own: a third of the time.
-void copy_every_third_box(const fs::path& boxes, const fs::path& folder) {
-  fs::create_directories(folder);
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(boxes)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  for (std::size_t i = 0; i < files.size(); i += 3) fs::copy_file(files[i], folder / files[i].filename());
-}
-
-// The real cabinet: per-frame boxes from box prompts agree with each other.
-TEST(Estimate, ARealCabinetHasStableAxes) {
-  const fs::path recording = fs::path(UNIQUADRIC_SOURCE_DIR) / "../shared/data/tum_fr3_cabinet";
-  if (!fs::exists(recording)) GTEST_SKIP() << "no recording at ../shared/data/tum_fr3_cabinet";
-  const TempFolder temp;
-  const fs::path folder = temp.path() / "sequence", out = temp.path() / "out";
-  ImportTumOptions import;
-  import.quiet = import.force = true;
-  import_tum(recording, import, folder);
-  EstimateOptions options = quiet();
-  options.prompts = temp.path() / "boxes";
-  copy_every_third_box(recording / "boxes", options.prompts.path);
-  estimate(folder, Variant{}, options, out);
-  const Tracks tracks = read_tracks(out);
-  ASSERT_EQ(tracks.objects.size(), 1u);
-  const auto& states = tracks.objects[0].states;
-  EXPECT_EQ(states.size(), 18u);  // of the 20 frames asked for, two have no box
-  Eigen::Vector3d median;
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> axis;
-    for (const auto& state : states) axis.push_back(state.ellipsoid.semi_axes_m[k]);
-    std::nth_element(axis.begin(), axis.begin() + std::ssize(axis) / 2, axis.end());
-    median[k] = axis[axis.size() / 2];
-  }
-  EXPECT_LT((median - Eigen::Vector3d(0.37, 0.20, 0.25)).cwiseAbs().maxCoeff(),
-            0.02);  // m: its size in the depth images
-  const auto stable = std::count_if(states.begin(), states.end(), [&](const ObjectState& state) {
-    return (state.ellipsoid.semi_axes_m - median).cwiseAbs().maxCoeff() < 0.03;
-  });
-  EXPECT_GE(stable, 11);  // of 18; the others see one face or a cut mask, as a single frame may
 }
 
 }  // namespace
