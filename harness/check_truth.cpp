@@ -106,7 +106,7 @@ void check_truth(const Sequence& sequence, const fs::path& folder, std::vector<s
   const ExportSource source = open_export_source(sequence.folder, folder);
   check_stamps(source, problems);
   check_calibration(source, problems);
-  check_masks(source, problems);
+  if (fs::is_directory(folder / "instances")) check_masks(source, problems);
   if (fs::is_directory(folder / "lidar")) check_scans(source, problems);
 }
 

@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/sequence/import_kitti.h"
 #include "core/sequence/import_tum.h"
 #include "estimator/estimate.h"
 #include "evaluation/evaluate.h"
@@ -290,9 +291,26 @@ void add_metric(CLI::App& app, Common& common, int& exit_code) {
   sub->callback([&exit_code] { exit_code = run_metric(kind, options, std::cin, std::cout); });
 }
 
+void add_import_kitti(CLI::App& app, Common& common) {
+  auto* sub = subcommand(app, "kitti-tracking", "a recording of KITTI's tracking benchmark", common);
+  static std::string source, out;
+  static ImportKittiOptions options;
+  sub->add_option("SRC", source, "folder with image_02/ or velodyne/, calib/, ...")->required();
+  sub->add_option("OUT", out, "folder for sequence/ and, of labels, truth/")->required();
+  sub->add_option("--drive", options.drive, "which recording (0000); default: the only one");
+  add_force(sub, common);
+  sub->callback([&common] {
+    options.quiet = common.quiet;
+    options.force = common.force;
+    require_apart(out, {source});
+    import_kitti_tracking(source, options, out);
+  });
+}
+
 void add_import(CLI::App& app, Common& common) {
   auto* sub = app.add_subcommand("import", "a real recording -> sequence");
   sub->require_subcommand(1);
+  add_import_kitti(*sub, common);
   auto* tum = subcommand(*sub, "tum", "a TUM RGB-D recording", common);
   static std::string source, out, camera;
   static ImportTumOptions options;

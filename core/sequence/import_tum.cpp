@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <cmath>
 #include <optional>
 
 #include "core/base/config.h"
@@ -14,19 +12,14 @@
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
 #include "core/sequence/file_list.h"
+#include "core/sequence/recording.h"
 #include "core/sequence/sequence.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-std::string sequence_name(const fs::path& recording) {
-  const fs::path folder = fs::weakly_canonical(recording);
-  std::string name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
-  const auto is_plain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
-  std::replace_if(name.begin(), name.end(), std::not_fn(is_plain), '_');
-  return name.empty() ? "recording" : name;
-}
+constexpr double kBenchmarkRateHz = 30;  // of its cameras: one image has no rate
 
 void read_calibration(const fs::path& path, Sequence& sequence) {
   const ConfigNode node = ConfigNode::load(path);
@@ -35,14 +28,10 @@ void read_calibration(const fs::path& path, Sequence& sequence) {
   node.refuse_unknown_keys();
 }
 
-double nominal_rate_hz(const std::vector<SequenceFrame>& frames) {
-  std::vector<std::int64_t> intervals_ns;
-  for (std::size_t i = 1; i < frames.size(); ++i)
-    intervals_ns.push_back(frames[i].stamp_ns - frames[i - 1].stamp_ns);
-  if (intervals_ns.empty()) return 30;  // one image has no rate: that of the benchmark's cameras
-  const auto middle = intervals_ns.begin() + std::ssize(intervals_ns) / 2;
-  std::nth_element(intervals_ns.begin(), middle, intervals_ns.end());
-  return 1e9 / static_cast<double>(*middle);
+std::vector<std::int64_t> stamps_of(const std::vector<SequenceFrame>& frames) {
+  std::vector<std::int64_t> stamps_ns;
+  for (const SequenceFrame& frame : frames) stamps_ns.push_back(frame.stamp_ns);
+  return stamps_ns;
 }
 
 // The pose at a stamp; nothing outside the trajectory's span or within a gap that is too long.
@@ -72,7 +61,7 @@ Sequence describe(const fs::path& recording, const ImportTumOptions& options) {
   Sequence sequence;
   sequence.folder = recording;
   sequence.program = kProgram;
-  sequence.name = sequence_name(recording);
+  sequence.name = recording_name(recording);
   read_calibration(options.camera.empty() ? recording / "camera.yaml" : options.camera, sequence);
   const auto rgb = read_file_list(recording, "rgb.txt", false);
   const auto depth = read_file_list(recording, "depth.txt", false);
@@ -87,7 +76,7 @@ Sequence describe(const fs::path& recording, const ImportTumOptions& options) {
     sequence.frames.push_back(frame);
   }
   associate_depth(sequence.frames, depth);
-  sequence.rate_hz = nominal_rate_hz(sequence.frames);
+  sequence.rate_hz = nominal_rate_hz(stamps_of(sequence.frames), kBenchmarkRateHz);
   if (!fs::exists(recording / "groundtruth.txt")) return sequence;
   const Trajectory truth = read_tum(recording / "groundtruth.txt");
   sequence.given_camera.emplace();

@@ -17,7 +17,8 @@ ExportTruth open_truth(const fs::path& folder) {
   truth.folder = folder;
   truth.tracks = read_tracks(folder);
   truth.objects = read_objects_yaml(folder / "objects.yaml");
-  truth.visibility = read_visibility(folder / "instances/visibility.csv");
+  if (fs::is_directory(folder / "instances"))  // labels come without
+    truth.visibility = read_visibility(folder / "instances/visibility.csv");
   return truth;
 }
 

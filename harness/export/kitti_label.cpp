@@ -74,10 +74,4 @@ std::string kitti_label_line(const Camera& camera, std::int64_t frame, const Obj
       box.rotation_y_rad);
 }
 
-Pose camera_from_velodyne_axes() {
-  Eigen::Matrix3d rotation;
-  rotation << 0, -1, 0, 0, 0, -1, 1, 0, 0;  // columns: forward, left, up in the optical frame
-  return {Eigen::Quaterniond(rotation), Eigen::Vector3d::Zero()};
-}
-
 }  // namespace uniquadric

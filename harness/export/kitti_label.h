@@ -27,7 +27,4 @@ std::string kitti_type(const ObjectDescription& object);
 std::string kitti_label_line(const Camera& camera, std::int64_t frame, const ObjectAtFrame& object,
                              const PixelBox& mask_box);
 
-/// The pose of KITTI's velodyne axes (x forward, y left, z up) at the camera's centre.
-Pose camera_from_velodyne_axes();
-
 }  // namespace uniquadric

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "core/sequence/import_kitti.h"
+#include "harness/check.h"
 #include "harness/export/kitti_label.h"
 #include "tests/export/exported_scene.h"
 
@@ -120,6 +122,44 @@ TEST_F(Export, KittiPosesStartAtTheIdentity) {
   EXPECT_LT((matrix34(numbers(rows[0])) - Matrix34d::Identity()).norm(), 1e-14);  // double rounding
   const Eigen::Matrix4d expected = truth_.camera[0].pose.matrix().inverse() * truth_.camera[3].pose.matrix();
   EXPECT_LT((matrix34(numbers(rows[3])) - expected.topRows<3>()).norm(), 1e-12);  // an inverse's rounding
+}
+
+// Sensors come back as they were, and objects as the boxes of their labels: their centres exactly.
+TEST_F(Export, KittiComesBackByImport) {
+  const fs::path back = folder() / "back";
+  ImportKittiOptions options;
+  options.quiet = true;
+  import_kitti_tracking(run("kitti-tracking"), options, back);
+  const Sequence sequence = open_sequence(back);
+  EXPECT_EQ(sequence.camera.matrix(), sequence_.camera.matrix());
+  ASSERT_EQ(sequence.frames.size(), std::size_t{kFrames});
+  ASSERT_EQ(sequence.scans.size(), scans_.size());
+  constexpr double kRounding = 1e-12;
+  EXPECT_LT((sequence.lidar->camera_from_lidar.matrix() - sequence_.lidar->camera_from_lidar.matrix()).norm(),
+            kRounding);
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    const auto points = read_lidar_points(sequence.folder / sequence.scans[i].file);
+    ASSERT_EQ(points.size(), scans_[i].size());
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      EXPECT_EQ(points[j].y, scans_[i][j].y);
+      EXPECT_FLOAT_EQ(points[j].intensity, scans_[i][j].intensity);
+      EXPECT_EQ(sequence.scans[i].stamp_ns + points[j].offset_ns, sequence.frames[i + 1].stamp_ns);
+    }
+  }
+  EXPECT_EQ(check_sequence(back), std::vector<std::string>());
+  const Tracks truth = read_tracks(back / "truth");
+  ASSERT_EQ(truth.objects.size(), 2u);
+  for (const ObjectTrack& track : truth.objects) {
+    ASSERT_EQ(track.states.size(), std::size_t{kFrames});
+    for (int i = 0; i < kFrames; ++i) {
+      EXPECT_EQ(truth.camera[i].stamp_ns, truth_.camera[i].stamp_ns);
+      const Pose back_in_camera =
+          truth.camera[i].pose.inverse() * track.states[i].ellipsoid.world_from_object;
+      const Pose in_camera =
+          truth_.camera[i].pose.inverse() * truth_of(track.id, i).ellipsoid.world_from_object;
+      EXPECT_LT((back_in_camera.translation - in_camera.translation).norm(), kLabelTolerance);
+    }
+  }
 }
 
 // An object upright in the camera frame, turned by ry: its x axis forward, z up (the camera's -y).

@@ -56,9 +56,9 @@ class Cli : public testing::Test {
 TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
   for (const std::string command :
        {"simulate", "preview", "estimate", "evaluate", "bench", "report", "overlay", "info", "metric",
-        "import", "import tum", "export", "perceive"}) {
+        "import", "import tum", "import kitti-tracking", "export", "perceive"}) {
     std::vector<std::string> arguments{command, "--help"};
-    if (command == "import tum") arguments = {"import", "tum", "--help"};
+    if (command.starts_with("import ")) arguments = {"import", command.substr(7), "--help"};
     const ProgramRun run = run_program(arguments);
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 40) << command;

@@ -1,0 +1,204 @@
+#include "core/sequence/kitti_files.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+
+#include "core/base/error.h"
+#include "core/base/text.h"
+#include "core/sequence/trajectory.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using Fields = std::vector<std::string_view>;
+
+constexpr double kRotationTolerance = 1e-3;  // of R^T R: files have 7 digits or more
+constexpr double kEarthRadiusM = 6378137;    // the devkit's
+constexpr std::size_t kOxtsFields = 30;      // of which the first six are the pose
+constexpr std::size_t kLabelFields = 17;     // results have a score besides
+
+std::vector<double> read_numbers(const fs::path& path, int line, const Fields& fields, std::size_t begin) {
+  std::vector<double> values;
+  for (std::size_t i = begin; i < fields.size(); ++i) {
+    const auto value = parse_double(fields[i]);
+    if (!value) throw InputError(path, line, fmt::format("'{}' is not a finite number", fields[i]));
+    values.push_back(*value);
+  }
+  return values;
+}
+
+// Rows of 3 or, with a translation, 4 numbers.
+Pose pose_of_rows(const fs::path& path, int line, const std::vector<double>& values, std::size_t begin = 0) {
+  const std::size_t columns = (values.size() - begin) / 3;
+  Eigen::Matrix3d rotation;
+  Pose pose;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j)
+      rotation(static_cast<int>(i), static_cast<int>(j)) = values[begin + i * columns + j];
+    if (columns == 4) pose.translation[static_cast<int>(i)] = values[begin + i * columns + 3];
+  }
+  const double off = (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(off < kRotationTolerance) || rotation.determinant() < 0)
+    throw InputError(path, line, "the matrix is no rotation");
+  pose.rotation = Eigen::Quaterniond(rotation).normalized();
+  return pose;
+}
+
+struct Row {
+  int line = 0;
+  std::vector<double> values;
+};
+
+// A row by either of its names.
+const Row* find_row(const std::map<std::string, Row, std::less<>>& rows, const char* name,
+                    const char* other) {
+  for (const char* key : {name, other})
+    if (const auto found = rows.find(key); found != rows.end()) return &found->second;
+  return nullptr;
+}
+
+const Row& row_of(const fs::path& path, const std::map<std::string, Row, std::less<>>& rows, const char* name,
+                  const char* other, std::size_t count) {
+  const Row* row = find_row(rows, name, other);
+  if (!row) throw InputError(path, fmt::format("has no {}", name));
+  if (row->values.size() != count)
+    throw InputError(path, row->line,
+                     fmt::format("{}: expected {} numbers, found {}", name, count, row->values.size()));
+  return *row;
+}
+
+void read_projection(const fs::path& path, const Row& row, KittiCalibration& calibration) {
+  const auto& p = row.values;
+  Camera& camera = calibration.camera;
+  camera.fx = p[0], camera.cx = p[2], camera.fy = p[5], camera.cy = p[6];
+  if (!(camera.fx > 0 && camera.fy > 0) || p[1] != 0 || p[4] != 0 || p[8] != 0 || p[9] != 0 || p[10] != 1)
+    throw InputError(path, row.line, "P2: expected fx 0 cx ? 0 fy cy ? 0 0 1 ?");
+  const Eigen::Vector3d last(p[3], p[7], p[11]);
+  calibration.camera_from_rectified.translation = camera.matrix().inverse() * last;
+}
+
+Pose label_pose(const std::vector<double>& v) {  // h w l x y z ry
+  Eigen::Matrix3d camera_from_upright;
+  camera_from_upright << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // columns: length, width, up
+  return {(Eigen::AngleAxisd(v[6], Eigen::Vector3d::UnitY()) * Eigen::Quaterniond(camera_from_upright))
+              .normalized(),
+          {v[3], v[4] - v[0] / 2, v[5]}};
+}
+
+int count_in(const fs::path& path, int line, std::string_view field, const char* what, long long end) {
+  const auto value = parse_integer(field);
+  if (!value || *value < 0 || *value >= end)
+    throw InputError(path, line,
+                     fmt::format("{} '{}' is no whole number from 0 to {}", what, field, end - 1));
+  return static_cast<int>(*value);
+}
+
+}  // namespace
+
+KittiCalibration read_kitti_calibration(const fs::path& path, bool needs_imu) {
+  std::map<std::string, Row, std::less<>> rows;
+  for_each_line(path, [&](int line, const Fields& fields) {
+    std::string key(fields[0]);
+    if (key.ends_with(':')) key.pop_back();
+    if (!rows.try_emplace(key, Row{line, read_numbers(path, line, fields, 1)}).second)
+      throw InputError(path, line, fmt::format("{} stands twice", key));
+  });
+  KittiCalibration calibration;
+  read_projection(path, row_of(path, rows, "P2", "P2", 12), calibration);
+  const auto pose = [&](const char* name, const char* other, std::size_t count) {
+    const Row& row = row_of(path, rows, name, other, count);
+    return pose_of_rows(path, row.line, row.values);
+  };
+  const Pose rectified_from_camera0 = pose("R_rect", "R0_rect", 9);
+  calibration.camera_from_velodyne =
+      calibration.camera_from_rectified * rectified_from_camera0 * pose("Tr_velo_cam", "Tr_velo_to_cam", 12);
+  if (needs_imu) calibration.velodyne_from_imu = pose("Tr_imu_velo", "Tr_imu_to_velo", 12);
+  return calibration;
+}
+
+Pose camera_from_velodyne_axes() {
+  Eigen::Matrix3d rotation;
+  rotation << 0, -1, 0, 0, 0, -1, 1, 0, 0;  // columns: forward, left, up in the optical frame
+  return {Eigen::Quaterniond(rotation), Eigen::Vector3d::Zero()};
+}
+
+std::vector<KittiLabel> read_kitti_labels(const fs::path& path, std::int64_t frames) {
+  std::vector<KittiLabel> labels;
+  std::set<std::pair<std::int64_t, int>> seen;
+  for_each_line(path, [&](int line, const Fields& fields) {
+    if (fields.size() != kLabelFields && fields.size() != kLabelFields + 1)
+      throw InputError(path, line, fmt::format("expected {} fields, found {}", kLabelFields, fields.size()));
+    if (fields[2] == "DontCare") return;
+    KittiLabel label;
+    label.frame = count_in(path, line, fields[0], "frame", frames);
+    label.id = count_in(path, line, fields[1], "track", std::numeric_limits<int>::max());
+    label.type = fields[2];
+    const auto box = read_numbers(path, line, Fields(fields.begin() + 10, fields.begin() + kLabelFields), 0);
+    if (!(box[0] > 0 && box[1] > 0 && box[2] > 0))
+      throw InputError(path, line, fmt::format("a box of {} x {} x {} m", box[2], box[1], box[0]));
+    if (!is_plain_name(label.type)) throw InputError(path, line, "the type is no plain name");
+    label.semi_axes_m = Eigen::Vector3d(box[2], box[1], box[0]) / 2;
+    label.rectified_from_object = label_pose(box);
+    if (!seen.insert({label.frame, label.id}).second)
+      throw InputError(path, line, fmt::format("track {} stands twice in frame {}", label.id, label.frame));
+    labels.push_back(label);
+  });
+  return labels;
+}
+
+std::vector<Pose> read_kitti_poses(const fs::path& path) {
+  std::vector<Pose> poses;
+  for_each_line(path, [&](int line, const Fields& fields) {
+    const auto values = read_numbers(path, line, fields, 0);
+    if (values.size() != 12)
+      throw InputError(path, line, fmt::format("expected 12 numbers, found {}", values.size()));
+    poses.push_back(camera_from_velodyne_axes().inverse() * pose_of_rows(path, line, values));
+  });
+  return poses;
+}
+
+std::vector<Pose> read_kitti_oxts(const fs::path& path) {
+  std::vector<Pose> poses;
+  double scale = 1;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  for_each_line(path, [&](int line, const Fields& fields) {
+    const auto v = read_numbers(path, line, fields, 0);
+    if (v.size() != kOxtsFields)
+      throw InputError(path, line, fmt::format("expected {} numbers, found {}", kOxtsFields, v.size()));
+    constexpr double kRad = std::numbers::pi / 180;
+    if (!(std::abs(v[0]) < 90)) throw InputError(path, line, fmt::format("a latitude of {} degrees", v[0]));
+    if (poses.empty()) scale = std::cos(v[0] * kRad);
+    const Eigen::Vector3d place(scale * kEarthRadiusM * v[1] * kRad,
+                                scale * kEarthRadiusM * std::log(std::tan((90 + v[0]) * kRad / 2)), v[2]);
+    if (poses.empty()) first = place;
+    poses.push_back({Eigen::AngleAxisd(v[5], Eigen::Vector3d::UnitZ()) *
+                         Eigen::AngleAxisd(v[4], Eigen::Vector3d::UnitY()) *
+                         Eigen::AngleAxisd(v[3], Eigen::Vector3d::UnitX()),
+                     place - first});
+  });
+  return poses;
+}
+
+std::vector<std::int64_t> read_kitti_times(const fs::path& path) {
+  std::vector<std::int64_t> stamps_ns;
+  for_each_line(path, [&](int line, const Fields& fields) {
+    if (fields.size() != 1) throw InputError(path, line, "expected one time in seconds");
+    try {
+      stamps_ns.push_back(parse_stamp_ns(fields[0]));
+    } catch (const std::invalid_argument& error) {
+      throw InputError(path, line, error.what());
+    }
+    if (stamps_ns.size() > 1 && stamps_ns.back() <= *(stamps_ns.end() - 2))
+      throw InputError(path, line, fmt::format("{} does not come after the time before", fields[0]));
+  });
+  return stamps_ns;
+}
+
+}  // namespace uniquadric
