@@ -205,10 +205,28 @@ void visit(Io& io, SilhouetteOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, BodyTwistOptions& o) {
+  io.positive("first_velocity_mps", o.first_velocity_mps);
+  io.positive("first_turn_radps", o.first_turn_radps);
+  io.positive("acceleration_mps2_rthz", o.acceleration_mps2_rthz);
+  io.positive("turn_acceleration_radps2_rthz", o.turn_acceleration_radps2_rthz);
+  io.number("reach_px", o.reach_px, 0.5, 200.0);
+  io.number("neighbours", o.neighbours, 5, 1000);
+  io.number("max_jump", o.max_jump, kLeastJump, kMostJump);
+  io.number("max_points", o.max_points, 10, 1'000'000);
+  io.positive("pixel_sigma", o.pixel_sigma);
+  io.number("rows_as_one", o.rows_as_one, 1.0, 1e6);
+}
+
+template <typename Io>
 void visit(Io& io, LidarDepthOptions& o) {
   io.choice("undistortion", o.undistortion,
             Choices<Undistortion>{
                 {"none", Undistortion::none}, {"ego", Undistortion::ego}, {"object", Undistortion::object}});
+  io.choice("motion", o.motion,
+            Choices<MotionSource>{{"points", MotionSource::points}, {"features", MotionSource::features}});
+  io.positive("motion_window_s", o.motion_window_s);
+  io.section("twist", [&](auto& inner) { visit(inner, o.twist); });
   io.positive("window_s", o.window_s);
   io.number("time_offset_s", o.time_offset_s, -10.0, 10.0);
   io.number("erode_px", o.erode_px, 0, 100);

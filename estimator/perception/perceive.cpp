@@ -273,7 +273,8 @@ void perceive(const Sequence& sequence, const PerceptionOptions& options, const 
     const TrackedFeatures tracked = features.track(frame, work->rgb, work->depth, work->masks, hints);
     add_features(tracked, work->result);
     watch.stop("features");
-    if (lidar_depth && work->index > 0) {
+    if (lidar_depth) lidar_depth->saw(tracked.bodies);
+    if (lidar_depth && options.lidar_depth.motion == MotionSource::features && work->index > 0) {
       const std::int64_t last_ns = sequence.frames[work->index - 1].stamp_ns;
       const auto now = path(frame.stamp_ns), last = path(last_ns);
       if (now && last) tell_motions(tracked, *now, *last, frame.stamp_ns - last_ns, *lidar_depth);

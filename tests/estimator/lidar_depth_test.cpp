@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "core/base/random.h"
 #include "estimator/perception/pixel_grid.h"
@@ -12,7 +14,7 @@ namespace uniquadric {
 namespace {
 
 constexpr double kWall = 12, kBoard = 8;  // depths [m]
-constexpr double kSpeed = 10;             // of the board, to the right [m/s]
+constexpr double kSpeed = 10;             // of the board, to the right or towards the camera [m/s]
 constexpr std::int64_t kScan = 100'000'000, kFrame = 33'333'333;
 
 Camera small_camera() {
@@ -22,25 +24,42 @@ Camera small_camera() {
   return camera;
 }
 
+double gone_m(std::int64_t stamp_ns) {
+  return kSpeed * 1e-9 * static_cast<double>(stamp_ns);
+}
+
 double board_x(std::int64_t stamp_ns) {
-  return kSpeed * 1e-9 * static_cast<double>(stamp_ns) - 2;
+  return gone_m(stamp_ns) - 2;
 }
 
 bool on_board(const Eigen::Vector2d& ray, std::int64_t stamp_ns) {
   return std::abs(kBoard * ray.x() - board_x(stamp_ns)) < 1 && std::abs(kBoard * ray.y()) < 0.7;
 }
 
-cv::Mat mask_at(const Camera& camera, std::int64_t stamp_ns) {
+// One that comes nearer, from beside the wall.
+double near_depth(std::int64_t stamp_ns) {
+  return kWall - 1 - gone_m(stamp_ns);
+}
+
+bool on_near_board(const Eigen::Vector2d& ray, std::int64_t stamp_ns) {
+  return (near_depth(stamp_ns) * ray).cwiseAbs().maxCoeff() < 1;
+}
+
+using OnBoard = std::function<bool(const Eigen::Vector2d&, std::int64_t)>;
+
+cv::Mat mask_at(const Camera& camera, std::int64_t stamp_ns, const OnBoard& on = on_board) {
   cv::Mat mask = cv::Mat::zeros(camera.height, camera.width, CV_16UC1);
   for (int v = 0; v < mask.rows; ++v)
     for (int u = 0; u < mask.cols; ++u)
-      if (on_board(camera.unproject({u, v})->head<2>(), stamp_ns)) mask.at<std::uint16_t>(v, u) = 7;
+      if (on(camera.unproject({u, v})->head<2>(), stamp_ns)) mask.at<std::uint16_t>(v, u) = 7;
   return mask;
 }
 
 // A board that passes before a wall; the LiDAR sits in the camera and looks where it does, 24,000 points a
 // scan, each at its own time, in the file in no order of time; every tenth beam comes back empty.
-Sequence passing_board(const std::filesystem::path& folder) {
+Sequence passing_board(
+    const std::filesystem::path& folder, const OnBoard& on = on_board,
+    const std::function<double(std::int64_t)>& depth = [](auto) { return kBoard; }) {
   Sequence sequence;
   sequence.folder = folder;
   sequence.camera = small_camera();
@@ -51,7 +70,8 @@ Sequence passing_board(const std::filesystem::path& folder) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       points[i].offset_ns = static_cast<std::uint32_t>(random.uniform() * kScan);
       const Eigen::Vector2d ray(random.uniform(-0.69, 0.69), random.uniform(-0.52, 0.52));
-      const double z = on_board(ray, k * kScan + points[i].offset_ns) ? kBoard : kWall;
+      const std::int64_t stamp_ns = k * kScan + points[i].offset_ns;
+      const double z = on(ray, stamp_ns) ? depth(stamp_ns) : kWall;
       if (i % 10 == 0) continue;
       points[i].x = static_cast<float>(z * ray.x());
       points[i].y = static_cast<float>(z * ray.y());
@@ -73,6 +93,7 @@ Seen look(Undistortion undistortion, bool told) {
   const Sequence sequence = passing_board(temp.path());
   LidarDepthOptions options;
   options.undistortion = undistortion;
+  options.motion = MotionSource::features;
   LidarDepth depth(
       sequence, [](std::int64_t) { return Pose(); }, options);
   LidarView view;
@@ -105,11 +126,51 @@ TEST(LidarDepth, WithoutABodysMotionItsPointsTrailBehind) {
   EXPECT_LT(seen.points, 0.9 * with.points);  // they have left the mask, or the mask shows the wall there
 }
 
+TEST(LidarDepth, PointsThemselvesTellHowFastABodyComesNearer) {
+  const TempFolder temp;
+  const Sequence sequence = passing_board(temp.path(), on_near_board, near_depth);
+  LidarDepth depth(sequence, [](std::int64_t) { return Pose(); }, {});
+  int looked_at = 0;
+  for (int k = 0; k < 12; ++k) {
+    const std::int64_t now = k * kFrame;
+    const LidarView view = depth.at(now, now + kFrame, mask_at(sequence.camera, now, on_near_board));
+    if (k < 4) continue;  // the first points are of one time
+    const Eigen::Matrix3Xd& points = view.bodies.at(7).points;
+    EXPECT_GT(points.cols(), 300);
+    EXPECT_LT((points.row(2).array() - near_depth(now)).abs().maxCoeff(), 0.02);  // 0.5 m behind without
+    ++looked_at;
+  }
+  EXPECT_EQ(looked_at, 8);
+}
+
+TEST(LidarDepth, FeaturesTellHowFastABodyPasses) {
+  const TempFolder temp;
+  const Sequence sequence = passing_board(temp.path());
+  LidarDepth depth(sequence, [](std::int64_t) { return Pose(); }, {});
+  LidarView view;
+  std::int64_t now = 0;
+  for (int k = 0; k < 9; ++k) {
+    now = k * kFrame;
+    view = depth.at(now, now + kFrame, mask_at(sequence.camera, now));
+    std::map<int, std::vector<Feature>> features;
+    for (int i = 0; i < 20; ++i) {
+      const Eigen::Vector3d at(board_x(now) - 0.9 + 0.09 * i, 0.6 * std::sin(5.0 * i), kBoard);
+      features[7].push_back({i, *sequence.camera.project(at), kBoard, 0.01});
+    }
+    depth.saw(features);
+  }
+  const Eigen::Matrix3Xd& points = view.bodies.at(7).points;
+  EXPECT_NEAR(points.row(0).minCoeff(), board_x(now) - 1, 0.12);
+  EXPECT_NEAR(points.row(0).maxCoeff(), board_x(now) + 1, 0.12);
+}
+
 TEST(LidarDepth, AMotionToldLongAgoIsForgotten) {
   const TempFolder temp;
   const Sequence sequence = passing_board(temp.path());
   const auto here = [](std::int64_t) { return Pose(); };
-  LidarDepth told(sequence, here, {}), untold(sequence, here, {});
+  LidarDepthOptions options;
+  options.motion = MotionSource::features;
+  LidarDepth told(sequence, here, options), untold(sequence, here, options);
   int differ = 0, agree = 0;
   for (int k = 0; k < 11; ++k) {
     const std::int64_t now = k * kFrame;

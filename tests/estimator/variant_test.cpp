@@ -29,7 +29,8 @@ std::string other_value(const std::string& key, const std::string& value) {
       {"single_frame", "windows"}, {"final", "causal"},       {"virtual", "threads"},
       {"sequence", "fixed"},       {"ultrafast", "fast"},     {"none", "renyi"},
       {"object", "global"},        {"perception", "backend"}, {"given", "rgbd"},
-      {"flow", "nanotrack"},       {"frames", "scans"},       {"recorded", "images"}};
+      {"flow", "nanotrack"},       {"frames", "scans"},       {"recorded", "images"},
+      {"points", "features"}};
   if (value.empty()) return "";
   if (key == "fit") return "pca";
   if (key == "undistortion") return "ego";

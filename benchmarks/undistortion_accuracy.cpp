@@ -1,0 +1,238 @@
+// How far the points of bodies that the estimator makes of a LiDAR's lie off the bodies' true surfaces, by
+// what is undone of the motion during a scan (Eq. 2 to 4), and how true the depth of pixels and features is:
+// undistortion_accuracy SCENE.yaml DATA VARIANT.yaml [FRAMES]; DATA is what
+// `uniquadric simulate SCENE.yaml DATA` wrote. Masks, camera path and motions are estimated.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <opencv2/core/utility.hpp>
+
+#include "benchmarks/ego_pairs.h"
+#include "benchmarks/surface_distance.h"
+#include "core/sequence/sequence.h"
+#include "estimator/ego/lidar_ego.h"
+#include "estimator/perception/aot.h"
+#include "estimator/perception/features.h"
+#include "estimator/perception/lidar_depth.h"
+#include "estimator/variant.h"
+#include "simulator/render/renderer.h"
+#include "simulator/scene/scene.h"
+
+namespace uniquadric {
+namespace {
+
+enum Way { none, ego, object, told_truth };
+constexpr std::array kWays = {"none", "ego", "object", "object, true motion"};
+
+double share_of(std::vector<double> values, double share) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+struct BodyFigures {
+  std::array<std::vector<double>, kWays.size()> off_m;  // of points, from the true surface
+  std::array<int, kWays.size()> frames{};
+  std::vector<double> speed_mps, velocity_error_mps, depth_error_m, feature_error_m;
+};
+
+// Exact depth at a subpixel; 0 beside an edge.
+double exact_depth(const cv::Mat& depth, const Eigen::Vector2d& pixel) {
+  const int u = int(std::floor(pixel.x())), v = int(std::floor(pixel.y()));
+  if (u < 0 || v < 0 || u + 1 >= depth.cols || v + 1 >= depth.rows) return 0;
+  const double a = pixel.x() - u, b = pixel.y() - v;
+  const double z00 = depth.at<float>(v, u), z01 = depth.at<float>(v, u + 1);
+  const double z10 = depth.at<float>(v + 1, u), z11 = depth.at<float>(v + 1, u + 1);
+  const auto [low, high] = std::minmax({z00, z01, z10, z11});
+  if (!(low > 0) || high > 1.03 * low) return 0;
+  return 1 / ((1 - b) * ((1 - a) / z00 + a / z01) + b * ((1 - a) / z10 + a / z11));
+}
+
+// Which object each track is: the one under most pixels of its mask.
+std::map<int, std::size_t> objects_of(const Scene& scene, const cv::Mat& masks, const cv::Mat& ids) {
+  std::map<int, std::map<int, int>> votes;
+  for (int v = 0; v < masks.rows; ++v)
+    for (int u = 0; u < masks.cols; ++u)
+      if (const int label = masks.at<std::uint16_t>(v, u)) ++votes[label][ids.at<std::uint16_t>(v, u)];
+  std::map<int, std::size_t> result;
+  for (const auto& [label, counts] : votes) {
+    const int id = std::max_element(counts.begin(), counts.end(), [](auto& a, auto& b) {
+                     return a.second < b.second;
+                   })->first;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+      if (scene.objects[i].id == id) result[label] = i;
+  }
+  return result;
+}
+
+struct Run {
+  const Scene scene;
+  const Sequence sequence;
+  const Variant variant;
+  Renderer renderer{scene};
+  LidarEgo lidar{sequence, variant.perception.lidar};
+  AsyncObjectTracker tracker{
+      sequence.camera,
+      slow_segmenter(sequence, make_segmenter(sequence, variant.perception.segmentation, {}),
+                     variant.perception.aot, 0),
+      variant.perception.aot};
+  FeatureTracker features{sequence.camera, variant.perception.features, 0};
+  std::vector<LidarDepth> depths;
+  std::vector<SurfaceDistance> surfaces;
+  std::vector<BodyFigures> figures;
+  std::optional<ScenePoses> last;
+  std::optional<Pose> last_camera;  // as it is estimated
+  std::int64_t last_ns = 0;
+  std::array<double, kWays.size()> ms{};
+
+  Run(const char* scene_file, const std::filesystem::path& data, const char* variant_file)
+      : scene(load_scene(scene_file)),
+        sequence(open_sequence(data / "sequence")),
+        variant(load_variant(variant_file)),
+        figures(scene.objects.size()) {
+    for (const Body& body : scene.objects) surfaces.emplace_back(body.meshes);
+    const auto path = [this](std::int64_t ns) { return lidar.odometry().world_from_camera(ns); };
+    LidarDepthOptions options = variant.perception.lidar_depth;
+    for (std::size_t way = 0; way < kWays.size(); ++way) {
+      options.undistortion = way == none  ? Undistortion::none
+                             : way == ego ? Undistortion::ego
+                                          : Undistortion::object;
+      if (way == told_truth) options.motion = MotionSource::features;
+      depths.emplace_back(sequence, path, options);
+    }
+  }
+
+  // In the estimated world, so that the camera's errors are those of the other ways.
+  Pose true_motion(const ScenePoses& now, const Pose& camera, std::size_t object) const {
+    const Pose here = now.world_from_camera.inverse() * now.world_from_object[object];
+    const Pose before = last->world_from_camera.inverse() * last->world_from_object[object];
+    return camera * here * before.inverse() * last_camera->inverse();
+  }
+
+  void judge_points(const LidarView& view, const ScenePoses& now, const std::map<int, std::size_t>& objects,
+                    std::size_t way) {
+    for (const auto& [label, body] : view.bodies) {
+      const auto object = objects.find(label);
+      if (object == objects.end()) continue;
+      BodyFigures& f = figures[object->second];
+      const Pose object_from_camera = now.world_from_object[object->second].inverse() * now.world_from_camera;
+      for (const auto& point : body.points.colwise())
+        f.off_m[way].push_back(surfaces[object->second].at(object_from_camera * Eigen::Vector3d(point)));
+      ++f.frames[way];
+    }
+  }
+
+  void judge_depth(const cv::Mat& depth, const cv::Mat& masks, const RenderedFrame& image,
+                   const std::map<int, std::size_t>& objects) {
+    for (int v = 0; v < depth.rows; ++v)
+      for (int u = 0; u < depth.cols; ++u) {
+        const float z = depth.at<float>(v, u);
+        const auto object = z > 0 ? objects.find(masks.at<std::uint16_t>(v, u)) : objects.end();
+        if (object == objects.end() || image.ids.at<std::uint16_t>(v, u) != scene.objects[object->second].id)
+          continue;
+        figures[object->second].depth_error_m.push_back(std::abs(z - image.depth_m.at<float>(v, u)));
+      }
+  }
+
+  void judge_features(const TrackedFeatures& tracked, const RenderedFrame& image,
+                      const std::map<int, std::size_t>& objects) {
+    for (const auto& [label, seen] : tracked.bodies) {
+      const auto object = objects.find(label);
+      if (object == objects.end()) continue;
+      for (const Feature& f : seen) {
+        const double z = exact_depth(image.depth_m, f.pixel);
+        if (z > 0 && f.depth_m > 0)
+          figures[object->second].feature_error_m.push_back(std::abs(z - f.depth_m));
+      }
+    }
+  }
+
+  void step(std::size_t index) {
+    const SequenceFrame& frame = sequence.frames[index];
+    const std::int64_t next_ns = index + 1 < sequence.frames.size() ? sequence.frames[index + 1].stamp_ns
+                                                                    : 2 * frame.stamp_ns - last_ns;
+    const cv::Mat rgb = read_rgb(sequence, frame);
+    const cv::Mat masks = tracker.track(frame, rgb, {}, next_ns).masks;
+    lidar.track(frame, masks);
+    const auto camera = lidar.odometry().world_from_camera(frame.stamp_ns);
+    const ScenePoses now = poses_at(scene, 1e-9 * double(frame.stamp_ns));
+    const RenderedFrame& image = renderer.render(now);
+    const auto objects = masks.empty() ? std::map<int, std::size_t>() : objects_of(scene, masks, image.ids);
+    if (camera && last_camera)
+      for (const auto& [label, i] : objects)
+        depths[told_truth].moved(label, true_motion(now, *camera, i), frame.stamp_ns - last_ns);
+    cv::Mat depth;
+    for (std::size_t way = 0; way < depths.size(); ++way) {
+      const double start = now_ms();
+      const LidarView view = depths[way].at(frame.stamp_ns, next_ns, masks);
+      ms[way] += now_ms() - start;
+      judge_points(view, now, objects, way);
+      if (way == object) depth = view.depth;
+    }
+    const TrackedFeatures tracked = features.track(frame, rgb, depth, masks);
+    if (!depth.empty() && !masks.empty()) {
+      judge_depth(depth, masks, image, objects);
+      judge_features(tracked, image, objects);
+    }
+    depths[object].saw(tracked.bodies);
+    if (camera && last_camera)
+      for (const auto& [label, motion] : tracked.motions) {
+        const Pose world_motion = *camera * motion * last_camera->inverse();
+        depths[object].moved(label, world_motion, frame.stamp_ns - last_ns);
+        judge_motion(label, world_motion, now, *camera, objects, 1e-9 * double(frame.stamp_ns - last_ns));
+      }
+    last = now, last_camera = camera, last_ns = frame.stamp_ns;
+  }
+
+  void judge_motion(int label, const Pose& motion, const ScenePoses& now, const Pose& camera,
+                    const std::map<int, std::size_t>& objects, double step_s) {
+    const auto found = objects.find(label);
+    if (found == objects.end()) return;
+    const std::size_t i = found->second;
+    const Pose true_step = true_motion(now, camera, i);
+    const Eigen::Vector3d middle =
+        *last_camera * last->world_from_camera.inverse() * last->world_from_object[i].translation;
+    const auto between = [&](const ScenePoses& poses) {
+      return Eigen::Vector3d(poses.world_from_object[i].translation - poses.world_from_camera.translation);
+    };
+    figures[i].speed_mps.push_back((between(now) - between(*last)).norm() / step_s);
+    figures[i].velocity_error_mps.push_back((motion * middle - true_step * middle).norm() / step_s);
+  }
+};
+
+void print(const std::string& name, const BodyFigures& f) {
+  fmt::print("{}: {:.1f} m/s past the camera (most {:.1f}), motion off by {:.3f} m/s (nine tenths {:.3f})\n",
+             name, share_of(f.speed_mps, 0.5), share_of(f.speed_mps, 1), share_of(f.velocity_error_mps, 0.5),
+             share_of(f.velocity_error_mps, 0.9));
+  for (std::size_t way = 0; way < kWays.size(); ++way)
+    fmt::print("  {:20} {:4} frames {:7} points, off the surface by {:6.1f} mm (nine tenths {:6.1f})\n",
+               kWays[way], f.frames[way], f.off_m[way].size(), 1e3 * share_of(f.off_m[way], 0.5),
+               1e3 * share_of(f.off_m[way], 0.9));
+  fmt::print("  depth of pixels off by {:.1f} mm (nine tenths {:.1f}), of features by {:.1f} mm ({:.1f})\n",
+             1e3 * share_of(f.depth_error_m, 0.5), 1e3 * share_of(f.depth_error_m, 0.9),
+             1e3 * share_of(f.feature_error_m, 0.5), 1e3 * share_of(f.feature_error_m, 0.9));
+}
+
+}  // namespace
+}  // namespace uniquadric
+
+int main(int argc, char** argv) {
+  if (argc < 4) {
+    fmt::print(stderr, "usage: undistortion_accuracy SCENE.yaml DATA VARIANT.yaml [FRAMES]\n");
+    return 2;
+  }
+  cv::setNumThreads(1);
+  uniquadric::Run run(argv[1], argv[2], argv[3]);
+  const std::size_t most = argc > 4 ? std::size_t(std::atoll(argv[4])) : run.sequence.frames.size();
+  for (std::size_t i = 0; i < std::min(most, run.sequence.frames.size()); ++i) run.step(i);
+  for (std::size_t way = 0; way < uniquadric::kWays.size(); ++way)
+    fmt::print("{}: {:.1f} ms a frame\n", uniquadric::kWays[way],
+               run.ms[way] / double(run.sequence.frames.size()));
+  for (std::size_t i = 0; i < run.figures.size(); ++i)
+    uniquadric::print(run.scene.objects[i].name, run.figures[i]);
+}
