@@ -1,23 +1,29 @@
 // How far the points of bodies that the estimator makes of a LiDAR's lie off the bodies' true surfaces, by
 // what is undone of the motion during a scan (Eq. 2 to 4), and how true the depth of pixels and features is:
-// undistortion_accuracy SCENE.yaml DATA VARIANT.yaml [FRAMES]; DATA is what
-// `uniquadric simulate SCENE.yaml DATA` wrote. Masks, camera path and motions are estimated.
+// undistortion_accuracy SCENE.yaml DATA VARIANT.yaml [FIGURE.svg OBJECT FRAME]; DATA is what
+// `uniquadric simulate SCENE.yaml DATA` wrote. Masks, camera path and motions are estimated. The figure shows
+// an object's points in one frame.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <deque>
 #include <map>
 #include <opencv2/core/utility.hpp>
 
 #include "benchmarks/ego_pairs.h"
 #include "benchmarks/surface_distance.h"
+#include "benchmarks/undistortion_svg.h"
+#include "core/base/error.h"
+#include "core/base/files.h"
 #include "core/sequence/sequence.h"
 #include "estimator/ego/lidar_ego.h"
 #include "estimator/perception/aot.h"
 #include "estimator/perception/features.h"
 #include "estimator/perception/lidar_depth.h"
+#include "estimator/perception/lidar_stream.h"
 #include "estimator/variant.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene/scene.h"
@@ -26,6 +32,10 @@ namespace uniquadric {
 namespace {
 
 enum Way { none, ego, object, told_truth };
+constexpr std::array kTitles = {"nothing undone", "the sensor's motion", "and the body's, estimated",
+                                "and the body's true motion"};
+constexpr std::int64_t kScan_ns = 100'000'000;
+constexpr double kMostNoise_m = 0.15;
 constexpr std::array kWays = {"none", "ego", "object", "object, true motion"};
 
 double share_of(std::vector<double> values, double share) {
@@ -70,6 +80,16 @@ std::map<int, std::size_t> objects_of(const Scene& scene, const cv::Mat& masks, 
   return result;
 }
 
+// The static world's returns of the last scan, by how they are brought to one time.
+struct WorldFigures {
+  std::array<std::vector<double>, 3> off_m;  // nothing undone, the estimated motion, the true one
+};
+
+struct Wanted {
+  std::string object;
+  std::int64_t frame = -1;
+};
+
 struct Run {
   const Scene scene;
   const Sequence sequence;
@@ -85,6 +105,12 @@ struct Run {
   std::vector<LidarDepth> depths;
   std::vector<SurfaceDistance> surfaces;
   std::vector<BodyFigures> figures;
+  std::vector<SurfaceDistance> world;
+  LidarStream stream{sequence};
+  std::deque<TimedPoint> returns;  // of the last scan's time
+  WorldFigures walls;
+  Wanted wanted;
+  std::vector<UndistortionPanel> panels;
   std::optional<ScenePoses> last;
   std::optional<Pose> last_camera;  // as it is estimated
   std::int64_t last_ns = 0;
@@ -96,6 +122,7 @@ struct Run {
         variant(load_variant(variant_file)),
         figures(scene.objects.size()) {
     for (const Body& body : scene.objects) surfaces.emplace_back(body.meshes);
+    for (const Body& body : scene.world) world.emplace_back(body.meshes);
     const auto path = [this](std::int64_t ns) { return lidar.odometry().world_from_camera(ns); };
     LidarDepthOptions options = variant.perception.lidar_depth;
     for (std::size_t way = 0; way < kWays.size(); ++way) {
@@ -114,8 +141,8 @@ struct Run {
     return camera * here * before.inverse() * last_camera->inverse();
   }
 
-  void judge_points(const LidarView& view, const ScenePoses& now, const std::map<int, std::size_t>& objects,
-                    std::size_t way) {
+  void judge_points(std::int64_t number, const LidarView& view, const ScenePoses& now,
+                    const std::map<int, std::size_t>& objects, std::size_t way) {
     for (const auto& [label, body] : view.bodies) {
       const auto object = objects.find(label);
       if (object == objects.end()) continue;
@@ -124,7 +151,50 @@ struct Run {
       for (const auto& point : body.points.colwise())
         f.off_m[way].push_back(surfaces[object->second].at(object_from_camera * Eigen::Vector3d(point)));
       ++f.frames[way];
+      if (number == wanted.frame && scene.objects[object->second].name == wanted.object)
+        keep_panel(body, object_from_camera, object->second, way);
     }
+  }
+
+  double off_world_m(const Eigen::Vector3d& point) const {
+    double least = 1;
+    for (std::size_t i = 0; i < world.size(); ++i)
+      least = std::min(least, world[i].at(scene.world[i].motion.at(0).inverse() * point, least));
+    return least;
+  }
+
+  // In every tenth frame, some of the returns.
+  void judge_walls(const SequenceFrame& frame) {
+    for (const TimedPoint& p : stream.take(frame.stamp_ns)) returns.push_back(p);
+    while (!returns.empty() && frame.stamp_ns - returns.front().stamp_ns > kScan_ns) returns.pop_front();
+    const auto here = lidar.odometry().world_from_camera(frame.stamp_ns);
+    if (frame.frame % 10 != 0 || !here) return;
+    const Pose now = scene.camera_motion.at(1e-9 * double(frame.stamp_ns));
+    for (std::size_t i = 0; i < returns.size(); i += 20) {
+      const TimedPoint& p = returns[i];
+      const Eigen::Vector3d in_camera = sequence.lidar->camera_from_lidar * p.lidar.cast<double>();
+      const auto then = lidar.odometry().world_from_camera(p.stamp_ns);
+      const Eigen::Vector3d truth = scene.camera_motion.at(1e-9 * double(p.stamp_ns)) * in_camera;
+      const double noise_m = off_world_m(truth);
+      if (!then || noise_m > kMostNoise_m) continue;  // a body's
+      walls.off_m[0].push_back(off_world_m(now * in_camera));
+      walls.off_m[1].push_back(off_world_m(now * (here->inverse() * (*then * in_camera))));
+      walls.off_m[2].push_back(noise_m);
+    }
+  }
+
+  void keep_panel(const SurfacePoints& body, const Pose& object_from_camera, std::size_t object,
+                  std::size_t way) {
+    UndistortionPanel panel;
+    std::vector<double> off_m;
+    for (const auto& point : body.points.colwise()) {
+      panel.points.push_back(object_from_camera * Eigen::Vector3d(point));
+      off_m.push_back(surfaces[object].at(panel.points.back()));
+    }
+    panel.title = kTitles[way];
+    panel.subtitle = fmt::format("median {:.0f} mm off the surface, nine tenths {:.0f} mm",
+                                 1e3 * share_of(off_m, 0.5), 1e3 * share_of(off_m, 0.9));
+    panels.push_back(std::move(panel));
   }
 
   void judge_depth(const cv::Mat& depth, const cv::Mat& masks, const RenderedFrame& image,
@@ -166,12 +236,13 @@ struct Run {
     if (camera && last_camera)
       for (const auto& [label, i] : objects)
         depths[told_truth].moved(label, true_motion(now, *camera, i), frame.stamp_ns - last_ns);
+    judge_walls(frame);
     cv::Mat depth;
     for (std::size_t way = 0; way < depths.size(); ++way) {
       const double start = now_ms();
       const LidarView view = depths[way].at(frame.stamp_ns, next_ns, masks);
       ms[way] += now_ms() - start;
-      judge_points(view, now, objects, way);
+      judge_points(frame.frame, view, now, objects, way);
       if (way == object) depth = view.depth;
     }
     const TrackedFeatures tracked = features.track(frame, rgb, depth, masks);
@@ -218,21 +289,45 @@ void print(const std::string& name, const BodyFigures& f) {
              1e3 * share_of(f.feature_error_m, 0.5), 1e3 * share_of(f.feature_error_m, 0.9));
 }
 
+void print(const WorldFigures& walls) {
+  constexpr std::array kNames = {"none", "ego", "ego, true motion"};
+  fmt::print("static world, {} returns\n", walls.off_m[0].size());
+  for (std::size_t way = 0; way < kNames.size(); ++way)
+    fmt::print("  {:20} off the surface by {:6.1f} mm (nine tenths {:6.1f})\n", kNames[way],
+               1e3 * share_of(walls.off_m[way], 0.5), 1e3 * share_of(walls.off_m[way], 0.9));
+}
+
+void write_figure(const Run& run, const char* file) {
+  std::vector<Eigen::Vector3d> vertices;
+  for (const Body& body : run.scene.objects)
+    if (body.name == run.wanted.object)
+      for (const Mesh& mesh : body.meshes)
+        for (const Eigen::Vector3f& v : mesh.positions) vertices.push_back(v.cast<double>());
+  if (vertices.empty() || run.panels.empty())
+    throw InputError(file, "no points of such an object in such a frame");
+  write_text(file, undistortion_svg(run.panels, vertices));
+}
+
+void run(int argc, char** argv) {
+  Run run(argv[1], argv[2], argv[3]);
+  if (argc > 6) run.wanted = {argv[5], std::atoll(argv[6])};
+  for (std::size_t i = 0; i < run.sequence.frames.size(); ++i) run.step(i);
+  for (std::size_t way = 0; way < kWays.size(); ++way)
+    fmt::print("{}: {:.1f} ms a frame\n", kWays[way], run.ms[way] / double(run.sequence.frames.size()));
+  for (std::size_t i = 0; i < run.figures.size(); ++i) print(run.scene.objects[i].name, run.figures[i]);
+  print(run.walls);
+  if (argc > 6) write_figure(run, argv[4]);
+}
+
 }  // namespace
 }  // namespace uniquadric
 
 int main(int argc, char** argv) {
-  if (argc < 4) {
-    fmt::print(stderr, "usage: undistortion_accuracy SCENE.yaml DATA VARIANT.yaml [FRAMES]\n");
+  if (argc != 4 && argc != 7) {
+    fmt::print(stderr,
+               "usage: undistortion_accuracy SCENE.yaml DATA VARIANT.yaml [FIGURE.svg OBJECT FRAME]\n");
     return 2;
   }
   cv::setNumThreads(1);
-  uniquadric::Run run(argv[1], argv[2], argv[3]);
-  const std::size_t most = argc > 4 ? std::size_t(std::atoll(argv[4])) : run.sequence.frames.size();
-  for (std::size_t i = 0; i < std::min(most, run.sequence.frames.size()); ++i) run.step(i);
-  for (std::size_t way = 0; way < uniquadric::kWays.size(); ++way)
-    fmt::print("{}: {:.1f} ms a frame\n", uniquadric::kWays[way],
-               run.ms[way] / double(run.sequence.frames.size()));
-  for (std::size_t i = 0; i < run.figures.size(); ++i)
-    uniquadric::print(run.scene.objects[i].name, run.figures[i]);
+  uniquadric::run(argc, argv);
 }

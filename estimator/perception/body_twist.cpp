@@ -11,7 +11,7 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kRounds = 3;
+constexpr int kRounds = 2, kPixelRounds = 6;  // the first point update starts far off, but frames follow
 constexpr std::size_t kLeastNeighbours = 5;
 constexpr std::size_t kLeastRows = 10;
 constexpr double kLeastSigma_m = 0.003, kCauchy = 2;  // sigmas
@@ -189,7 +189,7 @@ void update_by_pixels(BodyTwist& twist, const std::vector<PointStep>& steps,
                       const BodyTwistOptions& options) {
   const BodyTwist before = twist;
   const Eigen::Matrix3d turn = last_camera_from_world.rotation.toRotationMatrix();
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kPixelRounds; ++round) {
     Normal normal(before, twist.rate);
     const Pose back = moved_over(twist, -step_s);
     for (const PointStep& step : steps) {

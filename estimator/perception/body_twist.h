@@ -24,7 +24,7 @@ struct BodyTwistOptions {
   double reach_px = 20;    // of a point's neighbours
   int neighbours = 12;     // that a plane is laid through
   double max_jump = 0.06;  // relative depth to a neighbour: with what an unknown motion adds
-  int max_points = 800;    // of a body
+  int max_points = 500;    // of a body
   double pixel_sigma = 0.3;
   // Points are looked at in several frames and as neighbours of many: so many rows count as one
   double rows_as_one = 10;
