@@ -131,29 +131,37 @@ std::vector<PointPlane> point_planes(const std::vector<ImagePoint>& points,
 
 void fill_depth(const std::vector<PointPlane>& planes, int label, const cv::Mat& masks, double reach_px,
                 cv::Mat& depth) {
-  cv::Mat far(depth.size(), CV_8UC1, cv::Scalar(1)), nearest, distance;
-  cv::Mat at(depth.size(), CV_32SC1, cv::Scalar(-1));
   const cv::Rect image({}, depth.size());
+  std::vector<cv::Point> pixels;
+  for (const PointPlane& plane : planes)
+    pixels.emplace_back(static_cast<int>(std::lround(plane.pixel.x())),
+                        static_cast<int>(std::lround(plane.pixel.y())));
+  if (pixels.empty()) return;
+  const int margin = static_cast<int>(reach_px) + 1;
+  const cv::Rect around = cv::boundingRect(pixels);
+  const cv::Rect rect =
+      cv::Rect(around.tl() - cv::Point(margin, margin), around.br() + cv::Point(margin, margin)) & image;
+  if (rect.empty()) return;
+  cv::Mat far(rect.size(), CV_8UC1, cv::Scalar(1)), nearest, distance;
+  cv::Mat at(rect.size(), CV_32SC1, cv::Scalar(-1));
   for (std::size_t i = 0; i < planes.size(); ++i) {
-    const cv::Point pixel(static_cast<int>(std::lround(planes[i].pixel.x())),
-                          static_cast<int>(std::lround(planes[i].pixel.y())));
-    if (!image.contains(pixel)) continue;
-    far.at<unsigned char>(pixel) = 0;
-    at.at<int>(pixel) = static_cast<int>(i);
+    if (!rect.contains(pixels[i])) continue;
+    far.at<unsigned char>(pixels[i] - rect.tl()) = 0;
+    at.at<int>(pixels[i] - rect.tl()) = static_cast<int>(i);
   }
-  if (planes.empty()) return;
   cv::distanceTransform(far, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
   std::vector<int> plane_of(planes.size() + 2, -1);
-  for (int v = 0; v < depth.rows; ++v)
-    for (int u = 0; u < depth.cols; ++u)
+  for (int v = 0; v < rect.height; ++v)
+    for (int u = 0; u < rect.width; ++u)
       if (const int i = at.at<int>(v, u); i >= 0)
         plane_of[static_cast<std::size_t>(nearest.at<int>(v, u))] = i;
-  for (int v = 0; v < depth.rows; ++v)
-    for (int u = 0; u < depth.cols; ++u) {
+  for (int v = rect.y; v < rect.br().y; ++v)
+    for (int u = rect.x; u < rect.br().x; ++u) {
       if ((masks.empty() ? 0 : masks.at<std::uint16_t>(v, u)) != label) continue;
-      if (distance.at<float>(v, u) > reach_px) continue;
+      const cv::Point here(u - rect.x, v - rect.y);
+      if (distance.at<float>(here) > reach_px) continue;
       const PointPlane& plane =
-          planes[static_cast<std::size_t>(plane_of[static_cast<std::size_t>(nearest.at<int>(v, u))])];
+          planes[static_cast<std::size_t>(plane_of[static_cast<std::size_t>(nearest.at<int>(here))])];
       const double w = plane.inverse_depth + plane.slope_per_px.dot(Eigen::Vector2d(u, v) - plane.pixel);
       if (w > 0.5 * plane.inverse_depth) depth.at<float>(v, u) = static_cast<float>(1 / w);
     }
