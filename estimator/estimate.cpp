@@ -53,22 +53,24 @@ std::string perception_key(const Sequence& sequence, const Variant& variant, con
   return hash.hex();
 }
 
+// With its masks and times beside it, so that what is made of it does not depend on when it was made.
 Perception perceive_into(const fs::path& folder, const Sequence& sequence, const Variant& variant,
-                         const EstimateOptions& options, const std::string& key, const fs::path& masks_folder,
-                         std::vector<StageTime>& times) {
+                         const EstimateOptions& options, const std::string& key) {
   PerceiveOptions run;
   run.prompts = options.prompts;
   run.seed = options.seed;
   run.threads = options.threads;
   run.quiet = options.quiet;
-  run.masks_folder = masks_folder;
+  run.masks_folder = folder / "masks";
   std::optional<JoinedBackend> joined;
   const Camera camera = without_distortion(sequence.camera);
   if (variant.feedback == Feedback::backend)
     run.feedback = &joined.emplace(camera, variant.body, variant.joined, options.seed);
   fs::create_directories(folder);
   PerceptionWriter out(folder, camera, key);
+  std::vector<StageTime> times;
   perceive(sequence, variant.perception, run, out, times);
+  write_text(folder / "timing.csv", timing_csv(times));
   return Perception(folder);
 }
 
@@ -84,22 +86,22 @@ void refuse_to_keep_joined(const Variant& variant, const EstimateOptions& option
                                  variant.name));
 }
 
-// With a folder to keep it in, its masks and times are kept there too, so that what is written does not
-// depend on whether the result was there.
 Perception kept_perception(const Sequence& sequence, const Variant& variant, const EstimateOptions& options,
-                           bool force, std::vector<StageTime>& times) {
+                           bool force) {
   const fs::path& folder = options.perception;
   const std::string key = perception_key(sequence, variant, options);
-  if (!is_kept(folder, key)) {
+  if (force || !is_kept(folder, key)) {
     const bool is_older = fs::exists(folder / "perception.yaml");
     if (!force && !is_older && fs::is_directory(folder) && !fs::is_empty(folder))
       throw InputError(folder, "is not empty and holds no perception; give another folder");
     PendingFolder pending(folder, true);
-    perceive_into(pending.path(), sequence, variant, options, key, pending.path() / "masks", times);
-    write_text(pending.path() / "timing.csv", timing_csv(times));
+    perceive_into(pending.path(), sequence, variant, options, key);
     pending.commit();
   }
-  return Perception(folder);
+  Perception perception(folder);
+  if (camera_yaml(perception.camera()) != camera_yaml(without_distortion(sequence.camera)))
+    throw InputError(folder / "camera.yaml", "is not the sequence's camera without distortion");
+  return perception;
 }
 
 Tracks tracks_of(const Perception& perception, BackendResult& result) {
@@ -146,6 +148,16 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   return text + "variant:\n" + indented(variant_yaml(variant));
 }
 
+// A result with hardly anything in it is one, but should not be taken for a good one.
+void warn_of_little(const Perception& perception, const Tracks& tracks) {
+  const std::size_t frames = perception.frames().size(), lost = frames - tracks.camera.size();
+  if (2 * lost > frames)
+    fmt::print(stderr, "warning: {} of {} frames have no camera pose (run.yaml: frames_without_pose)\n", lost,
+               frames);
+  if (tracks.objects.empty())
+    fmt::print(stderr, "warning: no object has a state (run.yaml counts masks, depth and poses)\n");
+}
+
 }  // namespace
 
 void estimate(const fs::path& sequence_folder, const Variant& variant, const EstimateOptions& options,
@@ -153,37 +165,34 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
   PendingFolder pending(out, options.force);
-  std::vector<StageTime> times;
   const int threads = options.threads > 0 ? options.threads : tbb::this_task_arena::max_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  const fs::path own_perception = pending.path() / "perception";
-  const Perception perception =
-      options.perception.empty()
-          ? perceive_into(own_perception, sequence, variant, options, "", pending.path() / "masks", times)
-          : kept_perception(sequence, variant, options, false, times);
+  const bool is_own = options.perception.empty();
+  const fs::path perceived = is_own ? pending.path() / "perception" : options.perception;
+  const Perception perception = is_own ? perceive_into(perceived, sequence, variant, options, "")
+                                       : kept_perception(sequence, variant, options, false);
   BackendResult result = variant.backend == Backend::single_frame
                              ? estimate_single_frames(perception, variant, options.seed)
                              : estimate_windows(perception, variant, options.seed);
-  times.insert(times.end(), result.times.begin(), result.times.end());
   const int without_state = result.observations_without_state;
   const Tracks tracks = tracks_of(perception, result);
-  if (!options.perception.empty() && fs::exists(options.perception / "masks"))
-    fs::copy(options.perception / "masks", pending.path() / "masks", fs::copy_options::recursive);
+  if (fs::exists(perceived / "masks"))
+    fs::copy(perceived / "masks", pending.path() / "masks", fs::copy_options::recursive);
   write_estimate(pending.path(), tracks);
   write_camera_yaml(pending.path() / "camera.yaml", sequence.camera);
-  write_text(pending.path() / "timing.csv", timing_csv(times));
+  write_text(pending.path() / "timing.csv", timing_csv(result.times, read_text(perceived / "timing.csv")));
   write_text(pending.path() / "run.yaml",
              run_yaml(sequence, variant, options, perception, tracks, without_state));
-  fs::remove_all(own_perception);
+  if (is_own) fs::remove_all(perceived);
   pending.commit();
+  warn_of_little(perception, tracks);
 }
 
 void keep_perception(const fs::path& sequence_folder, const Variant& variant,
                      const EstimateOptions& options) {
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
-  std::vector<StageTime> times;
-  kept_perception(sequence, variant, options, options.force, times);
+  kept_perception(sequence, variant, options, options.force);
 }
 
 }  // namespace uniquadric

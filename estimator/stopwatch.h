@@ -14,8 +14,8 @@ struct StageTime {
   double ms = 0;
 };
 
-/// `frame,stage,ms` with a line a stage.
-std::string timing_csv(const std::vector<StageTime>& times);
+/// `frame,stage,ms` with a line a stage, or such lines after those of `text`.
+std::string timing_csv(const std::vector<StageTime>& times, std::string text = "frame,stage,ms\n");
 
 /// Notes the time since it was last asked as that of a stage.
 class Stopwatch {

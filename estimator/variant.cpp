@@ -293,6 +293,7 @@ void visit(Io& io, LongWindowOptions& o) {
   io.positive("outline_sigma_px", o.outline_sigma_px);
   io.choice("outline_noise", o.outline_noise,
             Choices<OutlineNoise>{{"given", OutlineNoise::given}, {"measured", OutlineNoise::measured}});
+  io.flag("segmented_outlines", o.segmented_outlines);
   io.choice("axis_prior", o.axis_prior,
             Choices<AxisPrior>{{"none", AxisPrior::none},
                                {"mean", AxisPrior::mean},
@@ -375,6 +376,12 @@ void visit(Io& io, Variant& o) {
 }
 
 }  // namespace
+
+Variant default_variant() {
+  Variant variant;
+  variant.perception.points.smooth_px = 0;  // windows, which all else is for, take the noise off first
+  return variant;
+}
 
 Variant load_variant(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::load(path);

@@ -52,6 +52,9 @@ struct Variant {
   JoinedOptions joined;  // of Feedback::backend
 };
 
+/// What is estimated when nobody says what: configs/variants/single_frame_obb.yaml.
+Variant default_variant();
+
 /// Reads a variant file (configs/variants). Keys left out have their defaults; an unknown key, a value out of
 /// range or of the wrong kind is an InputError with file and line.
 Variant load_variant(const std::filesystem::path& path);

@@ -145,7 +145,7 @@ void add_estimate(CLI::App& app, Common& common) {
     options.prompts = parse_prompts(prompt);
     require_apart(out, {sequence, variant, perception, options.prompts.path});
     require_apart(perception, {sequence, variant, options.prompts.path});
-    Variant chosen = variant.empty() ? Variant{} : load_variant(variant);
+    Variant chosen = variant.empty() ? default_variant() : load_variant(variant);
     if (as_of->count() > 0) chosen.output = output == "causal" ? Output::causal : Output::final;
     estimate(sequence, chosen, options, out);
   });
@@ -169,7 +169,7 @@ void add_perceive(CLI::App& app, Common& common) {
     options.perception = out;
     options.prompts = parse_prompts(prompt);
     require_apart(out, {sequence, variant, options.prompts.path});
-    keep_perception(sequence, variant.empty() ? Variant{} : load_variant(variant), options);
+    keep_perception(sequence, variant.empty() ? default_variant() : load_variant(variant), options);
   });
 }
 

@@ -48,10 +48,10 @@ void check_gl_library(GlLibrary library) {
 
 // Empties a partial folder of another scene, seed, length or program; a scene without a hash cannot be told
 // from another.
-void discard_other_work(const Scene& scene, const std::string& key, const fs::path& folder) {
-  const fs::path key_file = folder / "key";
+void discard_other_work(const Scene& scene, const std::string& key, const PendingFolder& pending) {
+  const fs::path &folder = pending.path(), key_file = folder / "key";
   if (!scene.hash.empty() && fs::exists(key_file) && read_text(key_file) == key) return;
-  for (const auto& entry : fs::directory_iterator(folder)) fs::remove_all(entry.path());
+  pending.clear();
   create_frame_folders(scene, folder);
   write_text(key_file, key);
 }
@@ -149,7 +149,7 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
   check_gl_library(options.gl);
   PendingFolder pending(out, options.force, true);
   const fs::path& folder = pending.path();
-  discard_other_work(scene, resume_key(scene, options, frames), folder);
+  discard_other_work(scene, resume_key(scene, options, frames), pending);
   const fs::path log_file = folder / "frames.log";
   StageTimes times;
   write_frames(scene, options, frames, folder, log_file, times);

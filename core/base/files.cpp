@@ -58,6 +58,16 @@ int lock_folder(const fs::path& folder, const fs::path& shown) {
   return lock;
 }
 
+// In a partial folder, so that nothing of anybody else is taken for one.
+constexpr const char* kMarker = ".uniquadric_partial";
+
+// A name beside `path` that nothing has.
+fs::path unused_beside(const fs::path& path) {
+  for (int i = 0;; ++i)
+    if (fs::path other = fmt::format("{}.old{}", path.string(), i); !fs::exists(fs::symlink_status(other)))
+      return other;
+}
+
 fs::path without_trailing_slash(fs::path path) {
   return path.has_filename() ? path : path.parent_path();
 }
@@ -73,6 +83,10 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
   if (fs::exists(final_) && !fs::is_directory(final_)) throw InputError(final_, "exists and is not a folder");
   if (!replace && fs::exists(final_) && !fs::is_empty(final_))
     throw InputError(final_, "exists and is not empty; give another folder or --force");
+  if (fs::exists(partial_) && !fs::exists(partial_ / kMarker) &&
+      !(fs::is_directory(partial_) && fs::is_empty(partial_)))
+    throw InputError(partial_, fmt::format("is in the way of {}, and nothing that was left behind; move it",
+                                           final_.filename().string()));
   if (!keep_partial_) {
     const int others = lock_folder(partial_, final_);
     fs::remove_all(partial_, error);
@@ -81,6 +95,7 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
   fs::create_directories(partial_, error);
   if (error) throw InputError(final_, fmt::format("cannot be created: {}", error.message()));
   lock_ = lock_folder(partial_, final_);
+  std::ofstream marker(partial_ / kMarker);  // at once, in a folder that is empty or has it
 }
 
 PendingFolder::~PendingFolder() {
@@ -90,16 +105,21 @@ PendingFolder::~PendingFolder() {
   fs::remove_all(partial_, ignored);
 }
 
+void PendingFolder::clear() const {
+  for (const auto& entry : fs::directory_iterator(partial_))
+    if (entry.path().filename() != kMarker) fs::remove_all(entry.path());
+}
+
 void PendingFolder::commit() {
   if (fs::exists(final_)) {  // swap, so that a reader sees the old folder or the new one
-    const fs::path old = final_.string() + ".old";
-    fs::remove_all(old);
+    const fs::path old = unused_beside(final_);
     fs::rename(final_, old);
     fs::rename(partial_, final_);
     fs::remove_all(old);
   } else {
     fs::rename(partial_, final_);
   }
+  fs::remove(final_ / kMarker);
   committed_ = true;
 }
 

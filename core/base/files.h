@@ -21,13 +21,15 @@ void require_no_dangling_link(const std::filesystem::path& path);
 /// `keep_partial` asks for it to stay for a later resume.
 class PendingFolder {
  public:
-  /// Throws InputError when `final_path` exists as anything but an empty folder or `replace` is false.
+  /// Throws InputError when `final_path` exists as anything but an empty folder and `replace` is false, and
+  /// when OUT.partial exists and no PendingFolder made it.
   PendingFolder(std::filesystem::path final_path, bool replace, bool keep_partial = false);
   ~PendingFolder();
   PendingFolder(const PendingFolder&) = delete;
   PendingFolder& operator=(const PendingFolder&) = delete;
 
   const std::filesystem::path& path() const { return partial_; }
+  void clear() const;  ///< of what an earlier process left in it
   void commit();
 
  private:

@@ -20,14 +20,23 @@ int image_side(const ConfigNode& node, const std::string& key) {
     node.at(key).fail(fmt::format("expected 1 to {} px, found {}", kMaxImageSide, side));
   return side;
 }
+
+// In pixels; outside of a hundredth of the image's side (89 degrees to each side) and a thousand of it (a
+// minute of arc) it is in another unit.
+double focal_length(const ConfigNode& node, const std::string& key, int side_px) {
+  const double focal = node.positive(key);
+  if (focal < 0.01 * side_px || focal > 1000.0 * side_px)
+    node.at(key).fail(fmt::format("expected {} to {} px, found {}", 0.01 * side_px, 1000 * side_px, focal));
+  return focal;
+}
 }  // namespace
 
 Camera read_camera(const ConfigNode& node) {
   Camera camera;
   camera.width = image_side(node, "width");
   camera.height = image_side(node, "height");
-  camera.fx = node.positive("fx");
-  camera.fy = node.positive("fy");
+  camera.fx = focal_length(node, "fx", camera.width);
+  camera.fy = focal_length(node, "fy", camera.height);
   camera.cx = node.get<double>("cx");
   camera.cy = node.get<double>("cy");
   if (const auto distortion = node.find("distortion")) {

@@ -19,6 +19,7 @@ constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at l
 constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
 constexpr double kTurnGain = 4;         // of the cost, for which the axes turn: 8 of chi-square for 3 numbers
 constexpr PoseSigmas kBoxSigmas{0.01, 0.02};  // of the box that most of Alg. 1's agree with
+constexpr int kEnoughSegmented = 3;           // views, without which carried outlines count
 constexpr double kBestViews = 0.5;            // quantile of the views that show most of a side
 constexpr double kRimSpacings = 0.75;         // between points, that they end inside the outline at most
 constexpr double kLeastRim =
@@ -78,6 +79,12 @@ double rim_share(const Shape& shape, const std::vector<PointView>& views, int ax
       shares.begin() + static_cast<std::ptrdiff_t>(kBestViews * static_cast<double>(shares.size() - 1));
   std::nth_element(shares.begin(), at, shares.end());
   return *at;
+}
+
+void drop_carried(std::vector<ShapeView>& views) {
+  const auto is_segmented = [](const ShapeView& view) { return view.silhouette.segmented; };
+  if (std::count_if(views.begin(), views.end(), is_segmented) >= kEnoughSegmented)
+    std::erase_if(views, [&](const ShapeView& view) { return !is_segmented(view); });
 }
 
 }  // namespace
@@ -219,13 +226,18 @@ std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<Accumul
 
 void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
   if (views_.empty()) return;
+  if (options_.long_window.segmented_outlines) drop_carried(views_);
   thin_views(views_, options_.long_window.keyframes);
   const LongWindowOptions& window = options_.long_window;
+  std::vector<StageTime> unasked;
+  std::vector<StageTime>& times = times_ ? *times_ : unasked;
   if (fuses(window.axis_prior) && window.axis_samples == AxisSamples::extents) {
     AxisFusionOptions fusion = options_.fusion;
     fusion.rule = fusion_rule(window.axis_prior);
+    Stopwatch watch(views_.back().frame, times);
     const auto found = shape_by_extents(
         {camera_, views_, boxes_, sphere_belief(), kThinnest * radius_m_, fusion, window}, shape_);
+    watch.stop(kLongWindowStage);
     if (found) {
       shape_ = *found;
       return;
@@ -244,8 +256,7 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
       options.offset_sigmas = kBoxSigmas;
     }
     if (!turns) options.offset_sigmas.rotation_rad = kHeld;
-    std::vector<StageTime> unasked;
-    Stopwatch watch(views_.back().frame, times_ ? *times_ : unasked);
+    Stopwatch watch(views_.back().frame, times);
     ShapeSolution solution = solve_shape(camera_, views_, depth, axis_beliefs(box), from, options);
     watch.stop(kLongWindowStage);
     return solution;

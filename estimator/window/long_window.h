@@ -56,6 +56,9 @@ struct LongWindowOptions {
       1;  // ours: 0 is the ellipsoid (q = 2), 1 the superellipsoid, 3 the one with a top of its own
   double outline_sigma_px = 1.0;  // ours: of one tangent, README.md
   OutlineNoise outline_noise = OutlineNoise::given;
+  // ours: outlines that a mask tracker carried no longer count once segmented ones have come: without depth
+  // edges to hold them they are pixels off on the side where a body uncovers what is behind it
+  bool segmented_outlines = false;
   AxisPrior axis_prior = AxisPrior::none;  // ours: depth_sides say more, where they are seen
   AxisSamples axis_samples = AxisSamples::boxes;
   RigidPrior rigid_prior = RigidPrior::hard;

@@ -43,6 +43,26 @@ TEST(PendingFolder, ReplacesOnlyWhenAsked) {
   EXPECT_TRUE(fs::exists(out / "new.txt"));
 }
 
+TEST(PendingFolder, LeavesFoldersOfOthersAlone) {
+  const TempFolder temp;
+  const fs::path out = temp.path() / "out";
+  fs::create_directories(temp.path() / "out.partial");
+  write_text(temp.path() / "out.partial" / "notes", "mine");
+  for (const bool keep_partial : {false, true})
+    EXPECT_NE(input_error([&] { PendingFolder(out, true, keep_partial); }).find("in the way"),
+              std::string::npos);
+  EXPECT_EQ(read_text(temp.path() / "out.partial" / "notes"), "mine");
+  fs::remove_all(temp.path() / "out.partial");
+  for (const char* name : {"out", "out.old", "out.old0"}) {
+    fs::create_directories(temp.path() / name);
+    write_text(temp.path() / name / "notes", name);
+  }
+  PendingFolder(out, true).commit();
+  EXPECT_TRUE(fs::is_empty(out));
+  EXPECT_EQ(read_text(temp.path() / "out.old" / "notes"), "out.old");
+  EXPECT_EQ(read_text(temp.path() / "out.old0" / "notes"), "out.old0");
+}
+
 TEST(PendingFolder, TakesOneWriterAtATime) {
   const TempFolder temp;
   for (const bool keep_partial : {false, true}) {

@@ -116,5 +116,11 @@ TEST(VariantFile, ThoseOfTheProjectLoadUnderTheirOwnNames) {
   EXPECT_GE(loaded, 1);
 }
 
+TEST(VariantFile, TheDefaultIsTheBaselinesFile) {
+  EXPECT_EQ(variant_yaml(default_variant()),
+            variant_yaml(load_variant(std::string(UNIQUADRIC_SOURCE_DIR) +
+                                      "/configs/variants/single_frame_obb.yaml")));
+}
+
 }  // namespace
 }  // namespace uniquadric
