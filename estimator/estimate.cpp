@@ -63,7 +63,7 @@ Perception perceive_into(const fs::path& folder, const Sequence& sequence, const
   run.quiet = options.quiet;
   run.masks_folder = folder / "masks";
   std::optional<JoinedBackend> joined;
-  const Camera camera = without_distortion(sequence.camera);
+  const Camera camera = perception_camera(sequence, variant.perception);
   if (variant.feedback == Feedback::backend)
     run.feedback = &joined.emplace(camera, variant.body, variant.joined, options.seed);
   fs::create_directories(folder);
@@ -99,8 +99,9 @@ Perception kept_perception(const Sequence& sequence, const Variant& variant, con
     pending.commit();
   }
   Perception perception(folder);
-  if (camera_yaml(perception.camera()) != camera_yaml(without_distortion(sequence.camera)))
-    throw InputError(folder / "camera.yaml", "is not the sequence's camera without distortion");
+  if (camera_yaml(perception.camera()) != camera_yaml(perception_camera(sequence, variant.perception)))
+    throw InputError(folder / "camera.yaml",
+                     "is not the camera that this variant looks at the sequence with");
   return perception;
 }
 

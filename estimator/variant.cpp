@@ -238,6 +238,48 @@ void visit(Io& io, LidarDepthOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, ScanObjectOptions& o) {
+  io.flag("enabled", o.enabled);
+  io.positive("cell_m", o.clusters.cell_m);
+  io.number("ground_tilt_deg", o.clusters.ground_tilt_deg, 0.0, 60.0);
+  io.number("ground_samples", o.clusters.ground_samples, 1, kMaxIterations);
+  io.positive("ground_m", o.clusters.ground_m);
+  io.positive("tolerance_m", o.clusters.tolerance_m);
+  io.number("min_points", o.clusters.min_points, 4, 1'000'000);
+  io.positive("min_height_m", o.clusters.min_height_m);
+  io.positive("max_extent_m", o.clusters.max_extent_m);
+  io.number("window_scans", o.tracker.window_scans, 3, 1000);
+  io.number("confirm_scans", o.tracker.confirm_scans, 1, 1000);
+  io.flag("moving_only", o.tracker.moving_only);
+  io.number("moving_scans", o.tracker.moving_scans, 1, 1000);
+  io.positive("min_speed_mps", o.tracker.min_speed_mps);
+  io.positive("max_stretch_mps", o.tracker.max_stretch_mps);
+  io.number("min_overlap", o.tracker.min_overlap, 0.0, 1.0);
+  io.number("patience_scans", o.tracker.patience_scans, 0, 1000);
+  io.number("width_deg", o.width_deg, 1.0, 160.0);
+  io.number("height_deg", o.height_deg, 1.0, 160.0);
+  io.number("focal_px", o.focal_px, 10.0, 2000.0);
+  io.number("rim_px", o.rim_px, 0.0, 1000.0);
+  io.number("motion_scans", o.motion_scans, 0);
+  io.number("reach_px", o.planes.reach_px, 0.5, 200.0);
+  io.number("neighbours", o.planes.neighbours, 4, 1000);
+  io.number("min_neighbours", o.planes.min_neighbours, 4, 1000);
+  io.number("max_jump", o.planes.max_jump, kLeastJump, kMostJump);
+  io.number("max_points", o.max_points, 1, 1'000'000);
+}
+
+template <typename Io>
+void visit(Io& io, CloudAlignmentOptions& o) {
+  io.number("max_points", o.max_points, 10, 1'000'000);
+  io.positive("point_sigma_m", o.point_sigma_m);
+  io.positive("outline_sigma_px", o.outline_sigma_px);
+  io.positive("far_m", o.far_m);
+  io.positive("near_m", o.near_m);
+  io.positive("max_distance_m", o.max_distance_m);
+  io.positive("max_outline_px", o.max_outline_px);
+}
+
+template <typename Io>
 void visit(Io& io, PerceptionOptions& o) {
   io.section("ego", [&](auto& inner) {
     inner.choice("source", o.ego,
@@ -258,6 +300,7 @@ void visit(Io& io, PerceptionOptions& o) {
   io.section("features", [&](auto& inner) { visit(inner, o.features); });
   io.section("silhouettes", [&](auto& inner) { visit(inner, o.silhouettes); });
   io.section("points", [&](auto& inner) { visit(inner, o.points); });
+  io.section("scan_objects", [&](auto& inner) { visit(inner, o.scan_objects); });
 }
 
 template <typename Io>
@@ -360,6 +403,7 @@ void visit(Io& io, Variant& o) {
   io.section("long_window", [&](auto& inner) { visit(inner, o.body.shape.long_window); });
   io.section("motion_decision", [&](auto& inner) { visit(inner, o.body.motion); });
   io.section("lifecycle", [&](auto& inner) { visit(inner, o.body.lifecycle); });
+  io.section("cloud_alignment", [&](auto& inner) { visit(inner, o.body.alignment); });
   io.section("trajectory", [&](auto& inner) { visit(inner, o.body.trajectory); });
   io.choice("backend", o.backend,
             Choices<Backend>{{"single_frame", Backend::single_frame}, {"windows", Backend::windows}});

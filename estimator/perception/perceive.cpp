@@ -180,27 +180,19 @@ std::int64_t next_stamp_ns(const Sequence& sequence, std::size_t index) {
   return index == 0 ? frames[0].stamp_ns : 2 * frames[index].stamp_ns - frames[index - 1].stamp_ns;
 }
 
-// Without images a frame is a scan's end, and all that is known of it is where the sensor was.
-void perceive_scans(const Sequence& sequence, const LidarEgoOptions& options, PerceptionWriter& out) {
-  LidarEgo lidar(sequence, options);
-  lidar.finish();
-  PerceivedFrame frame;
-  for (const auto& [stamp_ns, pose] : lidar.trajectory()) {
-    frame.stamp_ns = stamp_ns;
-    out.add(frame);
-    ++frame.frame;
-  }
-  out.finish(by_stamp(lidar.trajectory()));
-}
-
 }  // namespace
+
+Camera perception_camera(const Sequence& sequence, const PerceptionOptions& options) {
+  return sequence.frames.empty() ? scan_camera(options.scan_objects) : without_distortion(sequence.camera);
+}
 
 void perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
               PerceptionWriter& out, std::vector<StageTime>& times) {
   if (sequence.frames.empty()) {
     if (options.ego != EgoSource::lidar)
       throw InputError(sequence.folder, "has no images: only `ego: {source: lidar}` can follow it");
-    return perceive_scans(sequence, options.lidar, out);
+    return perceive_scans(sequence, options.lidar, options.scan_objects, options.silhouettes, run.seed,
+                          run.quiet, out, times);
   }
   const bool is_given = options.ego == EgoSource::given;
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;

@@ -12,6 +12,7 @@
 #include "estimator/perception/features.h"
 #include "estimator/perception/lidar_depth.h"
 #include "estimator/perception/perception_files.h"
+#include "estimator/perception/scan_objects.h"
 #include "estimator/perception/segmentation.h"
 #include "estimator/perception/silhouette.h"
 #include "estimator/shape/object_points.h"
@@ -45,6 +46,7 @@ struct PerceptionOptions {
   FeatureOptions features;
   SilhouetteOptions silhouettes;
   PointOptions points;
+  ScanObjectOptions scan_objects;  // of sequences without images
 };
 
 struct PerceiveOptions {
@@ -55,6 +57,10 @@ struct PerceiveOptions {
   bool quiet = false;
   BodyFeedback* feedback = nullptr;  ///< goes along frame by frame; null: nothing does
 };
+
+/// The camera whose pixels perception speaks of: the sequence's without its distortion, or one that scans are
+/// looked at with where there are no images.
+Camera perception_camera(const Sequence& sequence, const PerceptionOptions& options);
 
 /// The perception stage: masks, outlines, feature tracks, depth points and the camera's poses of every frame,
 /// in their order, written as they are known. The same for any number of threads. `times` receives what each

@@ -71,8 +71,8 @@ std::vector<LidarPoint> LidarRoom::scan(int scan) const {
     const double u = static_cast<double>(i) / points;
     LidarPoint point;
     point.offset_ns = static_cast<std::uint32_t>(1e9 * u / rate_hz);
-    const Pose pose =
-        world_from_lidar(1e-9 * static_cast<double>(scan_start_ns(scan) - start_ns + point.offset_ns));
+    const double time_s = 1e-9 * static_cast<double>(scan_start_ns(scan) - start_ns + point.offset_ns);
+    const Pose pose = world_from_lidar(time_s);
     const Vector3d beam = direction(pattern, u, i + std::int64_t{points} * scan);
     const Vector3d ray = pose.rotation * beam;
     double range = std::numeric_limits<double>::max();
@@ -81,6 +81,9 @@ std::vector<LidarPoint> LidarRoom::scan(int scan) const {
           range, (half_size_m[k] - std::copysign(1.0, ray[k]) * pose.translation[k]) / std::abs(ray[k]));
     for (const Box& box : kCupboards)
       range = std::min(range, range_to(box, pose.translation, ray).value_or(range));
+    if (const Vector3d at = mover_m(time_s); mover_half_m.x() > 0)
+      range = std::min(
+          range, range_to({at - mover_half_m, at + mover_half_m}, pose.translation, ray).value_or(range));
     const Eigen::Vector3f p = ((range + range_sigma_m * random.normal()) * beam).cast<float>();
     point.x = p.x(), point.y = p.y(), point.z = p.z();
     result.push_back(point);

@@ -24,7 +24,13 @@ struct LidarRoom {
   Eigen::Vector3d gyroscope_bias_radps = Eigen::Vector3d::Zero(),
                   accelerometer_bias_mps2 = Eigen::Vector3d::Zero();
 
+  /// A box that goes through the room at a constant velocity, none where its half size is 0.
+  Eigen::Vector3d mover_half_m = Eigen::Vector3d::Zero(), mover_start_m = Eigen::Vector3d::Zero(),
+                  mover_velocity_mps = Eigen::Vector3d::Zero();
+
   Pose world_from_lidar(double time_s) const;
+  /// Centre of the box that moves.
+  Eigen::Vector3d mover_m(double time_s) const { return mover_start_m + time_s * mover_velocity_mps; }
   std::int64_t scan_start_ns(int scan) const;
   std::vector<LidarPoint> scan(int scan) const;
   /// At the LiDAR's own place and axes.

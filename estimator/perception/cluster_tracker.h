@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+namespace uniquadric {
+
+/// All numbers are ours, chosen on subway_car.
+struct ClusterTrackerOptions {
+  int window_scans = 6;          // that a velocity is taken from
+  int confirm_scans = 5;         // seen so often a track can be a body
+  bool moving_only = true;       // of what does not move nobody can say whether it is a body or a house
+  int moving_scans = 3;          // in a row that it has to be seen to move in, once
+  double min_speed_mps = 0.7;    // and its speed then
+  double max_stretch_mps = 0.7;  // by which its two ends may move apart then
+  double min_overlap = 0.3;      // of the smaller box along the ground, where the last one should be now
+  int patience_scans = 8;        // without a cluster, until a track ends
+};
+
+/// The box of a cluster along the world's axes.
+struct ClusterBox {
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  ///< [m]
+  /// Whether the ends at -x, +x, -y, +y are where the sensor's view ends, not the body.
+  std::array<bool, 4> cut{};
+};
+
+/// A cluster that belongs to a track.
+struct TrackedCluster {
+  int id = 0;
+  Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();  ///< along the ground
+  int seen_as_body = 0;                                    ///< scans, this one too; 0: not confirmed yet
+};
+
+/// Clusters over time: boxes go on at constant velocity and take the clusters that they overlap most
+/// (Hungarian). The velocity is that of the ends in view, by least squares over the last scans.
+class ClusterTracker {
+ public:
+  explicit ClusterTracker(const ClusterTrackerOptions& options) : options_(options) {}
+
+  /// The clusters of the next scan: the track of each. Stamps in order.
+  std::vector<TrackedCluster> track(std::int64_t stamp_ns, const std::vector<ClusterBox>& clusters);
+
+ private:
+  struct Sight {
+    std::int64_t stamp_ns = 0;
+    ClusterBox box;
+  };
+  struct Track {
+    int id = 0, seen = 0, seen_as_body = 0, missed = 0, moving = 0;
+    bool moved = false;
+    std::deque<Sight> sights;
+    Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
+  };
+  void add(Track& track, std::int64_t stamp_ns, const ClusterBox& box);
+
+  ClusterTrackerOptions options_;
+  std::vector<Track> tracks_;
+  int last_id_ = 0;
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,296 @@
+#include "estimator/perception/scan_objects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "core/base/progress.h"
+#include "estimator/perception/lidar_stream.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kNearest = 0.5;  // [m] before the camera
+constexpr std::uint16_t kNobody = 0xffff;
+constexpr double kEnd = 0.3;          // [m] from a cluster's end that its last points are within
+constexpr float kNearer = 2;          // [m] than a body is what may hide a part of it
+constexpr double kFarOutside = 4000;  // [px]
+
+struct ScanPoints {
+  Eigen::Matrix3Xd world;           // where the sensor saw them
+  std::vector<double> ago_s;        // before the scan's end
+  std::vector<cv::Point2f> pixels;  // kFarOutside where the camera cannot see them
+  std::vector<float> depths_m;      // z of the camera then
+};
+
+cv::Point2f pixel_or_far(const Camera& camera, const Eigen::Vector3d& in_camera) {
+  if (in_camera.z() < kNearest) return {kFarOutside, kFarOutside};
+  const Eigen::Vector2d p =
+      (camera.matrix() * in_camera).hnormalized().cwiseMax(-kFarOutside).cwiseMin(kFarOutside);
+  return {static_cast<float>(p.x()), static_cast<float>(p.y())};
+}
+
+// The nearest of what stands on the ground, in coarse cells of the image.
+class NearestDepth {
+ public:
+  NearestDepth(const ScanPoints& points, const std::optional<GroundPlane>& ground, double ground_m,
+               const Camera& camera, double cell_px)
+      : cell_px_(std::max(1.0, cell_px)),
+        depths_m_(cell(camera.height) + 1, cell(camera.width) + 1, CV_32FC1, cv::Scalar(kFarOutside)) {
+    for (std::size_t i = 0; i < points.pixels.size(); ++i) {
+      if (ground && ground->height_of(points.world.col(static_cast<Eigen::Index>(i))) < ground_m) continue;
+      const cv::Point at(cell(points.pixels[i].x), cell(points.pixels[i].y));
+      if (!cv::Rect({}, depths_m_.size()).contains(at)) continue;
+      float& depth_m = depths_m_.at<float>(at);
+      depth_m = std::min(depth_m, points.depths_m[i]);
+    }
+  }
+  /// In the cells around a pixel.
+  double around(const cv::Point2f& pixel) const {
+    const cv::Rect part =
+        cv::Rect(cell(pixel.x) - 1, cell(pixel.y) - 1, 3, 3) & cv::Rect({}, depths_m_.size());
+    double least = kFarOutside;
+    if (!part.empty()) cv::minMaxLoc(depths_m_(part), &least);
+    return least;
+  }
+
+ private:
+  int cell(double pixel) const { return static_cast<int>(std::floor(pixel / cell_px_)); }
+  double cell_px_;
+  cv::Mat depths_m_;
+};
+
+// Where the sensor looks, by what it has seen so far.
+void widen(const std::vector<cv::Point2f>& pixels, std::vector<cv::Point2f>& hull) {
+  std::vector<cv::Point2f> all = hull;
+  all.insert(all.end(), pixels.begin(), pixels.end());
+  if (!all.empty()) cv::convexHull(all, hull);
+}
+
+class ScanObjects {
+ public:
+  ScanObjects(const ScanObjectOptions& options, const SilhouetteOptions& silhouettes, std::uint64_t seed)
+      : options_(options),
+        silhouettes_(silhouettes),
+        seed_(seed),
+        camera_(scan_camera(options)),
+        tracker_(options.tracker) {}
+
+  std::vector<BodyObservation> look(std::int64_t frame, std::int64_t stamp_ns, const Pose& world_from_camera,
+                                    const ScanPoints& points) {
+    widen(points.pixels, view_);
+    const auto ground = find_ground(points.world, options_.clusters, seed_, frame);
+    const auto clusters = clusters_above(points.world, ground, options_.clusters);
+    const NearestDepth nearest(points, ground, options_.clusters.ground_m, camera_, options_.rim_px);
+    std::vector<ClusterBox> boxes;
+    for (const auto& cluster : clusters) boxes.push_back(box_of(points, cluster, nearest));
+    const std::vector<TrackedCluster> tracked = tracker_.track(stamp_ns, boxes);
+    std::vector<Seen> seen;
+    for (std::size_t i = 0; i < clusters.size(); ++i)
+      if (auto one = seen_at_end(points, clusters[i], tracked[i], world_from_camera))
+        seen.push_back(std::move(*one));
+    std::vector<BodyObservation> bodies = observe(frame, seen);
+    add_motions(seen, stamp_ns, world_from_camera, bodies);
+    last_ = {stamp_ns, world_from_camera};
+    return bodies;
+  }
+
+ private:
+  struct Seen {
+    TrackedCluster track;
+    std::vector<ImagePoint> points;
+    std::vector<cv::Point> hull;
+    double depth_m = 0;
+  };
+
+  bool at_rim(const cv::Point2f& pixel) const {
+    const auto rim = static_cast<float>(options_.rim_px);
+    return pixel.x < rim || pixel.y < rim || pixel.x > static_cast<float>(camera_.width) - rim ||
+           pixel.y > static_cast<float>(camera_.height) - rim ||
+           cv::pointPolygonTest(view_, pixel, true) < rim;
+  }
+
+  // Whether a body may go on beyond a point of it: the view ends there, or something nearer begins.
+  bool is_cut(const ScanPoints& points, int i, const NearestDepth& nearest) const {
+    return at_rim(points.pixels[i]) || nearest.around(points.pixels[i]) < points.depths_m[i] - kNearer;
+  }
+
+  ClusterBox box_of(const ScanPoints& points, const std::vector<int>& cluster,
+                    const NearestDepth& nearest) const {
+    ClusterBox box;
+    box.low = box.high = points.world.col(cluster.front());
+    for (const int i : cluster) {
+      box.low = box.low.cwiseMin(points.world.col(i));
+      box.high = box.high.cwiseMax(points.world.col(i));
+    }
+    std::array<int, 4> last{}, cut{};
+    for (const int i : cluster)
+      for (int side = 0; side < 4; ++side) {
+        const double x = points.world(side / 2, i);
+        if (side % 2 ? x < box.high[side / 2] - kEnd : x > box.low[side / 2] + kEnd) continue;
+        ++last[side];
+        cut[side] += is_cut(points, i, nearest);
+      }
+    for (int side = 0; side < 4; ++side) box.cut[side] = 2 * cut[side] > last[side];
+    return box;
+  }
+
+  // A cluster as the camera would see it at the scan's end; nothing where it would not.
+  std::optional<Seen> seen_at_end(const ScanPoints& points, const std::vector<int>& cluster,
+                                  const TrackedCluster& track, const Pose& world_from_camera) const {
+    Seen seen;
+    seen.track = track;
+    const Pose camera_from_world = world_from_camera.inverse();
+    std::vector<cv::Point> pixels;
+    std::vector<double> depths;
+    for (const int i : cluster) {
+      Eigen::Vector3d p = points.world.col(i);
+      p.head<2>() += track.velocity_mps * points.ago_s[i];
+      const Eigen::Vector3d in_camera = camera_from_world * p;
+      if (in_camera.z() < kNearest) return std::nullopt;
+      const Eigen::Vector2d pixel = (camera_.matrix() * in_camera).hnormalized();
+      if (!camera_.contains(pixel)) return std::nullopt;
+      seen.points.push_back({pixel, 1 / in_camera.z()});
+      pixels.emplace_back(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())));
+      depths.push_back(in_camera.z());
+    }
+    cv::convexHull(pixels, seen.hull);
+    std::nth_element(depths.begin(), depths.begin() + std::ssize(depths) / 2, depths.end());
+    seen.depth_m = depths[depths.size() / 2];
+    return seen;
+  }
+
+  // Clusters drawn as their hulls, near ones over far ones, in what the sensor can see.
+  std::map<int, Silhouette> outlines(const std::vector<Seen>& seen) const {
+    cv::Mat masks(camera_.height, camera_.width, CV_16UC1, cv::Scalar(kNobody));
+    cv::Mat depth(masks.size(), CV_32FC1, cv::Scalar(kNearest));
+    std::vector<cv::Point> view;
+    for (const cv::Point2f& p : view_) view.emplace_back(p);
+    if (view.size() >= 3) {
+      cv::fillConvexPoly(masks, view, cv::Scalar(0));
+      cv::fillConvexPoly(depth, view, cv::Scalar(0));
+    }
+    std::vector<const Seen*> order;
+    for (const Seen& one : seen) order.push_back(&one);
+    std::stable_sort(order.begin(), order.end(),
+                     [](const Seen* a, const Seen* b) { return a->depth_m > b->depth_m; });
+    for (const Seen* one : order) {
+      const bool is_body = one->track.seen_as_body > 0;
+      cv::fillConvexPoly(masks, one->hull,
+                         cv::Scalar(is_body ? static_cast<double>(one - seen.data()) + 1 : kNobody));
+      cv::fillConvexPoly(depth, one->hull, cv::Scalar(one->depth_m));
+    }
+    return silhouettes(masks, depth, camera_, silhouettes_);
+  }
+
+  std::vector<BodyObservation> observe(std::int64_t frame, const std::vector<Seen>& seen) const {
+    auto silhouettes = outlines(seen);
+    std::vector<BodyObservation> bodies;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (seen[i].track.seen_as_body == 0) continue;
+      BodyObservation& body = bodies.emplace_back();
+      body.id = seen[i].track.id;
+      PointPlaneOptions planes = options_.planes;
+      planes.one_body = true;
+      SurfacePoints surface =
+          surface_points(point_planes(seen[i].points, planes), camera_, options_.max_points);
+      body.points = std::move(surface.points);
+      body.normals = std::move(surface.normals);
+      const auto found = silhouettes.find(static_cast<int>(i) + 1);
+      if (found == silhouettes.end()) continue;
+      found->second.segmented = true;
+      found->second.known_at_frame = frame;
+      body.silhouette = std::move(found->second);
+    }
+    return bodies;
+  }
+
+  void add_motions(const std::vector<Seen>& seen, std::int64_t stamp_ns, const Pose& world_from_camera,
+                   std::vector<BodyObservation>& bodies) const {
+    if (!last_) return;
+    for (const Seen& one : seen)
+      for (BodyObservation& body : bodies) {
+        if (body.id != one.track.id || one.track.seen_as_body > options_.motion_scans) continue;
+        Pose moved;
+        moved.translation.head<2>() =
+            one.track.velocity_mps * (1e-9 * static_cast<double>(stamp_ns - last_->stamp_ns));
+        body.motion = world_from_camera.inverse() * moved * last_->pose;
+      }
+  }
+
+  ScanObjectOptions options_;
+  SilhouetteOptions silhouettes_;
+  std::uint64_t seed_;
+  Camera camera_;
+  ClusterTracker tracker_;
+  std::vector<cv::Point2f> view_;  // hull of all pixels so far
+  std::optional<StampedPose> last_;
+};
+
+ScanPoints points_at(const std::vector<TimedPoint>& timed, std::int64_t end_ns, const LidarOdometry& path,
+                     const Pose& camera_from_lidar, const Camera& camera) {
+  ScanPoints points;
+  std::vector<Eigen::Vector3d> world;
+  for (const TimedPoint& p : timed) {
+    const auto pose = path.world_from_camera(p.stamp_ns);
+    if (!pose) continue;
+    const Eigen::Vector3d in_camera = camera_from_lidar * Eigen::Vector3d(p.lidar.cast<double>());
+    world.push_back(*pose * in_camera);
+    points.ago_s.push_back(1e-9 * static_cast<double>(end_ns - p.stamp_ns));
+    points.pixels.push_back(pixel_or_far(camera, in_camera));
+    points.depths_m.push_back(static_cast<float>(in_camera.z()));
+  }
+  points.world.resize(3, std::ssize(world));
+  for (std::size_t i = 0; i < world.size(); ++i) points.world.col(static_cast<Eigen::Index>(i)) = world[i];
+  return points;
+}
+
+}  // namespace
+
+Camera scan_camera(const ScanObjectOptions& options) {
+  const auto side = [&](double angle_deg) {
+    return 2 * static_cast<int>(options.focal_px * std::tan(angle_deg / 2 * std::numbers::pi / 180));
+  };
+  Camera camera;
+  camera.fx = camera.fy = options.focal_px;
+  camera.width = side(options.width_deg), camera.height = side(options.height_deg);
+  camera.cx = (camera.width - 1) / 2.0, camera.cy = (camera.height - 1) / 2.0;
+  return camera;
+}
+
+void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const ScanObjectOptions& options,
+                    const SilhouetteOptions& silhouettes, std::uint64_t seed, bool quiet,
+                    PerceptionWriter& out, std::vector<StageTime>& times) {
+  LidarEgo lidar(sequence, ego);
+  lidar.finish();
+  const Trajectory trajectory = lidar.trajectory();
+  LidarStream stream(sequence);
+  ScanObjects objects(options, silhouettes, seed);
+  Progress progress("perceive", std::ssize(trajectory), quiet);
+  PerceivedFrame frame;
+  std::map<std::int64_t, Pose> poses;
+  for (const auto& [stamp_ns, pose] : trajectory) {
+    Stopwatch watch(frame.frame, times);
+    frame.stamp_ns = stamp_ns;
+    frame.bodies.clear();
+    if (options.enabled) {
+      const ScanPoints points = points_at(stream.take(stamp_ns), stamp_ns, lidar.odometry(),
+                                          sequence.lidar->camera_from_lidar, scan_camera(options));
+      frame.bodies = objects.look(frame.frame, stamp_ns, pose, points);
+      frame.has_masks = true;
+      std::sort(frame.bodies.begin(), frame.bodies.end(),
+                [](const auto& a, const auto& b) { return a.id < b.id; });
+      watch.stop("clusters");
+    }
+    out.add(frame);
+    poses.emplace(stamp_ns, pose);
+    ++frame.frame;
+    progress.advance();
+  }
+  out.finish(poses);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,153 @@
+#include "estimator/shape/lidar_clusters.h"
+
+#include <pcl/kdtree/kdtree_flann.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+#include "core/base/random.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kVoxelShare = 1.0 / 3;  // of the tolerance: points of one voxel hang together anyhow
+
+std::vector<Eigen::Vector3d> lowest_points(const Eigen::Matrix3Xd& points, double cell_m) {
+  std::map<std::array<int, 2>, Eigen::Vector3d> lowest;
+  for (const auto& p : points.colwise()) {
+    const std::array<int, 2> cell{static_cast<int>(std::floor(p.x() / cell_m)),
+                                  static_cast<int>(std::floor(p.y() / cell_m))};
+    const auto [at, is_new] = lowest.try_emplace(cell, p);
+    if (!is_new && p.z() < at->second.z()) at->second = p;
+  }
+  std::vector<Eigen::Vector3d> result;
+  for (const auto& [cell, point] : lowest) result.push_back(point);
+  return result;
+}
+
+std::optional<GroundPlane> plane_through(const std::array<Eigen::Vector3d, 3>& p) {
+  Eigen::Matrix3d rows;
+  Eigen::Vector3d heights;
+  for (int i = 0; i < 3; ++i) {
+    rows.row(i) << p[i].x(), p[i].y(), 1;
+    heights[i] = p[i].z();
+  }
+  Eigen::Matrix3d inverse;
+  bool invertible = false;
+  rows.computeInverseWithCheck(inverse, invertible, 1e-3);
+  if (!invertible) return std::nullopt;
+  const Eigen::Vector3d plane = inverse * heights;
+  return GroundPlane{plane.head<2>(), plane.z()};
+}
+
+int root(std::vector<int>& parent, int i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+struct Voxels {
+  std::vector<int> of_point;  // -1: of the ground
+  std::vector<Eigen::Vector3d> means;
+};
+
+Voxels voxels_above(const Eigen::Matrix3Xd& points, const std::optional<GroundPlane>& ground,
+                    const LidarClusterOptions& options) {
+  Voxels voxels;
+  std::map<std::array<int, 3>, int> known;
+  std::vector<int> counts;
+  for (const auto& p : points.colwise()) {
+    voxels.of_point.push_back(-1);
+    if (ground && ground->height_of(p) < options.ground_m) continue;
+    const Eigen::Vector3d cell = (p / (kVoxelShare * options.tolerance_m)).array().floor();
+    const std::array<int, 3> key{static_cast<int>(cell.x()), static_cast<int>(cell.y()),
+                                 static_cast<int>(cell.z())};
+    const auto [at, is_new] = known.try_emplace(key, static_cast<int>(counts.size()));
+    if (is_new) {
+      counts.push_back(0);
+      voxels.means.emplace_back(Eigen::Vector3d::Zero());
+    }
+    voxels.of_point.back() = at->second;
+    voxels.means[at->second] += p;
+    ++counts[at->second];
+  }
+  for (std::size_t i = 0; i < counts.size(); ++i) voxels.means[i] /= counts[i];
+  return voxels;
+}
+
+// Which voxels hang together: the number of each one's part.
+std::vector<int> parts_of(const std::vector<Eigen::Vector3d>& means, double tolerance_m) {
+  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (const auto& p : means)
+    cloud->push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
+  pcl::KdTreeFLANN<pcl::PointXYZ> tree;
+  tree.setInputCloud(cloud);
+  std::vector<int> parent(means.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  pcl::Indices near;
+  std::vector<float> squares;
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    tree.radiusSearch((*cloud)[i], tolerance_m, near, squares);
+    for (const int j : near) {
+      const int a = root(parent, static_cast<int>(i)), b = root(parent, j);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = root(parent, static_cast<int>(i));
+  return parent;
+}
+
+bool is_body(const Eigen::Matrix3Xd& points, const std::vector<int>& cluster,
+             const LidarClusterOptions& options) {
+  if (std::ssize(cluster) < options.min_points) return false;
+  Eigen::Vector3d low = points.col(cluster.front()), high = low;
+  for (const int i : cluster) low = low.cwiseMin(points.col(i)), high = high.cwiseMax(points.col(i));
+  const Eigen::Vector3d size = high - low;
+  return size.z() >= options.min_height_m && size.head<2>().norm() <= options.max_extent_m;
+}
+
+}  // namespace
+
+std::optional<GroundPlane> find_ground(const Eigen::Matrix3Xd& points, const LidarClusterOptions& options,
+                                       std::uint64_t seed, std::int64_t scan) {
+  const std::vector<Eigen::Vector3d> lowest = lowest_points(points, options.cell_m);
+  if (lowest.size() < 3) return std::nullopt;
+  RandomStream random(seed, "ground", static_cast<std::uint64_t>(scan));
+  const double most_slope = std::tan(options.ground_tilt_deg * std::numbers::pi / 180);
+  std::optional<GroundPlane> best;
+  std::ptrdiff_t most = 2;
+  const auto lies_on = [&](const GroundPlane& plane) {
+    return std::count_if(lowest.begin(), lowest.end(), [&](const Eigen::Vector3d& p) {
+      return std::abs(plane.height_of(p)) < options.ground_m / 2;
+    });
+  };
+  for (int i = 0; i < options.ground_samples; ++i) {
+    std::array<Eigen::Vector3d, 3> sample;
+    for (auto& p : sample) p = lowest[random.below(static_cast<std::uint32_t>(lowest.size()))];
+    const auto plane = plane_through(sample);
+    if (!plane || plane->slope.norm() > most_slope) continue;
+    if (const auto count = lies_on(*plane); count > most) best = plane, most = count;
+  }
+  return best;
+}
+
+std::vector<std::vector<int>> clusters_above(const Eigen::Matrix3Xd& points,
+                                             const std::optional<GroundPlane>& ground,
+                                             const LidarClusterOptions& options) {
+  const Voxels voxels = voxels_above(points, ground, options);
+  if (voxels.means.empty()) return {};
+  const std::vector<int> parts = parts_of(voxels.means, options.tolerance_m);
+  std::map<int, std::vector<int>> by_part;  // parts are named by their first voxel, voxels in points' order
+  for (std::size_t i = 0; i < voxels.of_point.size(); ++i)
+    if (voxels.of_point[i] >= 0) by_part[parts[voxels.of_point[i]]].push_back(static_cast<int>(i));
+  std::vector<std::vector<int>> clusters;
+  for (auto& [part, cluster] : by_part)
+    if (is_body(points, cluster, options)) clusters.push_back(std::move(cluster));
+  return clusters;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace uniquadric {
+
+/// All numbers are ours, chosen on subway_car.
+struct LidarClusterOptions {
+  double cell_m = 1;           // whose lowest point speaks for the ground there
+  double ground_tilt_deg = 6;  // of the ground at most
+  int ground_samples = 200;    // planes that are tried
+  double ground_m = 0.2;       // what is no higher above the ground is the ground
+  double tolerance_m = 0.7;    // between points of one body
+  int min_points = 30;         // of a body
+  double min_height_m = 0.5;   // kerbs and rails are lower
+  double max_extent_m = 24;    // along the ground: what is longer is a wall
+};
+
+/// The ground as height over a place: z = offset_m + slope . (x, y).
+struct GroundPlane {
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  double offset_m = 0;
+  double height_of(const Eigen::Vector3d& point) const {
+    return point.z() - offset_m - slope.dot(point.head<2>());
+  }
+};
+
+/// The plane that most cells' lowest points lie on, of those that are nearly level (RANSAC; `seed` and `scan`
+/// name its random numbers). Points (3 x n) in a world whose z is up. Nothing where fewer than three cells
+/// have points or none agree.
+std::optional<GroundPlane> find_ground(const Eigen::Matrix3Xd& points, const LidarClusterOptions& options,
+                                       std::uint64_t seed, std::int64_t scan);
+
+/// Points that hang together above the ground: their numbers, in increasing order; clusters in the order of
+/// their first points. Too small, too low and too large ones are left out.
+std::vector<std::vector<int>> clusters_above(const Eigen::Matrix3Xd& points,
+                                             const std::optional<GroundPlane>& ground,
+                                             const LidarClusterOptions& options);
+
+}  // namespace uniquadric

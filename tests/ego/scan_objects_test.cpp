@@ -1,0 +1,227 @@
+#include "estimator/perception/scan_objects.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/base/random.h"
+#include "core/sequence/tracks.h"
+#include "estimator/estimate.h"
+#include "tests/ego/lidar_room.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+using Eigen::Vector3d;
+
+// Points of an upright rectangle or a level one: from `low` to `high`, one of the extents being none.
+void add_grid(const Vector3d& low, const Vector3d& high, double step_m, std::vector<Vector3d>& points) {
+  const Eigen::Vector3i counts = ((high - low) / step_m).cast<int>();
+  for (int i = 0; i <= counts.x(); ++i)
+    for (int j = 0; j <= counts.y(); ++j)
+      for (int k = 0; k <= counts.z(); ++k) points.push_back(low + step_m * Vector3d(i, j, k));
+}
+
+Eigen::Matrix3Xd matrix_of(const std::vector<Vector3d>& points) {
+  Eigen::Matrix3Xd result(3, std::ssize(points));
+  for (std::size_t i = 0; i < points.size(); ++i) result.col(static_cast<Eigen::Index>(i)) = points[i];
+  return result;
+}
+
+TEST(LidarClusters, GroundIsTheSlopeUnderEverything) {
+  std::vector<Vector3d> points;
+  RandomStream random(1, "test");
+  add_grid({-20, -20, 0}, {20, 20, 0}, 0.5, points);
+  for (auto& p : points) p.z() = -2 + 0.05 * p.x() - 0.02 * p.y() + 0.02 * random.normal();
+  add_grid({0, 0, 1.5}, {12, 12, 1.5}, 0.3, points);  // a roof, level and dense
+  add_grid({-20, 8, -3}, {20, 8, 5}, 0.3, points);    // a wall
+  const auto ground = find_ground(matrix_of(points), {}, 3, 0);
+  ASSERT_TRUE(ground);
+  for (const Vector3d& p : {Vector3d(-15, -15, 0), Vector3d(15, -15, 0), Vector3d(0, 5, 0)})
+    EXPECT_NEAR(ground->height_of(p), 2 - 0.05 * p.x() + 0.02 * p.y(),
+                0.08);  // m: the lowest points lie lower
+  std::vector<Vector3d> wall;
+  add_grid({-20, 8, -3}, {20, 8, 5}, 0.3, wall);
+  EXPECT_FALSE(find_ground(matrix_of(wall), {}, 3, 0));
+}
+
+TEST(LidarClusters, BodiesApartFromWallsAndKerbs) {
+  std::vector<Vector3d> points;
+  add_grid({0, 0, 0}, {0, 2, 1.5}, 0.2, points);
+  const auto first = std::ssize(points);
+  add_grid({0, 3.1, 0}, {0, 5, 1.5}, 0.2, points);  // 1.1 m from the first one
+  const auto second = std::ssize(points);
+  add_grid({8, -20, 0}, {8, 20, 4}, 0.2, points);     // a wall
+  add_grid({4, 0, 0}, {4, 4, 0.3}, 0.2, points);      // a kerb
+  add_grid({20, 0, 0}, {20, 0.4, 0.6}, 0.3, points);  // too few points
+  const auto clusters = clusters_above(matrix_of(points), GroundPlane{{0, 0}, -0.5}, {});
+  ASSERT_EQ(clusters.size(), 2u);
+  EXPECT_EQ(std::ssize(clusters[0]), first);
+  EXPECT_EQ(std::ssize(clusters[1]), second - first);
+  EXPECT_EQ(clusters[1].front(), first);
+  LidarClusterOptions wide;
+  wide.tolerance_m = 1.8;
+  EXPECT_EQ(clusters_above(matrix_of(points), GroundPlane{{0, 0}, -0.5}, wide).size(), 1u);
+}
+
+ClusterBox box_at(double x, double y, double length_m = 4, double width_m = 2) {
+  return {{x - length_m / 2, y - width_m / 2, 0}, {x + length_m / 2, y + width_m / 2, 1.5}, {}};
+}
+
+std::int64_t stamp(int scan) {
+  return 100'000'000 * std::int64_t{scan};
+}
+
+TEST(ClusterTracker, BodiesKeepTheirIdsAndVelocitiesAsTheyPass) {
+  ClusterTracker tracker{{}};
+  std::array<int, 2> ids{};
+  for (int i = 0; i < 40; ++i) {
+    const double t = 0.1 * i;
+    std::vector<ClusterBox> boxes = {box_at(5 * t, 0), box_at(20 - 8 * t, 3)};
+    if (i % 2) std::swap(boxes[0], boxes[1]);  // no order is promised
+    const bool hidden = i > 20 && i < 25;      // the second one
+    if (hidden) boxes.erase(boxes.begin() + (i % 2 ? 0 : 1));
+    const auto tracked = tracker.track(stamp(i), boxes);
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+      const int which = boxes[k].low.y() < 0 ? 0 : 1;
+      if (i == 0) ids[which] = tracked[k].id;
+      EXPECT_EQ(tracked[k].id, ids[which]) << i;
+      EXPECT_EQ(tracked[k].seen_as_body > 0, i >= 4) << i;
+      if (i >= 2) {
+        EXPECT_NEAR(tracked[k].velocity_mps.x(), which ? -8 : 5, 1e-9);
+        EXPECT_NEAR(tracked[k].velocity_mps.y(), 0, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(ClusterTracker, WhatIsUncoveredOrStandsIsNoBody) {
+  ClusterTracker tracker{{}};
+  for (int i = 0; i < 20; ++i) {
+    const double t = 0.1 * i;
+    ClusterBox uncovered = box_at(0, 0), entering = box_at(20, 0);
+    uncovered.high.x() += 2 * t;  // one end stays, a shadow's goes
+    entering.high.x() += 2 * t;   // one end is that of the view: the other one tells
+    entering.cut = {true, false, false, false};
+    const auto tracked = tracker.track(stamp(i), {uncovered, entering, box_at(40, 0)});
+    for (const TrackedCluster& cluster : tracked) EXPECT_EQ(cluster.seen_as_body, 0);
+    if (i < 2) continue;
+    EXPECT_NEAR(tracked[1].velocity_mps.x(), 2, 1e-9);
+  }
+  ClusterTrackerOptions all;
+  all.moving_only = false;
+  ClusterTracker any{all};
+  for (int i = 0; i < 6; ++i)
+    EXPECT_EQ(any.track(stamp(i), {box_at(40, 0)})[0].seen_as_body, std::max(0, i - 3));
+}
+
+// A box comes through a room towards a swaying LiDAR, which has no camera.
+class LidarAlone : public testing::Test {
+ protected:
+  LidarAlone() {
+    room_.pattern = LidarRoom::Pattern::forward;
+    room_.points = 20'000;
+    room_.range_sigma_m = 0.01;
+    room_.vigour = 0.3;
+    room_.mover_half_m = {0.7, 0.5, 0.6};
+    room_.half_size_m.x() = 12;
+    room_.mover_start_m = {9, -1.4, -1.88};
+    room_.mover_velocity_mps = {-1.5, 0.3, 0};
+    Sequence sequence;
+    sequence.name = "room";
+    sequence.rate_hz = 10;
+    sequence.lidar.emplace();
+    sequence.lidar->pattern = "forward";
+    sequence.lidar->camera_from_lidar = {Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5), {0.1, 0.2, -0.05}};
+    std::filesystem::create_directories(temp_.path() / "sequence/lidar");
+    for (int i = 0; i < kScans; ++i) {
+      sequence.scans.push_back({room_.scan_start_ns(i), fmt::format("lidar/{}.pcd", i)});
+      write_lidar_points(folder() / sequence.scans.back().file, room_.scan(i));
+    }
+    write_sequence_index(folder(), sequence);
+    std::filesystem::remove(folder() / "rgb.txt");
+    variant_ =
+        load_variant(std::filesystem::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/lidar_only.yaml");
+    variant_.perception.scan_objects.clusters.tolerance_m = 0.3;
+    variant_.perception.scan_objects.clusters.max_extent_m = 4;
+  }
+  std::filesystem::path folder() const { return temp_.path() / "sequence"; }
+  Pose room_from_camera(std::int64_t stamp_ns) const {
+    return room_.world_from_lidar(1e-9 * static_cast<double>(stamp_ns)) *
+           open_sequence(folder()).lidar->camera_from_lidar.inverse();
+  }
+  // Distance of a point from the moving box's surface.
+  double off_mover_m(const Vector3d& point, std::int64_t stamp_ns) const {
+    const Eigen::Array3d off = (point - room_.mover_m(1e-9 * static_cast<double>(stamp_ns))).array().abs() -
+                               room_.mover_half_m.array();
+    return off.maxCoeff() > 0 ? off.max(0).matrix().norm() : -off.maxCoeff();
+  }
+
+  static constexpr int kScans = 26;
+  TempFolder temp_;
+  LidarRoom room_;
+  Variant variant_;
+};
+
+TEST_F(LidarAlone, PointsOfTheBodyLieOnItAtTheScansEnd) {
+  EstimateOptions options;
+  options.quiet = true;
+  options.threads = 1;
+  options.perception = temp_.path() / "perception";
+  keep_perception(folder(), variant_, options);
+  const Perception perception(options.perception);
+  std::set<int> ids;
+  int seen = 0;
+  std::vector<double> off_m;
+  for (std::size_t i = 0; i < perception.frames().size(); ++i) {
+    const PerceivedFrame frame = perception.read(i);
+    EXPECT_EQ(frame.stamp_ns, room_.scan_start_ns(static_cast<int>(i) + 1));
+    for (const BodyObservation& body : frame.bodies) {
+      ids.insert(body.id);
+      ++seen;
+      ASSERT_TRUE(body.silhouette);
+      EXPECT_GT(body.points.cols(), 100);
+      const Pose pose = room_from_camera(frame.stamp_ns);
+      for (const auto& p : body.points.colwise())
+        off_m.push_back(off_mover_m(pose * Vector3d(p), frame.stamp_ns));
+    }
+  }
+
+  EXPECT_EQ(ids.size(), 1u);
+  EXPECT_GE(seen, kScans - 8);
+  ASSERT_FALSE(off_m.empty());
+  std::sort(off_m.begin(), off_m.end());
+  constexpr double kOff = 0.02;  // m: without its motion undone the front is 75 mm off in the middle
+  EXPECT_LT(off_m[off_m.size() / 2], kOff);
+}
+
+TEST_F(LidarAlone, TheBodyIsFoundWithItsSize) {
+  EstimateOptions options;
+  options.quiet = true;
+  options.threads = 1;
+  const auto out = temp_.path() / "estimate";
+  estimate(folder(), variant_, options, out);
+  const Tracks tracks = read_tracks(out);
+  ASSERT_EQ(tracks.objects.size(), 1u);
+  const ObjectTrack& track = tracks.objects[0];
+  EXPECT_GE(std::ssize(track.states), kScans - 8);
+  const ObjectState& last = track.states.back();
+  std::array<double, 3> axes, truth{0.5, 0.6, 0.7};
+  std::copy_n(last.ellipsoid.semi_axes_m.data(), 3, axes.begin());
+  std::sort(axes.begin(), axes.end());
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(axes[i], truth[i], 0.15);
+  // the step from first to last is free of what the world's origin is
+  const Vector3d step = tracks.camera.back().pose.rotation.conjugate() *
+                        (last.ellipsoid.world_from_object.translation -
+                         track.states.front().ellipsoid.world_from_object.translation);
+  const double time_s = 1e-9 * static_cast<double>(last.stamp_ns - track.states.front().stamp_ns);
+  const Vector3d expected =
+      room_from_camera(last.stamp_ns).rotation.conjugate() * (time_s * room_.mover_velocity_mps);
+  EXPECT_LT((step - expected).norm(), 0.1);
+}
+
+}  // namespace
+}  // namespace uniquadric
