@@ -96,7 +96,7 @@ void write_ply_clouds(const ExportSource& source, const ExportOptions& options, 
     throw InputError("export ply: a stride must be at least 1");
   write_fused_depth(source, options, folder);
   if (source.sequence.lidar) write_scans(source.sequence, options, folder / "lidar");
-  if (fs::is_empty(folder))
+  if (!source.sequence.lidar && !fs::exists(folder / "depth.ply"))
     throw InputError(source.sequence.folder, "has neither LiDAR scans nor depth images with camera poses");
 }
 
