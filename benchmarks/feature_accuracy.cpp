@@ -12,6 +12,7 @@
 #include <opencv2/core/utility.hpp>
 #include <vector>
 
+#include "benchmarks/exact_depth.h"
 #include "core/base/error.h"
 #include "core/sequence/sequence.h"
 #include "estimator/perception/features.h"
@@ -71,18 +72,6 @@ struct Truth {
     throw InputError("a mask has an id that the scene does not have");
   }
 };
-
-// Exact depth at a subpixel; 0 beside an edge.
-double exact_depth(const cv::Mat& depth, const Eigen::Vector2d& pixel) {
-  const int u = int(std::floor(pixel.x())), v = int(std::floor(pixel.y()));
-  if (u < 0 || v < 0 || u + 1 >= depth.cols || v + 1 >= depth.rows) return 0;
-  const double a = pixel.x() - u, b = pixel.y() - v;
-  const double z00 = depth.at<float>(v, u), z01 = depth.at<float>(v, u + 1);
-  const double z10 = depth.at<float>(v + 1, u), z11 = depth.at<float>(v + 1, u + 1);
-  const auto [low, high] = std::minmax({z00, z01, z10, z11});
-  if (!(low > 0) || high > 1.03 * low) return 0;
-  return 1 / ((1 - b) * ((1 - a) / z00 + a / z01) + b * ((1 - a) / z10 + a / z11));
-}
 
 void judge_features(const std::vector<Feature>& features, int label, std::int64_t frame, const Camera& camera,
                     const Pose& camera_from_body, const RenderedFrame& image,

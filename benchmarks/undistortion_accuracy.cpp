@@ -14,6 +14,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "benchmarks/ego_pairs.h"
+#include "benchmarks/exact_depth.h"
 #include "benchmarks/surface_distance.h"
 #include "benchmarks/undistortion_svg.h"
 #include "core/base/error.h"
@@ -50,18 +51,6 @@ struct BodyFigures {
   std::array<int, kWays.size()> frames{};
   std::vector<double> speed_mps, velocity_error_mps, depth_error_m, feature_error_m;
 };
-
-// Exact depth at a subpixel; 0 beside an edge.
-double exact_depth(const cv::Mat& depth, const Eigen::Vector2d& pixel) {
-  const int u = int(std::floor(pixel.x())), v = int(std::floor(pixel.y()));
-  if (u < 0 || v < 0 || u + 1 >= depth.cols || v + 1 >= depth.rows) return 0;
-  const double a = pixel.x() - u, b = pixel.y() - v;
-  const double z00 = depth.at<float>(v, u), z01 = depth.at<float>(v, u + 1);
-  const double z10 = depth.at<float>(v + 1, u), z11 = depth.at<float>(v + 1, u + 1);
-  const auto [low, high] = std::minmax({z00, z01, z10, z11});
-  if (!(low > 0) || high > 1.03 * low) return 0;
-  return 1 / ((1 - b) * ((1 - a) / z00 + a / z01) + b * ((1 - a) / z10 + a / z11));
-}
 
 // Which object each track is: the one under most pixels of its mask.
 std::map<int, std::size_t> objects_of(const Scene& scene, const cv::Mat& masks, const cv::Mat& ids) {

@@ -219,6 +219,14 @@ void visit(Io& io, BodyTwistOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, PointPlaneOptions& o) {
+  io.number("reach_px", o.reach_px, 0.5, 200.0);
+  io.number("neighbours", o.neighbours, 4, 1000);
+  io.number("min_neighbours", o.min_neighbours, 4, 1000);
+  io.number("max_jump", o.max_jump, kLeastJump, kMostJump);
+}
+
+template <typename Io>
 void visit(Io& io, LidarDepthOptions& o) {
   io.choice("undistortion", o.undistortion,
             Choices<Undistortion>{
@@ -230,10 +238,7 @@ void visit(Io& io, LidarDepthOptions& o) {
   io.positive("window_s", o.window_s);
   io.number("time_offset_s", o.time_offset_s, -10.0, 10.0);
   io.number("erode_px", o.erode_px, 0, 100);
-  io.number("reach_px", o.planes.reach_px, 0.5, 200.0);
-  io.number("neighbours", o.planes.neighbours, 4, 1000);
-  io.number("min_neighbours", o.planes.min_neighbours, 4, 1000);
-  io.number("max_jump", o.planes.max_jump, kLeastJump, kMostJump);
+  visit(io, o.planes);
   io.number("max_points", o.max_points, 1, 1'000'000);
 }
 
@@ -261,10 +266,7 @@ void visit(Io& io, ScanObjectOptions& o) {
   io.number("focal_px", o.focal_px, 10.0, 2000.0);
   io.number("rim_px", o.rim_px, 0.0, 1000.0);
   io.number("motion_scans", o.motion_scans, 0);
-  io.number("reach_px", o.planes.reach_px, 0.5, 200.0);
-  io.number("neighbours", o.planes.neighbours, 4, 1000);
-  io.number("min_neighbours", o.planes.min_neighbours, 4, 1000);
-  io.number("max_jump", o.planes.max_jump, kLeastJump, kMostJump);
+  visit(io, o.planes);
   io.number("max_points", o.max_points, 1, 1'000'000);
 }
 

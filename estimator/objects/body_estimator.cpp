@@ -5,6 +5,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/base/seconds.h"
+
 namespace uniquadric {
 namespace {
 
@@ -27,10 +29,6 @@ Pose in_world(const PerceivedFrame& frame, const Pose& camera_from_body) {
   Pose pose = *frame.world_from_camera * camera_from_body;
   pose.rotation.normalize();
   return pose;
-}
-
-double seconds(std::int64_t from_ns, std::int64_t to_ns) {
-  return 1e-9 * static_cast<double>(to_ns - from_ns);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "estimator/perception/pixel_grid.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -121,12 +122,6 @@ std::optional<Row> row_of(const BodyTwist& twist, const Placed& placed, std::siz
   return result;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 BodyTwist unknown_twist(const Eigen::Vector3d& middle, const BodyTwistOptions& options) {
@@ -173,7 +168,7 @@ void update_by_points(BodyTwist& twist, const std::vector<AgedPoint>& points, co
       off.push_back(std::abs(row->off) / row->sigma);
     }
     if (rows.size() < kLeastRows) return;
-    const double sigma_m = std::max(kLeastSigma_m, 1.4826 * median(std::move(off)));
+    const double sigma_m = std::max(kLeastSigma_m, 1.4826 * quantile(std::move(off), 0.5));
     Normal normal(before, twist.rate);
     for (Row& row : rows) {
       row.sigma *= sigma_m;

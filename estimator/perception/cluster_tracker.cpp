@@ -5,16 +5,13 @@
 #include <optional>
 
 #include "core/base/hungarian.h"
+#include "core/base/seconds.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr int kLeastSights = 3;     // that a velocity is taken from
 constexpr double kLeastSide = 0.5;  // [m]: a sliver's box is given some width
-
-double seconds(std::int64_t from_ns, std::int64_t to_ns) {
-  return 1e-9 * static_cast<double>(to_ns - from_ns);
-}
 
 double overlap(const ClusterBox& a, const ClusterBox& b) {
   double both = 1, first = 1, second = 1;

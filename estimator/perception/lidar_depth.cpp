@@ -4,12 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/base/seconds.h"
+
 namespace uniquadric {
 namespace {
-
-double seconds(std::int64_t from_ns, std::int64_t to_ns) {
-  return 1e-9 * static_cast<double>(to_ns - from_ns);
-}
 
 cv::Point pixel_of(const Eigen::Vector2d& pixel) {
   return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};

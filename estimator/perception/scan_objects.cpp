@@ -9,6 +9,7 @@
 
 #include "core/base/progress.h"
 #include "estimator/perception/lidar_stream.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -158,8 +159,7 @@ class ScanObjects {
       depths.push_back(in_camera.z());
     }
     cv::convexHull(pixels, seen.hull);
-    std::nth_element(depths.begin(), depths.begin() + std::ssize(depths) / 2, depths.end());
-    seen.depth_m = depths[depths.size() / 2];
+    seen.depth_m = quantile(std::move(depths), 0.5);
     return seen;
   }
 
@@ -269,6 +269,7 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
   const Trajectory trajectory = lidar.trajectory();
   LidarStream stream(sequence);
   ScanObjects objects(options, silhouettes, seed);
+  const Camera camera = scan_camera(options);
   Progress progress("perceive", std::ssize(trajectory), quiet);
   PerceivedFrame frame;
   std::map<std::int64_t, Pose> poses;
@@ -278,7 +279,7 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
     frame.bodies.clear();
     if (options.enabled) {
       const ScanPoints points = points_at(stream.take(stamp_ns), stamp_ns, lidar.odometry(),
-                                          sequence.lidar->camera_from_lidar, scan_camera(options));
+                                          sequence.lidar->camera_from_lidar, camera);
       frame.bodies = objects.look(frame.frame, stamp_ns, pose, points);
       frame.has_masks = true;
       std::sort(frame.bodies.begin(), frame.bodies.end(),

@@ -74,17 +74,16 @@ TEST(Recordings, SingleFramesOfACabinetHaveStableAxes) {
   ASSERT_EQ(tracks.objects.size(), 1u);
   const auto& states = tracks.objects[0].states;
   EXPECT_EQ(states.size(), 18u);  // of the 20 frames asked for, two have no box
-  Eigen::Vector3d median;
+  Eigen::Vector3d usual;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> axis;
     for (const auto& state : states) axis.push_back(state.ellipsoid.semi_axes_m[k]);
-    std::nth_element(axis.begin(), axis.begin() + std::ssize(axis) / 2, axis.end());
-    median[k] = axis[axis.size() / 2];
+    usual[k] = median(axis);
   }
-  EXPECT_LT((median - Eigen::Vector3d(0.37, 0.20, 0.25)).cwiseAbs().maxCoeff(),
+  EXPECT_LT((usual - Eigen::Vector3d(0.37, 0.20, 0.25)).cwiseAbs().maxCoeff(),
             0.02);  // m: its size in the depth images
   const auto stable = std::count_if(states.begin(), states.end(), [&](const ObjectState& state) {
-    return (state.ellipsoid.semi_axes_m - median).cwiseAbs().maxCoeff() < 0.03;
+    return (state.ellipsoid.semi_axes_m - usual).cwiseAbs().maxCoeff() < 0.03;
   });
   EXPECT_GE(stable, 11);  // of 18; the others see one face or a cut mask, as a single frame may
 }
