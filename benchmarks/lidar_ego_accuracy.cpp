@@ -8,6 +8,7 @@
 #include "benchmarks/ego_pairs.h"
 #include "core/sequence/sequence.h"
 #include "estimator/ego/lidar_ego.h"
+#include "estimator/perception/lidar_stream.h"
 #include "estimator/variant.h"
 #include "evaluation/align/alignment.h"
 #include "evaluation/trajectory/trajectory_error.h"
@@ -36,7 +37,7 @@ void show(PosePairs pairs) {
 
 void run(int argc, char** argv) {
   const Variant variant = load_variant(argv[1]);
-  Sequence sequence = open_sequence(argv[2]);
+  Sequence sequence = on_camera_clock(open_sequence(argv[2]), variant.perception.lidar_time_offset_ns);
   if (argc > 6)
     std::erase_if(sequence.scans, [&](const SequenceScan& scan) {
       const double time_s = double(scan.stamp_ns) * 1e-9;

@@ -81,8 +81,8 @@ struct Wanted {
 
 struct Run {
   const Scene scene;
-  const Sequence sequence;
   const Variant variant;
+  const Sequence sequence;
   Renderer renderer{scene};
   LidarEgo lidar{sequence, variant.perception.lidar};
   AsyncObjectTracker tracker{
@@ -107,8 +107,8 @@ struct Run {
 
   Run(const char* scene_file, const std::filesystem::path& data, const char* variant_file)
       : scene(load_scene(scene_file)),
-        sequence(open_sequence(data / "sequence")),
         variant(load_variant(variant_file)),
+        sequence(on_camera_clock(open_sequence(data / "sequence"), variant.perception.lidar_time_offset_ns)),
         figures(scene.objects.size()) {
     for (const Body& body : scene.objects) surfaces.emplace_back(body.meshes);
     for (const Body& body : scene.world) world.emplace_back(body.meshes);

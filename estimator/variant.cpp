@@ -106,7 +106,7 @@ void visit(Io& io, LidarEgoOptions& o) {
   LidarOdometryOptions& odometry = o.odometry;
   io.flag("use_imu", odometry.use_imu);
   io.choice("cut", o.cut, Choices<SweepCut>{{"frames", SweepCut::frames}, {"scans", SweepCut::scans}});
-  io.number("time_offset_ns", o.time_offset_ns, -kMaxTimeOffset_ns, kMaxTimeOffset_ns);
+  io.number("imu_time_offset_ns", o.imu_time_offset_ns, -kMaxTimeOffset_ns, kMaxTimeOffset_ns);
   io.flag("use_masks", o.use_masks);
   io.positive("min_range_m", odometry.sweep.min_range_m);
   io.positive("max_range_m", odometry.sweep.max_range_m);
@@ -236,7 +236,6 @@ void visit(Io& io, LidarDepthOptions& o) {
   io.positive("motion_window_s", o.motion_window_s);
   io.section("twist", [&](auto& inner) { visit(inner, o.twist); });
   io.positive("window_s", o.window_s);
-  io.number("time_offset_s", o.time_offset_s, -10.0, 10.0);
   io.number("erode_px", o.erode_px, 0, 100);
   visit(io, o.planes);
   io.number("max_points", o.max_points, 1, 1'000'000);
@@ -283,6 +282,9 @@ void visit(Io& io, CloudAlignmentOptions& o) {
 
 template <typename Io>
 void visit(Io& io, PerceptionOptions& o) {
+  io.section("lidar", [&](auto& inner) {
+    inner.number("time_offset_ns", o.lidar_time_offset_ns, -kMaxTimeOffset_ns, kMaxTimeOffset_ns);
+  });
   io.section("ego", [&](auto& inner) {
     inner.choice("source", o.ego,
                  Choices<EgoSource>{

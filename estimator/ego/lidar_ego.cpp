@@ -12,10 +12,10 @@
 namespace uniquadric {
 namespace {
 
-const Sequence& with_scans(const Sequence& sequence, const LidarEgoOptions& options) {
+const Sequence& with_scans(const Sequence& sequence) {
   if (!sequence.lidar)
     throw InputError(sequence.folder, "has no LiDAR scans, which the variant (ego: lidar) needs");
-  require_scans(sequence, -options.time_offset_ns);
+  require_scans(sequence);
   return sequence;
 }
 
@@ -33,6 +33,7 @@ std::vector<ImuSample> imu_of(const Sequence& sequence, const LidarEgoOptions& o
   std::vector<ImuSample> samples = read_imu_csv(file);
   if (samples.empty())
     throw InputError(file, "holds no reading; without an IMU the variant needs ego.lidar.use_imu: false");
+  for (ImuSample& sample : samples) sample.stamp_ns -= options.imu_time_offset_ns;
   const std::int64_t first_ns = sequence.scans.front().stamp_ns;
   const std::int64_t last_ns = sequence.scans.back().stamp_ns + std::llround(1e9 / sequence.lidar->rate_hz);
   if (samples.front().stamp_ns > last_ns || samples.back().stamp_ns < first_ns)
@@ -46,7 +47,7 @@ std::vector<ImuSample> imu_of(const Sequence& sequence, const LidarEgoOptions& o
 }  // namespace
 
 LidarEgo::LidarEgo(const Sequence& sequence, const LidarEgoOptions& options)
-    : sequence_(with_scans(sequence, options)),
+    : sequence_(with_scans(sequence)),
       options_(options),
       odometry_(rig_of(sequence_, options), imu_of(sequence_, options), options.odometry) {
   if (sequence.frames.empty()) options_.cut = SweepCut::scans;
@@ -74,17 +75,16 @@ void LidarEgo::take_scans(std::int64_t until_ns) {
 }
 
 void LidarEgo::track(const SequenceFrame& frame, const cv::Mat& masks) {
-  const std::int64_t stamp_ns = frame.stamp_ns + options_.time_offset_ns;
-  odometry_.add_masks(stamp_ns, masks);
-  take_scans(stamp_ns);
-  if (options_.cut == SweepCut::frames) odometry_.end_sweep(stamp_ns);
+  odometry_.add_masks(frame.stamp_ns, masks);
+  take_scans(frame.stamp_ns);
+  if (options_.cut == SweepCut::frames) odometry_.end_sweep(frame.stamp_ns);
 }
 
 // With frames, the scan that the last one falls into still counts.
 void LidarEgo::finish() {
   if (options_.cut == SweepCut::scans) {
     const auto last = sequence_.frames.empty() ? std::numeric_limits<std::int64_t>::max()
-                                               : sequence_.frames.back().stamp_ns + options_.time_offset_ns;
+                                               : sequence_.frames.back().stamp_ns;
     take_scans(last);
     for (; next_end_ < next_scan_; ++next_end_) odometry_.end_sweep(scan_end_ns(next_end_));
   }
@@ -93,13 +93,12 @@ void LidarEgo::finish() {
 
 Trajectory LidarEgo::trajectory() const {
   Trajectory result;
-  const auto add = [&](std::int64_t stamp_ns, std::int64_t lidar_ns) {
-    if (const auto pose = odometry_.world_from_camera(lidar_ns)) result.push_back({stamp_ns, *pose});
+  const auto add = [&](std::int64_t stamp_ns) {
+    if (const auto pose = odometry_.world_from_camera(stamp_ns)) result.push_back({stamp_ns, *pose});
   };
-  for (const SequenceFrame& frame : sequence_.frames)
-    add(frame.stamp_ns, frame.stamp_ns + options_.time_offset_ns);
+  for (const SequenceFrame& frame : sequence_.frames) add(frame.stamp_ns);
   if (sequence_.frames.empty())
-    for (std::size_t i = 0; i < sequence_.scans.size(); ++i) add(scan_end_ns(i), scan_end_ns(i));
+    for (std::size_t i = 0; i < sequence_.scans.size(); ++i) add(scan_end_ns(i));
   return result;
 }
 

@@ -16,12 +16,13 @@ enum class SweepCut {
 
 struct LidarEgoOptions {
   SweepCut cut = SweepCut::frames;
-  std::int64_t time_offset_ns = 0;  ///< LiDAR's clock less the camera's
-  bool use_masks = true;            ///< leave points on masked bodies out
+  std::int64_t imu_time_offset_ns = 0;  ///< the IMU's clock less the sequence's
+  bool use_masks = true;                ///< leave points on masked bodies out
   LidarOdometryOptions odometry;
 };
 
-/// LiDAR odometry of a sequence: reads its scans and IMU as frames go by.
+/// LiDAR odometry of a sequence: reads its scans and IMU as frames go by. Scans are on the sequence's clock
+/// (on_camera_clock).
 class LidarEgo {
  public:
   /// The sequence has to outlive this. Throws InputError as require_scans() does, and when the

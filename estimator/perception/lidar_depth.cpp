@@ -54,8 +54,8 @@ LidarDepth::LidarDepth(const Sequence& sequence, CameraPath path, const LidarDep
       camera_from_lidar_(sequence.lidar->camera_from_lidar),
       path_(std::move(path)),
       options_(options),
-      stream_(sequence, std::llround(1e9 * options.time_offset_s)) {
-  require_scans(sequence, std::llround(1e9 * options.time_offset_s));
+      stream_(sequence) {
+  require_scans(sequence);
 }
 
 void LidarDepth::moved(int label, const Pose& world_motion, std::int64_t step_ns) {

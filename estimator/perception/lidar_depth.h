@@ -37,9 +37,8 @@ struct LidarDepthOptions {
   MotionSource motion = MotionSource::points;
   double motion_window_s = 0.2;  // of points that a motion is found from
   BodyTwistOptions twist;
-  double window_s = 0.1;     // of points behind each frame: a scan of most sensors
-  double time_offset_s = 0;  // added to the LiDAR's stamps
-  int erode_px = 1;          // of masks, before points are said to be a body's
+  double window_s = 0.1;  // of points behind each frame: a scan of most sensors
+  int erode_px = 1;       // of masks, before points are said to be a body's
   PointPlaneOptions planes;
   int max_points = 2000;  // of a body
 };

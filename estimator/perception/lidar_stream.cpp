@@ -9,14 +9,14 @@
 
 namespace uniquadric {
 
-void require_scans(const Sequence& sequence, std::int64_t offset_ns) {
+void require_scans(const Sequence& sequence) {
   const auto& scans = sequence.scans;
   const auto& frames = sequence.frames;
   const std::filesystem::path file = sequence.folder / "lidar.txt";
   if (scans.empty()) throw InputError(file, "names no scan, which the variant needs");
   if (frames.empty()) return;
-  const std::int64_t first_ns = scans.front().stamp_ns + offset_ns;
-  const std::int64_t end_ns = scans.back().stamp_ns + offset_ns + std::llround(1e9 / sequence.lidar->rate_hz);
+  const std::int64_t first_ns = scans.front().stamp_ns;
+  const std::int64_t end_ns = scans.back().stamp_ns + std::llround(1e9 / sequence.lidar->rate_hz);
   if (first_ns > frames.back().stamp_ns || end_ns < frames.front().stamp_ns)
     throw InputError(
         file, fmt::format("no scan meets a frame: the scans span {}..{} s, the frames {}..{} s",
@@ -24,17 +24,17 @@ void require_scans(const Sequence& sequence, std::int64_t offset_ns) {
                           format_stamp(frames.back().stamp_ns)));
 }
 
-LidarStream::LidarStream(const Sequence& sequence, std::int64_t offset_ns)
-    : sequence_(sequence), offset_ns_(offset_ns) {}
+Sequence on_camera_clock(Sequence sequence, std::int64_t lidar_less_camera_ns) {
+  for (SequenceScan& scan : sequence.scans) scan.stamp_ns -= lidar_less_camera_ns;
+  return sequence;
+}
 
 std::vector<TimedPoint> LidarStream::take(std::int64_t until_ns) {
-  while (next_scan_ < sequence_.scans.size() &&
-         sequence_.scans[next_scan_].stamp_ns + offset_ns_ <= until_ns) {
+  while (next_scan_ < sequence_.scans.size() && sequence_.scans[next_scan_].stamp_ns <= until_ns) {
     const SequenceScan& scan = sequence_.scans[next_scan_++];
     for (const LidarPoint& p : read_lidar_points(sequence_.folder / scan.file)) {
       const Eigen::Vector3f point(p.x, p.y, p.z);
-      if (point.allFinite() && !point.isZero(0))
-        waiting_.push_back({scan.stamp_ns + offset_ns_ + p.offset_ns, point});
+      if (point.allFinite() && !point.isZero(0)) waiting_.push_back({scan.stamp_ns + p.offset_ns, point});
     }
     std::stable_sort(waiting_.begin(), waiting_.end(),
                      [](const TimedPoint& a, const TimedPoint& b) { return a.stamp_ns < b.stamp_ns; });

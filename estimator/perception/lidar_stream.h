@@ -11,15 +11,19 @@
 namespace uniquadric {
 
 /// Throws InputError naming lidar.txt when the sequence has no scan, or has frames and no scan meets their
-/// time. `offset_ns` is added to the LiDAR's stamps.
-void require_scans(const Sequence& sequence, std::int64_t offset_ns = 0);
+/// time.
+void require_scans(const Sequence& sequence);
+
+/// The sequence with its scans on the camera's clock. `lidar_less_camera_ns` is what the LiDAR's clock shows
+/// more than the camera's at one instant; it is taken off the scans' stamps.
+Sequence on_camera_clock(Sequence sequence, std::int64_t lidar_less_camera_ns);
 
 /// The points of a sequence's scans in the order of their own times, cut anew wherever the reader wants (soft
 /// synchronisation, SPEC 4): scans are files of a driver, not of the camera. Empty returns (0, 0, 0) and
-/// points that are not finite are passed over. `offset_ns` is added to the LiDAR's stamps.
+/// points that are not finite are passed over.
 class LidarStream {
  public:
-  explicit LidarStream(const Sequence& sequence, std::int64_t offset_ns = 0);
+  explicit LidarStream(const Sequence& sequence) : sequence_(sequence) {}
 
   /// All points not yet taken with stamps up to `until_ns`, in order of time. Throws InputError naming a file
   /// that cannot be read.
@@ -27,7 +31,6 @@ class LidarStream {
 
  private:
   const Sequence& sequence_;
-  std::int64_t offset_ns_ = 0;
   std::size_t next_scan_ = 0;
   std::deque<TimedPoint> waiting_;
 };

@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "estimator/perception/check_sequence.h"
+#include "estimator/perception/lidar_stream.h"
 #include "estimator/stopwatch.h"
 
 namespace uniquadric {
@@ -186,8 +187,9 @@ Camera perception_camera(const Sequence& sequence, const PerceptionOptions& opti
   return sequence.frames.empty() ? scan_camera(options.scan_objects) : without_distortion(sequence.camera);
 }
 
-void perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
+void perceive(const Sequence& recorded, const PerceptionOptions& options, const PerceiveOptions& run,
               PerceptionWriter& out, std::vector<StageTime>& times) {
+  const Sequence sequence = on_camera_clock(recorded, options.lidar_time_offset_ns);
   if (sequence.frames.empty()) {
     if (options.ego != EgoSource::lidar)
       throw InputError(sequence.folder, "has no images: only `ego: {source: lidar}` can follow it");

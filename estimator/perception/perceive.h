@@ -36,6 +36,7 @@ enum class DepthSource {
 
 /// All options of the perception stage.
 struct PerceptionOptions {
+  std::int64_t lidar_time_offset_ns = 0;  // the LiDAR's clock less the camera's, for all that reads scans
   EgoSource ego = EgoSource::given;
   EgoOptions odometry;    // of EgoSource::rgbd
   LidarEgoOptions lidar;  // of EgoSource::lidar

@@ -274,8 +274,8 @@ TEST(PixelGrid, OfACrowdInOnePlaceAFewStandForAll) {
 
 TEST(LidarStream, CutsByThePointsOwnStampsAndPassesOverEmptyReturns) {
   const TempFolder temp;
-  const Sequence sequence = passing_board(temp.path());
-  LidarStream stream(sequence, 1000);
+  const Sequence sequence = on_camera_clock(passing_board(temp.path()), -1000);
+  LidarStream stream(sequence);
   std::size_t count = 0;
   std::int64_t last = 0;
   for (std::int64_t until = kFrame; until < 5 * kScan; until += kFrame)
