@@ -83,7 +83,7 @@ std::map<int, Silhouette> outlines(const cv::Mat& masks, const cv::Mat& depth, c
   return result;
 }
 
-// Outlines and depth points of each body.
+// Outlines and depth points of each body. `camera` is the lens as it is: images are not undistorted.
 void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work& work) {
   Stopwatch watch(work.result.frame, work.times);
   if (work.masks.empty()) return;
@@ -213,7 +213,6 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     return lidar ? lidar->odometry().world_from_camera(stamp_ns) : pose_between(*poses, stamp_ns);
   };
   if (wants_lidar_depth(sequence, options)) lidar_depth.emplace(sequence, path, options.lidar_depth);
-  const Camera camera = without_distortion(sequence.camera);
   std::deque<PerceivedFrame> waiting;  // for outlines that come late
   Progress progress("perceive", std::ssize(sequence.frames), run.quiet);
 
@@ -286,7 +285,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   const auto look = [&](std::shared_ptr<Work> work) {
     if (keeps_masks && !work->masks.empty())
       write_png(run.masks_folder / fmt::format("{:06}.png", work->result.frame), work->masks);
-    look_at_bodies(camera, options, *work);
+    look_at_bodies(sequence.camera, options, *work);
     auto& bodies = work->result.bodies;
     std::sort(bodies.begin(), bodies.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     return work;

@@ -29,12 +29,12 @@ const Sprite kRed{1,        11, {50, 60, 180},
                                   return Eigen::Vector2d(60 + 2.0 * double(n), 80); }};
 
 Sequence write_drawn_sequence(const fs::path& folder, const std::vector<Sprite>& sprites, int frames,
-                              const Damage& damage = {}) {
+                              const Damage& damage = {}, const Camera& camera = drawn_camera()) {
   for (const char* name : {"rgb", "depth", "masks"}) fs::create_directories(folder / name);
   Sequence sequence;
   sequence.folder = folder;
   sequence.name = "drawn";
-  sequence.camera = drawn_camera();
+  sequence.camera = camera;
   sequence.rate_hz = 30;
   sequence.given_camera.emplace();
   for (int n = 0; n < frames; ++n) {
@@ -126,6 +126,45 @@ TEST(Robustness, WhatIsKnownWhen) {
     }
   }
   EXPECT_EQ(late, 4);  // of frames 3, 6, 9 and 12
+}
+
+// Images are as the lens makes them; points and outlines are those of an ideal one.
+TEST(Robustness, ADistortingLensIsUndone) {
+  const TempFolder temp;
+  Camera lens = drawn_camera();
+  lens.distortion = {-0.3, 0.1, 0.002, -0.001, 0};
+  const Eigen::Vector2d first(8, 6), size(80, 60);  // in the image's corner, where the lens bends most
+  const Sprite sprite{1, 11, {50, 60, 180}, {80, 60}, 2, [&](std::int64_t) { return first; }};
+  const Sequence sequence = write_drawn_sequence(temp.path(), {sprite}, 2, {}, lens);
+  PerceptionOptions options;
+  options.aot.enabled = false;
+  options.ego = EgoSource::given;
+  PerceiveOptions quiet;
+  quiet.quiet = true;
+  std::vector<StageTime> times;
+  const fs::path folder = temp.path() / "perception";
+  fs::create_directories(folder);
+  PerceptionWriter out(folder, perception_camera(sequence, options), "");
+  perceive(sequence, options, quiet, out, times);
+  const PerceivedFrame frame = Perception(folder).read(1);
+  ASSERT_EQ(frame.bodies.size(), 1u);
+  const BodyObservation& body = frame.bodies[0];
+  ASSERT_GT(body.points.cols(), 100);
+  for (const auto& point : body.points.colwise()) {
+    const auto pixel = lens.project(point);
+    ASSERT_TRUE(pixel);
+    EXPECT_GT((*pixel - first).minCoeff(), -0.5);
+    EXPECT_LT((*pixel - first - size).maxCoeff(), 0.5);
+  }
+  Eigen::Vector2d corner = first;  // of what the outline covers, without the lens
+  for (int along = 0; along <= 80; ++along)
+    for (const Eigen::Vector2d& edge : {Eigen::Vector2d(along, 0), Eigen::Vector2d(0, 0.75 * along)}) {
+      const Eigen::Vector3d ray = *lens.unproject(first + edge - Eigen::Vector2d(0.5, 0.5));
+      corner = corner.cwiseMin(Eigen::Vector2d(lens.fx * ray.x() + lens.cx, lens.fy * ray.y() + lens.cy));
+    }
+  ASSERT_TRUE(body.silhouette);
+  EXPECT_NEAR(-body.silhouette->bbox[2].offset_px, corner.x(), 0.5);
+  EXPECT_NEAR(-body.silhouette->bbox[3].offset_px, corner.y(), 0.5);
 }
 
 TEST(Robustness, NoMaskEverIsNoObject) {
