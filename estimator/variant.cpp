@@ -278,6 +278,9 @@ void visit(Io& io, CloudAlignmentOptions& o) {
   io.positive("near_m", o.near_m);
   io.positive("max_distance_m", o.max_distance_m);
   io.positive("max_outline_px", o.max_outline_px);
+  io.positive("turn_rad", o.turn_rad);
+  io.number("turns", o.turns, 0, 6);
+  io.positive("color_sigma", o.color_sigma);
 }
 
 template <typename Io>

@@ -120,7 +120,7 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
   ++keyframes_;
   const Pose body_from_camera = keyframe.world_from_body.inverse() * keyframe.world_from_camera;
   if (needs_box(options_.long_window)) cloud_.add(body.points, body_from_camera);
-  surface_.add(body.points, body.normals, body_from_camera);
+  surface_.add(body, body_from_camera);
   Eigen::Matrix3Xd smooth = body.normals.cols() > 0 ? body.points : Eigen::Matrix3Xd(3, 0);
   for (const auto& silhouette : {body.silhouette, body.segmented}) {
     if (!silhouette) continue;

@@ -15,6 +15,7 @@ constexpr std::ptrdiff_t kFewVoxels = 300;
 
 void SurfaceCloud::reset(double radius_m) {
   voxels_.clear();
+  is_colored_ = true;
   voxel_m_ = options_.voxel_share * radius_m;
   reach_m_ = 3 * radius_m;
 }
@@ -24,14 +25,15 @@ SurfaceCloud::Cell SurfaceCloud::cell_of(const Eigen::Vector3d& point) const {
   return {static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())};
 }
 
-void SurfaceCloud::add(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals,
-                       const Pose& body_from_camera) {
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const Eigen::Vector3d p = body_from_camera * points.col(i);
+void SurfaceCloud::add(const BodyObservation& body, const Pose& body_from_camera) {
+  is_colored_ = is_colored_ && body.colors.cols() == body.points.cols();
+  for (Eigen::Index i = 0; i < body.points.cols(); ++i) {
+    const Eigen::Vector3d p = body_from_camera * body.points.col(i);
     if (p.cwiseAbs().maxCoeff() > reach_m_) continue;
     Voxel& voxel = voxels_[cell_of(p)];
     voxel.sum += p;
-    if (normals.cols() > 0) voxel.normal += body_from_camera.rotation * normals.col(i);
+    if (body.normals.cols() > 0) voxel.normal += body_from_camera.rotation * body.normals.col(i);
+    if (is_colored_) voxel.color += body.colors.col(i);
     ++voxel.hits;
   }
 }
@@ -51,12 +53,14 @@ SurfaceModel SurfaceCloud::model() const {
                                    [&](const auto& entry) { return entry.second.hits >= options_.min_hits; });
   const int least = known < kFewVoxels ? 1 : options_.min_hits;  // of the first view each has one or two
   std::vector<Eigen::Vector3d> points, normals;
+  std::vector<Eigen::Vector3f> colors;
   for (const auto& [cell, voxel] : voxels_) {
     if (voxel.hits < least || voxel.normal.isZero()) continue;
     points.push_back(voxel.sum / voxel.hits);
     normals.push_back(voxel.normal.normalized());
+    if (is_colored_) colors.push_back(voxel.color / static_cast<float>(voxel.hits));
   }
-  return {to_matrix(points), to_matrix(normals)};
+  return {to_matrix(points), to_matrix(normals), to_matrix(colors)};
 }
 
 }  // namespace uniquadric

@@ -24,18 +24,18 @@ class SurfaceCloud {
 
   /// Forgets everything and takes voxels for a body of this radius.
   void reset(double radius_m);
-  /// Points of one view (3 x n, camera frame [m]) with their normals. `whole`: nothing hid a part of the
-  /// body.
-  void add(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals, const Pose& body_from_camera);
+  /// Points of one view, with their normals and colours where it has them.
+  void add(const BodyObservation& body, const Pose& body_from_camera);
   /// At most max_points means of voxels with enough hits, spread evenly (3 x n).
   Eigen::Matrix3Xd sample() const;
-  /// All of them, with normals.
+  /// All of them, with normals, and colours where every view had some.
   SurfaceModel model() const;
 
  private:
   using Cell = std::array<int, 3>;
   struct Voxel {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+    Eigen::Vector3f color = Eigen::Vector3f::Zero();
     int hits = 0;
   };
   Cell cell_of(const Eigen::Vector3d& point) const;
@@ -43,6 +43,7 @@ class SurfaceCloud {
   SurfaceCloudOptions options_;
   std::map<Cell, Voxel> voxels_;
   double voxel_m_ = 0.01, reach_m_ = 1;
+  bool is_colored_ = true;
 };
 
 }  // namespace uniquadric

@@ -12,6 +12,7 @@
 #include "core/base/progress.h"
 #include "estimator/perception/check_sequence.h"
 #include "estimator/perception/lidar_stream.h"
+#include "estimator/perception/point_colors.h"
 #include "estimator/stopwatch.h"
 
 namespace uniquadric {
@@ -83,6 +84,13 @@ std::map<int, Silhouette> outlines(const cv::Mat& masks, const cv::Mat& depth, c
   return result;
 }
 
+SurfacePoints surface_of(int id, const Camera& camera, const PointOptions& options, Work& work) {
+  if (const auto found = work.surfaces.find(id); found != work.surfaces.end())
+    return std::move(found->second);
+  if (options.smooth_px > 0) return smoothed_points(work.depth, work.masks == id, camera, options);
+  return {object_points(work.depth, work.masks == id, camera, options), {}};
+}
+
 // Outlines and depth points of each body. `camera` is the lens as it is: images are not undistorted.
 void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work& work) {
   Stopwatch watch(work.result.frame, work.times);
@@ -97,18 +105,10 @@ void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work
   if (work.depth.empty()) return;
   for (const int id : ids_in(work.masks)) {
     BodyObservation& body = body_of(work.result, id);
-    if (const auto surface = work.surfaces.find(id); surface != work.surfaces.end()) {
-      body.points = std::move(surface->second.points);
-      body.normals = std::move(surface->second.normals);
-      continue;
-    }
-    if (options.points.smooth_px == 0) {
-      body.points = object_points(work.depth, work.masks == id, camera, options.points);
-      continue;
-    }
-    SurfacePoints surface = smoothed_points(work.depth, work.masks == id, camera, options.points);
+    SurfacePoints surface = surface_of(id, camera, options.points, work);
     body.points = std::move(surface.points);
     body.normals = std::move(surface.normals);
+    if (body.normals.cols() > 0) body.colors = point_colors(work.rgb, camera, body.points);
   }
   watch.stop("points");
 }

@@ -55,6 +55,7 @@ struct BodyObservation {
   std::vector<Feature> features;
   Eigen::Matrix3Xd points;     ///< from depth under the mask, camera frame [m]
   Eigen::Matrix3Xd normals;    ///< of the points, unit, towards the camera; (3 x 0) where none were measured
+  Eigen::Matrix3Xf colors;     ///< of the points, CIE L*a*b*; (3 x 0) where no image shows them
   std::optional<Pose> motion;  ///< p_now = motion * p_before of the body's points in the two camera frames
 };
 

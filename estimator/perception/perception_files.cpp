@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr int kSchema = 1;
 // The magic, the bodies of each frame, the index of the frames, and where that is.
 constexpr const char* kObservations = "observations.bin";
-constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '3'};
+constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '4'};
 constexpr std::uint64_t kMaxCount = 1u << 28;  // of anything in a list; more is a damaged file
 
 [[noreturn]] void throw_damaged(const fs::path& path) {
@@ -85,6 +85,18 @@ Pose get_pose(Reader& in) {
   return pose;
 }
 
+template <typename Columns>
+void put_columns(Writer& out, const Columns& columns) {
+  out.put(static_cast<std::uint64_t>(columns.cols()));
+  for (const auto& value : columns.reshaped()) out.put(value);
+}
+
+template <typename Columns>
+void get_columns(Reader& in, Columns& columns) {
+  columns.resize(3, static_cast<Eigen::Index>(in.count(3 * sizeof(typename Columns::Scalar))));
+  for (auto& value : columns.reshaped()) value = in.get<typename Columns::Scalar>();
+}
+
 void put(Writer& out, const SupportLine& line) {
   out.numbers({line.normal.data(), 2});
   out.put(line.offset_px);
@@ -140,10 +152,9 @@ void put(Writer& out, const BodyObservation& body) {
     out.put(feature.depth_m);
     out.put(feature.depth_sigma_m);
   }
-  for (const Eigen::Matrix3Xd* vectors : {&body.points, &body.normals}) {
-    out.put(static_cast<std::uint64_t>(vectors->cols()));
-    out.numbers({vectors->data(), static_cast<std::size_t>(vectors->size())});
-  }
+  put_columns(out, body.points);
+  put_columns(out, body.normals);
+  put_columns(out, body.colors);
 }
 
 BodyObservation get_body(Reader& in) {
@@ -159,10 +170,9 @@ BodyObservation get_body(Reader& in) {
     feature.depth_m = in.get<double>();
     feature.depth_sigma_m = in.get<double>();
   }
-  for (Eigen::Matrix3Xd* vectors : {&body.points, &body.normals}) {
-    vectors->resize(3, static_cast<Eigen::Index>(in.count(24)));
-    in.numbers({vectors->data(), static_cast<std::size_t>(vectors->size())});
-  }
+  get_columns(in, body.points);
+  get_columns(in, body.normals);
+  get_columns(in, body.colors);
   return body;
 }
 

@@ -36,6 +36,7 @@ Tree tree_of(const Eigen::Matrix3Xd& points) {
 
 struct SeenPoint {
   Eigen::Vector3d position, normal;  // camera frame
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();
 };
 
 std::vector<SeenPoint> evenly_drawn(const BodyObservation& body, int most) {
@@ -45,6 +46,7 @@ std::vector<SeenPoint> evenly_drawn(const BodyObservation& body, int most) {
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::Index k = i * body.points.cols() / n;
     result.push_back({body.points.col(k), body.normals.col(k)});
+    if (body.colors.cols() > 0) result.back().color = body.colors.col(k);
   }
   return result;
 }
@@ -79,6 +81,7 @@ class Aligner {
         sigmas_(sigmas),
         options_(options),
         seen_(evenly_drawn(body, options.max_points)),
+        is_colored_(body.colors.cols() > 0 && model.colors.cols() > 0),
         tree_(tree_of(model.points)) {
     std::copy_if(body.silhouette->support.begin(), body.silhouette->support.end(), std::back_inserter(lines_),
                  [](const SupportLine& line) { return line.free; });
@@ -117,28 +120,46 @@ class Aligner {
     return fit;
   }
 
+  // Of how the points' colours differ from the model's there. Where it has none they may be any.
+  double color_cost(const Pose& pose) const {
+    if (!is_colored_) return 0;
+    const Pose body_from_camera = pose.inverse();
+    double cost = 0;
+    for (const SeenPoint& seen : seen_) {
+      const auto partner = partner_of(seen, body_from_camera, options_.near_m);
+      const double off =
+          partner ? (seen.color - model_.colors.col(*partner)).norm() / options_.color_sigma : 1;
+      cost += 2 * std::log1p(off * off / 4);
+    }
+    return kEvidence * cost;
+  }
+
  private:
-  void add_points(Fit& fit, double reach_m, NormalEquations& equations) const {
-    const Pose body_from_camera = fit.pose.inverse();
+  // The model's point that is nearest and faces the same way.
+  std::optional<int> partner_of(const SeenPoint& seen, const Pose& body_from_camera, double reach_m) const {
     pcl::Indices indices;
     std::vector<float> squared;
+    const Eigen::Vector3d normal = body_from_camera.rotation * seen.normal;
+    tree_.nearestKSearch(to_pcl(body_from_camera * seen.position), kPartners, indices, squared);
+    for (std::size_t k = 0; k < indices.size() && squared[k] < reach_m * reach_m; ++k)
+      if (model_.normals.col(indices[k]).dot(normal) >= options_.min_normal_cosine) return indices[k];
+    return std::nullopt;
+  }
+
+  void add_points(Fit& fit, double reach_m, NormalEquations& equations) const {
+    const Pose body_from_camera = fit.pose.inverse();
     int matched = 0;
     double sum = 0;
     for (const SeenPoint& seen : seen_) {
-      const Eigen::Vector3d p = body_from_camera * seen.position;
-      const Eigen::Vector3d normal = body_from_camera.rotation * seen.normal;
-      tree_.nearestKSearch(to_pcl(p), kPartners, indices, squared);
-      for (std::size_t k = 0; k < indices.size() && squared[k] < reach_m * reach_m; ++k) {
-        const Eigen::Vector3d n = model_.normals.col(indices[k]);
-        if (n.dot(normal) < options_.min_normal_cosine) continue;
-        const double distance = n.dot(p - model_.points.col(indices[k]));
-        Vector6d row;
-        row << -n, -p.cross(n);
-        equations.add(row / options_.point_sigma_m, distance / options_.point_sigma_m);
-        sum += std::abs(distance);
-        ++matched;
-        break;
-      }
+      const auto partner = partner_of(seen, body_from_camera, reach_m);
+      if (!partner) continue;
+      const Eigen::Vector3d p = body_from_camera * seen.position, n = model_.normals.col(*partner);
+      const double distance = n.dot(p - model_.points.col(*partner));
+      Vector6d row;
+      row << -n, -p.cross(n);
+      equations.add(row / options_.point_sigma_m, distance / options_.point_sigma_m);
+      sum += std::abs(distance);
+      ++matched;
     }
     // what has no partner costs a little, else fewer would be better; not more, as it may be a new face
     equations.cost += static_cast<double>(std::ssize(seen_) - matched) * kUnmatched;
@@ -192,6 +213,7 @@ class Aligner {
   const CloudAlignmentOptions& options_;
   std::vector<SeenPoint> seen_;
   std::vector<SupportLine> lines_;
+  bool is_colored_;
   Tree tree_;
 };
 
@@ -205,14 +227,19 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
   if (predicted.translation.z() < kMinDepth) return std::nullopt;
   std::vector<Pose> starts = {predicted};
   for (int axis = 0; stale && axis < 3; ++axis)
-    for (const double turn : {-options.turn_rad, options.turn_rad}) {
+    for (int turn = -options.turns; turn <= options.turns; ++turn) {
+      if (turn == 0) continue;
       starts.push_back(predicted);
-      starts.back().rotation = predicted.rotation * exp_so3(turn * Eigen::Vector3d::Unit(axis));
+      starts.back().rotation =
+          predicted.rotation * exp_so3(turn * options.turn_rad * Eigen::Vector3d::Unit(axis));
     }
   const Aligner aligner(camera, body, model, predicted, sigmas, options);
   Fit best;
-  for (const Pose& start : starts)
-    if (const Fit fit = aligner.fit_from(start); fit.cost < best.cost) best = fit;
+  for (const Pose& start : starts) {
+    Fit fit = aligner.fit_from(start);
+    if (starts.size() > 1 && std::isfinite(fit.cost)) fit.cost += aligner.color_cost(fit.pose);
+    if (fit.cost < best.cost) best = fit;
+  }
   // A face that was never seen matches nothing: the outline is enough to go on.
   const bool known = best.matched > options.min_matched;
   const double most_px =

@@ -14,6 +14,7 @@ namespace uniquadric {
 /// What has been seen of a body's surface, in the body's frame.
 struct SurfaceModel {
   Eigen::Matrix3Xd points, normals;  ///< (3 x n) [m]; unit, outward
+  Eigen::Matrix3Xf colors;           ///< of the points, CIE L*a*b*; (3 x 0) where they are not known
 };
 
 /// How a body that shows too few of its features is found by its surface. All numbers are ours.
@@ -30,6 +31,8 @@ struct CloudAlignmentOptions {
   double max_outline_share =
       0.05;               // or this, of the outline's width, where it is more: masks of large things err more
   double turn_rad = 0.5;  // starts turned by so much about each axis, where the prediction is stale
+  int turns = 3;          // and twice, three times that
+  double color_sigma = 12;  // [1] of a point's colour, CIE L*a*b*: texture between voxels, light, noise
 };
 
 struct CloudAlignment {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "synthetic_perception.h"
 
 namespace uniquadric {
@@ -22,18 +24,22 @@ Pose camera(double) {
   return {Eigen::Quaterniond(R), from};
 }
 
-struct Scene {
-  SyntheticBody body = box_body(kAxes, still);
-  SyntheticPerception perception;
-  Pose camera_from_body = camera(0).inverse() * still(0);
-  const BodyObservation& seen() const { return perception.frames[0].bodies[0]; }
+// Each face of a box has a colour of its own.
+Eigen::Matrix3Xf face_colors(const Eigen::Matrix3Xd& normals) {
+  return (50 * normals.array().round().cast<float>() + 25).matrix();
+}
 
-  Scene() {
+struct Scene {
+  explicit Scene(const Eigen::Vector3d& semi_axes_m = kAxes) : body(box_body(semi_axes_m, still)) {
     SyntheticOptions options;
     options.frames = 1;
     options.world_from_camera = camera;
     perception = synthetic_perception({body}, options);
   }
+  SyntheticBody body;
+  SyntheticPerception perception;
+  Pose camera_from_body = camera(0).inverse() * still(0);
+  const BodyObservation& seen() const { return perception.frames[0].bodies[0]; }
 };
 
 Pose moved(const Pose& pose, const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
@@ -47,7 +53,7 @@ void expect_near(const Pose& found, const Pose& truth, double translation_m, dou
 
 TEST(CloudAlignment, FindsABodyFromAPredictionThatIsCentimetresOff) {
   const Scene scene;
-  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000)};
+  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000), {}};
   const Pose predicted = moved(scene.camera_from_body, {0.03, -0.02, 0.02}, {0.08, -0.05, 0.06});
   const auto found =
       align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.05, 0.1}, false, {});
@@ -60,12 +66,46 @@ TEST(CloudAlignment, FindsABodyFromAPredictionThatIsCentimetresOff) {
 
 TEST(CloudAlignment, TriesTurnedStartsWhenThePredictionIsStale) {
   const Scene scene;
-  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000)};
+  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000), {}};
   const Pose predicted = moved(scene.camera_from_body, {0.02, 0, 0}, {0, 0, 0.6});
   const auto found =
       align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.2, 1.0}, true, {});
   ASSERT_TRUE(found);
   expect_near(found->camera_from_body, scene.camera_from_body, 0.005, 0.02);
+}
+
+// A grid on each face, the same from all six sides.
+SurfaceModel cube_model(double semi_axis_m) {
+  constexpr int kSide = 17;
+  SurfaceModel model{Eigen::Matrix3Xd(3, 6 * kSide * kSide), Eigen::Matrix3Xd(3, 6 * kSide * kSide), {}};
+  for (int i = 0; i < model.points.cols(); ++i) {
+    const int face = i / (kSide * kSide), u = i % kSide, v = i / kSide % kSide, axis = face / 2;
+    Eigen::Vector3d p;
+    p[axis] = face % 2 == 0 ? 1 : -1;
+    p[(axis + 1) % 3] = 2.0 * u / (kSide - 1) - 1;
+    p[(axis + 2) % 3] = 2.0 * v / (kSide - 1) - 1;
+    model.points.col(i) = semi_axis_m * p;
+    model.normals.col(i) = p[axis] * Eigen::Vector3d::Unit(axis);
+  }
+  return model;
+}
+
+// A cube looks the same after a quarter turn, but for its colours.
+TEST(CloudAlignment, ColorsTellWhichFaceOfACubeIsSeen) {
+  Scene scene(Eigen::Vector3d::Constant(0.2));
+  SurfaceModel model = cube_model(0.2);
+  const Pose predicted = moved(scene.camera_from_body, {0.02, 0, 0}, {0, 0, 1.0});
+  const auto turn_found = [&] {
+    const auto found =
+        align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.2, 0.5}, true, {});
+    return found ? found->camera_from_body.rotation.angularDistance(scene.camera_from_body.rotation) : -1;
+  };
+  EXPECT_NEAR(turn_found(), std::numbers::pi / 2, 0.02);  // what is nearer to the prediction
+  BodyObservation& seen = scene.perception.frames[0].bodies[0];
+  const Eigen::Matrix3d body_from_camera = scene.camera_from_body.rotation.inverse().toRotationMatrix();
+  seen.colors = face_colors(body_from_camera * seen.normals);
+  model.colors = face_colors(model.normals);
+  EXPECT_NEAR(turn_found(), 0, 0.02);
 }
 
 // The model knows the faces that the camera does not see.
@@ -76,7 +116,7 @@ TEST(CloudAlignment, GoesOnByTheOutlineWhenAFaceIsNew) {
     const Eigen::Vector3d n = scene.camera_from_body.rotation * scene.body.normals.col(i);
     if (n.dot(scene.camera_from_body * Eigen::Vector3d(scene.body.points.col(i))) > 0) hidden.push_back(i);
   }
-  const SurfaceModel model{scene.body.points(Eigen::all, hidden), scene.body.normals(Eigen::all, hidden)};
+  const SurfaceModel model{scene.body.points(Eigen::all, hidden), scene.body.normals(Eigen::all, hidden), {}};
   const Pose predicted = moved(scene.camera_from_body, {0.005, -0.005, 0}, {0.02, 0, -0.02});
   const auto found =
       align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.02, 0.03}, false, {});
@@ -88,7 +128,7 @@ TEST(CloudAlignment, GoesOnByTheOutlineWhenAFaceIsNew) {
 TEST(CloudAlignment, OfABodyThatIsNotThereIsNothing) {
   const Scene scene;
   const SyntheticBody other = ellipsoid_body({0.1, 0.1, 0.4}, still);
-  const SurfaceModel model{other.points, other.normals};
+  const SurfaceModel model{other.points, other.normals, {}};
   EXPECT_FALSE(align_to_cloud(scene.perception.camera, scene.seen(), model, scene.camera_from_body,
                               {0.02, 0.03}, true, {}));
 }

@@ -22,6 +22,7 @@ SyntheticPerception two_frames() {
   SyntheticPerception perception = synthetic_perception({box}, options);
   perception.frames[1].bodies[0].motion = exp_se3((Vector6d() << 1, 2, 3, 0.1, 0.2, 0.3).finished());
   perception.frames[1].world_from_camera.reset();
+  perception.frames[1].bodies[0].colors = Eigen::Matrix3Xf::Constant(3, 7, 42.5F);
   perception.frames[0].has_masks = true;
   perception.frames[0].bodies[0].silhouette->support[3].free = false;
   Silhouette late = *perception.frames[0].bodies[0].silhouette;
@@ -66,6 +67,7 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   const BodyObservation &a = perception.frames[1].bodies[0], &b = frames[1].bodies[0];
   EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.normals, b.normals);
+  EXPECT_EQ(a.colors, b.colors);
   EXPECT_EQ(a.features.back().pixel, b.features.back().pixel);
   EXPECT_EQ(a.motion->translation, b.motion->translation);
   EXPECT_EQ(a.silhouette->rot_bbox.angle_rad, b.silhouette->rot_bbox.angle_rad);
