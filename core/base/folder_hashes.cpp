@@ -14,6 +14,7 @@
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
+constexpr std::size_t kHashDigits = 16, kNameColumn = kHashDigits + 2;  // of a line: hash, two blanks, path
 
 // Paths below the folder of all files but the list of hashes itself.
 std::vector<std::string> list_files(const fs::path& folder) {
@@ -41,10 +42,26 @@ std::map<std::string, std::string> hash_files(const fs::path& folder, int thread
 
 }  // namespace
 
-void write_hashes(const fs::path& folder, int threads) {
+std::string list_hashes(const fs::path& folder, int threads) {
   std::string text;
   for (const auto& [name, hash] : hash_files(folder, threads)) text += fmt::format("{}  {}\n", hash, name);
-  write_text(folder / kHashesFile, text);
+  return text;
+}
+
+void write_hashes(const fs::path& folder, int threads) {
+  write_text(folder / kHashesFile, list_hashes(folder, threads));
+}
+
+bool holds_all_of(std::string_view list, const fs::path& folder) {
+  for (std::size_t begin = 0; begin < list.size();) {
+    const std::size_t end = std::min(list.find('\n', begin), list.size());
+    const std::string_view line = list.substr(begin, end - begin);
+    if (line.size() <= kNameColumn) return false;  // the list itself is damaged
+    const fs::path file = folder / line.substr(kNameColumn);
+    if (!fs::is_regular_file(file) || hex(hash_file(file)) != line.substr(0, kHashDigits)) return false;
+    begin = end + 1;
+  }
+  return !list.empty();
 }
 
 std::vector<std::string> check_hashes(const fs::path& folder, int threads) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace uniquadric {
@@ -13,6 +14,13 @@ inline constexpr const char* kHashesFile = "hashes.txt";
 /// paths, which are relative to the folder; the hash is hash_file(path), the layout that of `xxh64sum`, which
 /// can check it too. `threads`: 0, as many as the machine has.
 void write_hashes(const std::filesystem::path& folder, int threads = 0);
+
+/// The text of such a list of all files below a folder but hashes.txt.
+std::string list_hashes(const std::filesystem::path& folder, int threads = 0);
+
+/// Whether a folder still holds every file of such a list, with the same bytes; more files do not count. An
+/// empty list is no list.
+bool holds_all_of(std::string_view list, const std::filesystem::path& folder);
 
 /// What has changed in a folder since: a line each for files that differ, are missing, or came since, and for
 /// lines of hashes.txt that cannot be read. None when there is no hashes.txt.

@@ -54,6 +54,24 @@ std::string yaml_quoted(std::string_view text) {
   return quoted + '"';
 }
 
+std::string csv_quoted(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + '"';
+}
+
+std::string csv_unquoted(std::string_view field) {
+  if (field.size() < 2 || field.front() != '"' || field.back() != '"') return std::string(field);
+  std::string text;
+  for (std::size_t i = 1; i + 1 < field.size(); ++i) {
+    text += field[i];
+    if (field[i] == '"') ++i;  // the second of a pair
+  }
+  return text;
+}
+
 bool is_plain_name(std::string_view text) {
   return !text.empty() && std::none_of(text.begin(), text.end(), [](unsigned char c) {
     return c < 0x20 || std::string_view(",\"/\\").find(static_cast<char>(c)) != std::string_view::npos;

@@ -16,6 +16,11 @@ std::optional<long long> parse_integer(std::string_view text);
 /// A YAML scalar that reads back as this text, whatever is in it: in double quotes.
 std::string yaml_quoted(std::string_view text);
 
+/// One line's last field of a CSV file with any text in it, and back: in double quotes where it has a comma
+/// or a quote (RFC 4180), line ends as blanks. What is not in quotes is read as it is.
+std::string csv_quoted(std::string text);
+std::string csv_unquoted(std::string_view field);
+
 /// Whether a text can be a name in CSV files and folders: not empty, no comma, quote, slash, backslash or
 /// control character.
 bool is_plain_name(std::string_view text);

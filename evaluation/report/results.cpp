@@ -39,8 +39,9 @@ Cell parse_cell(const fs::path& file, int line, const std::vector<std::string_vi
   cell.folder = fields[4];
   if (cell.scene.empty() || cell.variant.empty()) throw InputError(file, line, "scene or variant is empty");
   if (cell.folder.is_absolute()) throw InputError(file, line, "folder is not relative to the results folder");
-  cell.message = fields[5];  // the last column: commas in it are its own
-  for (std::size_t i = 6; i < fields.size(); ++i) cell.message += fmt::format(", {}", fields[i]);
+  const char* const message = fields[5].data();  // the last column: commas in it are its own
+  const char* const end = fields.back().data() + fields.back().size();
+  cell.message = csv_unquoted({message, static_cast<std::size_t>(end - message)});
   return cell;
 }
 

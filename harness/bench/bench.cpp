@@ -95,7 +95,8 @@ std::vector<std::unique_ptr<Simulation>> plan(const BenchConfig& config) {
 
 bool is_done(const Run& run, const Cell& cell) {
   const fs::path folder = run.out / cell.folder;
-  return is_current(folder / "evaluation", evaluation_key(cell.estimate_key)) &&
+  return is_current(folder / "estimate", cell.estimate_key) &&
+         is_current(folder / "evaluation", evaluation_key(cell.estimate_key)) &&
          is_current(folder / "overlays", overlay_key(cell.estimate_key, run.config.overlays));
 }
 
@@ -123,6 +124,8 @@ void run_cell(const Run& run, const Simulation& simulation, Cell& cell) {
   const fs::path log = folder / "log.txt";
   fs::remove(log);
   const std::string estimate = folder / "estimate";
+  if (!is_current(estimate, cell.estimate_key))  // what was made of an older one goes with it
+    for (const char* name : {"evaluation", "overlays"}) forget_key(folder / name);
   const auto stage = [&](const char* name, const std::string& key, const std::vector<std::string>& command) {
     const ProcessResult result = run_stage(run, folder / name, key, command, log);
     if (!result.ok) cell.failure = fmt::format("{}: {}", command[0], result.message);
@@ -142,15 +145,19 @@ void run_cell(const Run& run, const Simulation& simulation, Cell& cell) {
              "--count", std::to_string(run.config.overlays)});
 }
 
+// Removes a sequence that nobody needs any more.
+void release(const Run& run, const Simulation& simulation) {
+  const bool any_failed = std::any_of(simulation.cells.begin(), simulation.cells.end(),
+                                      [](const Cell& c) { return !c.failure.empty(); });
+  if (any_failed || run.keep_sequences) return;  // it is needed to try again, or to see why
+  forget_key(run.out / simulation.folder);
+  fs::remove_all(run.out / simulation.folder);
+}
+
 void finish_cell(const Run& run, Simulation& simulation, Cell& cell) {
   if (!cell.failure.empty()) run.progress.note(fmt::format("failed: {}: {}", cell.label(), cell.failure));
   run.progress.advance();
-  if (--simulation.unfinished > 0 || run.keep_sequences) return;
-  const bool any_failed = std::any_of(simulation.cells.begin(), simulation.cells.end(),
-                                      [](const Cell& c) { return !c.failure.empty(); });
-  if (any_failed) return;  // the sequence is needed to try again, or to see why
-  forget_key(run.out / simulation.folder);
-  fs::remove_all(run.out / simulation.folder);
+  if (--simulation.unfinished == 0) release(run, simulation);
 }
 
 // Cells of one perception: it is made first, then the cells run side by side.
@@ -176,14 +183,25 @@ void run_cells(const Run& run, Simulation& simulation, const std::vector<Cell*>&
       finish_cell(run, simulation, *cell);
 }
 
+fs::path routes_folder(const Run& run, const Simulation& simulation) {
+  return run.out / "lidar" / simulation.scene / fmt::format("seed_{}", simulation.seed);
+}
+
 // What the report shows of a LiDAR that took the paper's way outlives the sequence.
-void keep_lidar_routes(const fs::path& data, const fs::path& timing, const fs::path& folder) {
+void keep_lidar_routes(const Run& run, const Simulation& simulation, const fs::path& timing) {
+  const fs::path data = run.out / simulation.folder, folder = routes_folder(run, simulation);
   const fs::path comparison = data / "truth/lidar_comparison.csv";
   if (!fs::exists(comparison)) return;
   fs::create_directories(folder);
   write_text(folder / "comparison.csv", read_text(comparison));
   write_text(folder / "errors.csv", read_text(data / "truth/lidar_errors.csv"));
   if (fs::exists(timing)) write_text(folder / "timing.csv", read_text(timing));
+  record_key(folder, simulation.key);
+}
+
+bool has_kept_routes(const Run& run, const Simulation& simulation) {
+  const fs::path folder = routes_folder(run, simulation);
+  return is_current(folder, simulation.key) || !fs::exists(folder);  // most scenes have none
 }
 
 void run_simulation(const Run& run, Simulation& simulation) {
@@ -191,7 +209,7 @@ void run_simulation(const Run& run, Simulation& simulation) {
   for (Cell& cell : simulation.cells)
     if (!is_done(run, cell)) waiting.push_back(&cell);
   run.progress.advance(std::ssize(simulation.cells) - std::ssize(waiting));
-  if (waiting.empty()) return;
+  if (waiting.empty() && has_kept_routes(run, simulation)) return;
   std::vector<std::string> command = {"simulate", simulation.scene_file, run.out / simulation.folder,
                                       "--seed", std::to_string(simulation.seed)};
   const fs::path timing = run.out / (simulation.folder.string() + ".timing.csv");
@@ -203,9 +221,8 @@ void run_simulation(const Run& run, Simulation& simulation) {
   fs::create_directories(log.parent_path());
   fs::remove(log);
   const ProcessResult result = run_stage(run, run.out / simulation.folder, simulation.key, command, log);
-  if (result.ok)
-    keep_lidar_routes(run.out / simulation.folder, timing,
-                      run.out / "lidar" / simulation.scene / fmt::format("seed_{}", simulation.seed));
+  if (result.ok) keep_lidar_routes(run, simulation, timing);
+  if (waiting.empty()) return release(run, simulation);
   simulation.unfinished = static_cast<int>(waiting.size());
   std::map<std::optional<std::string>, std::vector<Cell*>> by_perception;
   for (Cell* cell : waiting) {
@@ -216,12 +233,6 @@ void run_simulation(const Run& run, Simulation& simulation) {
     run.pool.add([&run, &simulation, cells = cells] { run_cells(run, simulation, cells); });
 }
 
-std::string csv_field(std::string text) {
-  std::replace(text.begin(), text.end(), ',', ';');
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
 int write_index(const fs::path& out, const std::vector<std::unique_ptr<Simulation>>& simulations) {
   std::string text = "scene,variant,seed,status,folder,message\n";
   int failed = 0;
@@ -230,7 +241,7 @@ int write_index(const fs::path& out, const std::vector<std::unique_ptr<Simulatio
       const bool ok = cell.failure.empty();
       failed += !ok;
       text += fmt::format("{},{},{},{},{},{}\n", cell.scene, cell.variant, cell.seed, ok ? "ok" : "failed",
-                          cell.folder.string(), csv_field(cell.failure));
+                          cell.folder.string(), csv_quoted(cell.failure));
     }
   write_text(out / "cells.csv", text);
   return failed;

@@ -1,6 +1,7 @@
 #include "harness/bench/keys.h"
 
 #include "core/base/files.h"
+#include "core/base/folder_hashes.h"
 #include "core/base/hash.h"
 #include "core/base/source_hashes.h"
 #include "core/base/version.h"
@@ -49,7 +50,9 @@ std::string overlay_key(const std::string& estimate_key, int count) {
 }
 
 bool is_current(const fs::path& folder, const std::string& key) {
-  return fs::is_directory(folder) && fs::exists(key_file(folder)) && read_text(key_file(folder)) == key;
+  if (!fs::is_directory(folder) || !fs::is_regular_file(key_file(folder))) return false;
+  const std::string text = read_text(key_file(folder));
+  return text.starts_with(key + '\n') && holds_all_of(std::string_view(text).substr(key.size() + 1), folder);
 }
 
 void forget_key(const fs::path& folder) {
@@ -57,7 +60,7 @@ void forget_key(const fs::path& folder) {
 }
 
 void record_key(const fs::path& folder, const std::string& key) {
-  write_text(key_file(folder), key);
+  write_text(key_file(folder), key + '\n' + list_hashes(folder));
 }
 
 }  // namespace uniquadric

@@ -18,7 +18,8 @@ std::string estimate_key(const std::string& simulation_key, const std::string& v
 std::string evaluation_key(const std::string& estimate_key);
 std::string overlay_key(const std::string& estimate_key, int count);
 
-/// Whether `folder` holds the result of the stage with this key (recorded beside it, in FOLDER.key).
+/// Whether `folder` holds the result of the stage with this key, whole: FOLDER.key beside it has the key and
+/// the hashes of the stage's files, and none of these is missing or changed. Other files do not count.
 bool is_current(const std::filesystem::path& folder, const std::string& key);
 /// To be called before a stage runs again: a crash leaves no folder with another run's key.
 void forget_key(const std::filesystem::path& folder);

@@ -50,5 +50,22 @@ TEST(FolderHashes, TellWhatHasChanged) {
   EXPECT_NE(problems[2].find("new: does not stand"), std::string::npos) << problems[2];
 }
 
+TEST(FolderHashes, AListHoldsWhileItsFilesAreTheSameAndMayHaveCompany) {
+  const TempFolder temp;
+  fs::create_directories(temp.path() / "sub");
+  for (const char* name : {"one", "sub/with a blank"}) write_text(temp.path() / name, name);
+  const std::string list = list_hashes(temp.path());
+  write_text(temp.path() / "more", "");
+  EXPECT_TRUE(holds_all_of(list, temp.path()));
+  for (const char* damaged : {"", "a", "0123456789abcdef", "0123456789abcdef  "})
+    EXPECT_FALSE(holds_all_of(damaged, temp.path())) << damaged;
+  write_text(temp.path() / "one", "eno");
+  EXPECT_FALSE(holds_all_of(list, temp.path())) << "changed";
+  write_text(temp.path() / "one", "one");
+  EXPECT_TRUE(holds_all_of(list, temp.path()));
+  fs::remove(temp.path() / "sub/with a blank");
+  EXPECT_FALSE(holds_all_of(list, temp.path())) << "missing";
+}
+
 }  // namespace
 }  // namespace uniquadric

@@ -33,7 +33,9 @@ TEST(Scores, OneRowAFigureAndFailedRowsWithoutValue) {
 TEST(Scores, SequenceWithoutAGoodRunKeepsOneRowARun) {
   const TempFolder folder;
   write_file(folder.path() / "cells.csv",
-             "scene,variant,seed,status,folder,message\ns,a,1,failed,x,gone\ns,a,2,missing,y,\n");
+             "scene,variant,seed,status,folder,message\ns,a,1,failed,x,\"gone, \"\"so\"\" "
+             "said\"\ns,a,2,missing,y,\n");
+  EXPECT_EQ(read_results(folder.path()).cells.at(0).message, "gone, \"so\" said");
   write_report(folder.path());
   EXPECT_EQ(read_text(folder.path() / "scores.csv"),
             "sequence,object,variant,seed,metric,value,better,status\n"

@@ -200,6 +200,36 @@ TEST_F(Pipeline, BenchEndsInAReportAndDoesNothingTwice) {
   EXPECT_EQ(read_text(out / "scores.csv"), scores);
 }
 
+// Cut short, of other bytes, or gone: the stage runs again, and nothing that is whole does.
+TEST_F(Pipeline, BenchMendsWhatWasDamagedInItsResults) {
+  const fs::path out = folder() / "out", file = bench_file("small.yaml");
+  const fs::path cell = out / "cells/small/single_frame_obb/seed_1";
+  ok({"bench", file, out, "--quiet"});
+  const auto made = [&](const char* name) { return fs::last_write_time(cell / name); };
+  const std::vector<std::string> measured = {"timing.csv"};
+  const std::string estimate = folder_hash(cell / "estimate", measured);
+  const std::string frames = read_text(cell / "evaluation/frames.csv");
+  const auto cut = [](const fs::path& path) { write_text(path, read_text(path).substr(0, 40)); };
+  const auto garble = [](const fs::path& path) { write_text(path, "garbage"); };
+  const auto remove = [](const fs::path& path) { fs::remove(path); };
+  const auto damage = [&](const char* name, const auto& how) {
+    how(cell / name);
+    ok({"bench", file, out, "--quiet"});
+    EXPECT_EQ(folder_hash(cell / "estimate", measured), estimate) << name;
+    EXPECT_EQ(read_text(cell / "evaluation/frames.csv"), frames) << name;
+    EXPECT_TRUE(json::accept(read_text(cell / "evaluation/evaluation.json"))) << name;
+  };
+  const auto estimated = made("estimate/run.yaml");
+  damage("evaluation/evaluation.json", cut);
+  const auto evaluated = made("evaluation/frames.csv");
+  damage("overlays/sheet.jpg", cut);
+  EXPECT_EQ(made("evaluation/frames.csv"), evaluated);
+  EXPECT_EQ(made("estimate/run.yaml"), estimated);
+  damage("estimate/objects/1.tum", garble);
+  damage("estimate/objects.csv", remove);
+  EXPECT_NE(made("evaluation/frames.csv"), evaluated) << "times of another run";
+}
+
 TEST_F(Pipeline, BenchSaysAsOfWhenStatesAre) {
   const fs::path out = folder() / "out", file = bench_file("small.yaml");
   const fs::path run = out / "cells/small/single_frame_obb/seed_1/estimate/run.yaml";
@@ -261,6 +291,10 @@ TEST_F(Pipeline, BenchReportsThePapersLidarRouteAgainstEmbree) {
   for (const ErrorCell& cell : routes.errors) beams += cell.beams;
   EXPECT_EQ(beams, routes.matched);
   EXPECT_TRUE(routes.speed_ratio());
+  write_text(out / "lidar/octree/seed_1/comparison.csv", "scan,beams\n");
+  ok({"bench", bench_file("octree.yaml"), out, "--quiet"});
+  EXPECT_EQ(read_results(out).lidar.at(0).matched, routes.matched) << "mended";
+  EXPECT_FALSE(fs::exists(out / "simulations/octree/seed_1"));
   EXPECT_NE(read_text(out / "report.md").find("| octree | 1 | 3 |"), std::string::npos);
 }
 
