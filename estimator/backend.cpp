@@ -85,10 +85,9 @@ class BodyRun {
     std::vector<StageTime> windows, solutions;
     Stopwatch watch(frame.frame, windows);
     const BodyObservation* body = find_body(frame, id_);
-    if (auto state = estimator_.step(frame, body, &solutions))
-      states_.push_back(std::move(*state));
-    else
-      without_state_ += body != nullptr;
+    auto state = estimator_.step(frame, body, &solutions);
+    without_state_ += body && (!state || state->status == ObjectStatus::lost);
+    if (state) states_.push_back(std::move(*state));
     watch.stop("windows");
     for (StageTime& solution : solutions) {
       solution.frame = frame.frame;

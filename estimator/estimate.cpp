@@ -86,14 +86,23 @@ void refuse_to_keep_joined(const Variant& variant, const EstimateOptions& option
                                  variant.name));
 }
 
+// What is replaced is deleted, which must be nobody else's.
+void require_own_folder(const fs::path& folder) {
+  if (!fs::is_directory(folder) || fs::is_empty(folder)) return;
+  if (!fs::exists(folder / "perception.yaml"))
+    throw InputError(folder, "is not empty and holds no perception; give another folder");
+  if (const auto foreign = foreign_files(folder); !foreign.empty())
+    throw InputError(
+        folder / foreign.front(),
+        "is no part of the kept perception that is to be replaced; move it, or give another folder");
+}
+
 Perception kept_perception(const Sequence& sequence, const Variant& variant, const EstimateOptions& options,
                            bool force) {
   const fs::path& folder = options.perception;
   const std::string key = perception_key(sequence, variant, options);
   if (force || !is_kept(folder, key)) {
-    const bool is_older = fs::exists(folder / "perception.yaml");
-    if (!force && !is_older && fs::is_directory(folder) && !fs::is_empty(folder))
-      throw InputError(folder, "is not empty and holds no perception; give another folder");
+    if (!force) require_own_folder(folder);
     PendingFolder pending(folder, true);
     perceive_into(pending.path(), sequence, variant, options, key);
     pending.commit();
@@ -127,7 +136,8 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
                      const Perception& perception, const Tracks& tracks, int without_state) {
   std::set<std::int64_t> with_states;
   for (const ObjectTrack& track : tracks.objects)
-    for (const ObjectState& state : track.states) with_states.insert(state.frame);
+    for (const ObjectState& state : track.states)
+      if (state.status != ObjectStatus::lost) with_states.insert(state.frame);
   const auto count = [](const auto& list, auto is_counted) {
     return std::count_if(list.begin(), list.end(), is_counted);
   };
@@ -147,6 +157,13 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
                       count(perception.frames(), [](const auto& f) { return !f.has_masks; }));
   text += fmt::format("objects_without_state: {}\n", without_state);
   return text + "variant:\n" + indented(variant_yaml(variant));
+}
+
+void copy_masks(const fs::path& from, const fs::path& to) {
+  if (!fs::is_directory(from)) return;
+  fs::create_directories(to);
+  for (const auto& entry : fs::directory_iterator(from))
+    duplicate_file(entry.path(), to / entry.path().filename());
 }
 
 // A result with hardly anything in it is one, but should not be taken for a good one.
@@ -177,8 +194,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
                              : estimate_windows(perception, variant, options.seed);
   const int without_state = result.observations_without_state;
   const Tracks tracks = tracks_of(perception, result);
-  if (fs::exists(perceived / "masks"))
-    fs::copy(perceived / "masks", pending.path() / "masks", fs::copy_options::recursive);
+  copy_masks(perceived / "masks", pending.path() / "masks");
   write_estimate(pending.path(), tracks);
   write_camera_yaml(pending.path() / "camera.yaml", sequence.camera);
   write_text(pending.path() / "timing.csv", timing_csv(result.times, read_text(perceived / "timing.csv")));

@@ -32,7 +32,7 @@ void estimate(const std::filesystem::path& sequence, const Variant& variant, con
               const std::filesystem::path& out);
 
 /// The perception stage alone, into options.perception, unless its result is there already; `force` lets it
-/// replace a folder that holds anything else than an older result.
+/// replace a folder that holds anything else than an older result, which else is refused.
 void keep_perception(const std::filesystem::path& sequence, const Variant& variant,
                      const EstimateOptions& options);
 

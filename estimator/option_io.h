@@ -15,6 +15,8 @@ namespace uniquadric {
 template <typename E>
 using Choices = std::vector<std::pair<const char*, E>>;
 
+inline constexpr int kMostIterations = 1'000'000;  // of any option: hours, a typing error
+
 /// Fills option structs from a YAML map. Reader and writer have the same calls, so that one function per
 /// struct names its keys for both.
 class OptionReader {

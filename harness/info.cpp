@@ -1,4 +1,5 @@
 #include "harness/info.h"
+#include "harness/perception_info.h"
 
 #include <fmt/format.h>
 
@@ -65,8 +66,12 @@ std::string describe_tracks(const fs::path& path) {
   std::string text = fs::exists(path / "objects.csv") ? "estimate\n" : "truth\n";
   text += "camera: " + describe_trajectory(tracks.camera) + "\n";
   for (const auto& track : tracks.objects) {
+    const auto lost = std::count_if(track.states.begin(), track.states.end(), [](const ObjectState& state) {
+      return state.status == ObjectStatus::lost;
+    });
     text += fmt::format("object {}{}: {} states", track.id, track.name.empty() ? "" : " '" + track.name + "'",
-                        track.states.size());
+                        std::ssize(track.states) - lost);
+    if (lost > 0) text += fmt::format(", lost {} times", lost);
     if (!track.states.empty()) {
       const auto& a = track.states.back().ellipsoid.semi_axes_m;
       text += fmt::format(", last semi-axes {:.4f} {:.4f} {:.4f} m", a.x(), a.y(), a.z());
@@ -116,11 +121,12 @@ std::string describe_folder(const fs::path& path) {
   if (fs::exists(path / "sequence/sequence.yaml"))
     return describe_sequence(path / "sequence") +
            (fs::exists(path / "truth") ? describe_tracks(path / "truth") : "");
+  if (is_perception(path)) return describe_perception(path);
   if (fs::exists(path / "camera.tum")) return describe_tracks(path);
   if (fs::exists(path / "cells.csv")) return "results\n" + summary_table(path);
   if (fs::exists(path / "evaluation.json"))
     return "evaluation: see " + (path / "evaluation.json").string() + "\n";
-  throw InputError(path, "is no sequence, truth, estimate, evaluation or results folder");
+  throw InputError(path, "is no sequence, truth, perception, estimate, evaluation or results folder");
 }
 
 }  // namespace

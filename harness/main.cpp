@@ -3,7 +3,9 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -24,6 +26,7 @@
 #include "harness/check.h"
 #include "harness/export/export.h"
 #include "harness/info.h"
+#include "harness/perception_info.h"
 #include "simulator/preview.h"
 #include "simulator/scene/noise_scale.h"
 #include "simulator/scene/scene.h"
@@ -265,13 +268,16 @@ void add_info(CLI::App& app, Common& common, int& exit_code) {
   auto* sub = subcommand(app, "info", "what a folder or file is", common);
   static std::string path;
   static bool check = false;
-  sub->add_option("PATH", path, "sequence, truth, estimate, results; scene, variant, bench or .tum file")
+  sub->add_option("PATH", path,
+                  "sequence, truth, perception, estimate, results; scene, variant, bench or .tum file")
       ->required();
-  sub->add_flag("--check", check, "verify a sequence: counts, stamps, images, calibration, hashes");
+  sub->add_flag("--check", check,
+                "verify a sequence (counts, stamps, images, calibration, hashes) or a kept perception");
   sub->callback([&exit_code] {
     std::cout << describe(path);
     if (!check) return;
-    const std::vector<std::string> problems = check_sequence(path);
+    const std::vector<std::string> problems =
+        is_perception(path) ? check_perception(path) : check_sequence(path);
     for (const std::string& problem : problems) std::cout << "problem: " << problem << '\n';
     std::cout << fmt::format("{} problems\n", problems.size());
     if (!problems.empty()) exit_code = kBadInput;
@@ -386,6 +392,10 @@ int run(int argc, char** argv) {
     return kBadInput;
   } catch (const std::exception& e) {
     std::cerr << "uniquadric: " << e.what() << '\n';
+    return kBadInput;
+  }
+  if (!std::cout.flush()) {
+    std::cerr << fmt::format("uniquadric: standard output cannot be written: {}\n", std::strerror(errno));
     return kBadInput;
   }
   return exit_code;

@@ -50,6 +50,7 @@ FrameLog::FrameLog(const std::filesystem::path& path) : path_(path) {
   for (const auto& [frame, lines] : records_) complete += record(frame, lines);
   write_text(path, complete);
   out_.open(path, std::ios::binary | std::ios::app);
+  if (!out_) throw_unwritable(path);
 }
 
 bool FrameLog::has(std::int64_t frame) const {
@@ -66,7 +67,7 @@ void FrameLog::add(std::int64_t frame, const std::string& lines) {
   const std::lock_guard lock(mutex_);
   records_[frame] = lines;
   out_ << record(frame, lines) << std::flush;
-  if (!out_) throw std::runtime_error(fmt::format("{}: cannot be written", path_.string()));
+  if (!out_) throw_unwritable(path_);
 }
 
 std::string FrameLog::lines() const {

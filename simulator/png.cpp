@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/base/files.h"
 #include "simulator/run_length_deflate.h"
 
 namespace uniquadric {
@@ -124,9 +125,10 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
     if (good) bytes.remove_prefix(static_cast<std::size_t>(written));
   }
   const int error = errno;
-  if (file >= 0 && close(file) != 0) good = false;
-  if (!good)
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(error)));
+  if (file >= 0 && close(file) != 0 && good) throw_unwritable(path);
+  if (good) return;
+  errno = error;
+  throw_unwritable(path);
 }
 
 }  // namespace uniquadric

@@ -25,6 +25,10 @@ std::string read_text(const fs::path& path) {
   return std::move(text).str();
 }
 
+void throw_unwritable(const fs::path& path) {
+  throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+}
+
 void write_text(const fs::path& path, std::string_view text) {
   const fs::path aside = path.string() + ".partial";
   {
@@ -32,12 +36,18 @@ void write_text(const fs::path& path, std::string_view text) {
     out.write(text.data(), static_cast<std::streamsize>(text.size()));
     out.close();
     if (!out) {
+      const int reason = errno;  // before what follows can change it
       std::error_code ignored;
       fs::remove(aside, ignored);
-      throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+      errno = reason;
+      throw_unwritable(path);
     }
   }
   fs::rename(aside, path);
+}
+
+void duplicate_file(const fs::path& from, const fs::path& to) {
+  write_text(to, read_text(from));
 }
 
 void require_no_dangling_link(const fs::path& path) {
@@ -95,7 +105,7 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
   fs::create_directories(partial_, error);
   if (error) throw InputError(final_, fmt::format("cannot be created: {}", error.message()));
   lock_ = lock_folder(partial_, final_);
-  std::ofstream marker(partial_ / kMarker);  // at once, in a folder that is empty or has it
+  if (!std::ofstream(partial_ / kMarker)) throw_unwritable(partial_);  // at once: it is empty or has it
 }
 
 PendingFolder::~PendingFolder() {

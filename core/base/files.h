@@ -9,9 +9,16 @@ namespace uniquadric {
 /// The whole file; throws InputError when it cannot be read.
 std::string read_text(const std::filesystem::path& path);
 
+/// Throws std::runtime_error "PATH: cannot be written: REASON", the reason of the system call that just
+/// failed (errno).
+[[noreturn]] void throw_unwritable(const std::filesystem::path& path);
+
 /// Writes aside and renames, so that the file is never seen half-written; throws std::runtime_error on
 /// failure.
 void write_text(const std::filesystem::path& path, std::string_view text);
+
+/// As write_text of read_text: what is wrong names the file that it is wrong of.
+void duplicate_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// Throws InputError for a link to nothing: neither a place to write to nor a new one.
 void require_no_dangling_link(const std::filesystem::path& path);

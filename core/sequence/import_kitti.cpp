@@ -83,7 +83,7 @@ void write_images(const KittiRecording& recording, const Sequence& sequence, con
   for (const SequenceFrame& frame : sequence.frames) {
     const fs::path source = std::next(recording.images.begin(), frame.frame)->second;
     fs::create_directories((out / frame.rgb).parent_path());
-    fs::copy_file(source, out / frame.rgb);
+    duplicate_file(source, out / frame.rgb);
     progress.advance();
   }
 }

@@ -92,7 +92,7 @@ void copy_checked(const Sequence& sequence, const SequenceFrame& frame, const fs
   for (const fs::path& file : {frame.rgb, frame.depth}) {
     if (file.empty()) continue;
     fs::create_directories((out / file).parent_path());
-    fs::copy_file(sequence.folder / file, out / file, fs::copy_options::skip_existing);
+    if (!fs::exists(out / file)) duplicate_file(sequence.folder / file, out / file);
   }
 }
 

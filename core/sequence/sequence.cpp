@@ -142,10 +142,21 @@ cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame) {
   return depth;
 }
 
+// Values of a 16-bit image besides 0.
+int count_different(const cv::Mat& image) {
+  std::vector<char> is_there(1 << 16);
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) is_there[image.at<std::uint16_t>(v, u)] = 1;
+  is_there[0] = 0;
+  return static_cast<int>(std::count(is_there.begin(), is_there.end(), 1));
+}
+
 cv::Mat read_masks(const Sequence& sequence, const SequenceFrame& frame) {
   const fs::path path = sequence.folder / frame.masks;
   const cv::Mat image = read_image(path);
   check_image(path, image, sequence.camera, CV_16UC1, "a 16-bit grey image");
+  if (const int ids = count_different(image); ids > kMostIds)
+    throw InputError(path, fmt::format("holds {} ids, more than the {} that masks may have", ids, kMostIds));
   return image;
 }
 

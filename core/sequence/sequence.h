@@ -58,7 +58,8 @@ void write_sequence_index(const std::filesystem::path& folder, const Sequence& s
 cv::Mat read_rgb(const Sequence& sequence, const SequenceFrame& frame);
 /// Depth as CV_32FC1: z along the optical axis [m], 0 where there is none.
 cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame);
-/// Instance masks as CV_16UC1: 0 is background.
+/// Instance masks as CV_16UC1: 0 is background. More than kMostIds others are no masks.
+inline constexpr int kMostIds = 256;  // ours: more are noise, or an image of another kind
 cv::Mat read_masks(const Sequence& sequence, const SequenceFrame& frame);
 
 /// Any image file, undecodable or truncated files refused with InputError.

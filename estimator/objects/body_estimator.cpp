@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "core/base/seconds.h"
 
@@ -90,13 +91,14 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     beginnings_ = beginnings;
     return step(frame, body, times);
   }
-  if (hidden_s > options_.lifecycle.lost_after_s) return std::nullopt;
+  const bool is_lost = hidden_s > options_.lifecycle.lost_after_s;
+  if (is_lost && std::exchange(said_lost_, true)) return std::nullopt;
   const PoseSigmas sigmas = prediction_sigmas_at(frame);
   Matrix6d covariance = recent_.back().covariance;
   covariance.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
   covariance.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
   BodyState state = state_at(frame, predict(frame, body), covariance);
-  state.status = ObjectStatus::occluded;
+  state.status = is_lost ? ObjectStatus::lost : ObjectStatus::occluded;
   state.evidence = PoseEvidence::none;
   return state;
 }
@@ -123,6 +125,7 @@ bool BodyEstimator::was_a_glimpse(double hidden_s) const {
 
 void BodyEstimator::remember(const PerceivedFrame& frame, const Pose& world_from_body,
                              const Matrix6d& covariance) {
+  said_lost_ = false;
   recent_.push_back({frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, covariance});
   while (seconds(recent_.front().stamp_ns, frame.stamp_ns) > kMostBase) recent_.pop_front();
 }

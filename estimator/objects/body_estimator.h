@@ -61,7 +61,8 @@ class BodyEstimator {
   BodyEstimator(int id, const Camera& camera, const BodyOptions& options, std::uint64_t seed);
 
   /// The next frame; `body` null where perception has nothing of it. Nothing before the body has been
-  /// initialised, while the camera's pose is unknown, and after it was lost.
+  /// initialised, while the camera's pose is unknown, and after it was lost: where its prediction is given up
+  /// it says so in a last state (ObjectStatus::lost), until it is found again.
   /// `times` receives what each solution of the long window took; null: nothing does.
   std::optional<BodyState> step(const PerceivedFrame& frame, const BodyObservation* body,
                                 std::vector<StageTime>* times = nullptr);
@@ -102,6 +103,7 @@ class BodyEstimator {
   std::optional<ShapeEstimator> strayed_;      // as it was before a new face alone was to go by
   int keyframes_ = 0, frames_unfound_ = 0;
   int beginnings_ = 0;
+  bool said_lost_ = false;
 };
 
 }  // namespace uniquadric

@@ -1,7 +1,10 @@
 #include "estimator/perception/perception_files.h"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <cerrno>
 #include <cstring>
+#include <set>
 #include <span>
 
 #include "core/base/config.h"
@@ -20,6 +23,7 @@ namespace fs = std::filesystem;
 constexpr int kSchema = 1;
 // The magic, the bodies of each frame, the index of the frames, and where that is.
 constexpr const char* kObservations = "observations.bin";
+constexpr const char* kMasks = "masks";
 constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '4'};
 constexpr std::uint64_t kMaxCount = 1u << 28;  // of anything in a list; more is a damaged file
 
@@ -183,7 +187,7 @@ FilePlace place_of(std::uint64_t offset, const std::string& bytes) {
 // Files of sizes that contradict what they say are damaged.
 std::string read_part(const fs::path& path, std::uint64_t offset, std::uint64_t size) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path, "cannot be read");
+  if (!file) throw InputError(path, fmt::format("cannot be read: {}", std::strerror(errno)));
   const std::uint64_t whole = fs::file_size(path);
   if (offset > whole || size > whole - offset) throw_damaged(path);
   std::string bytes(size, '\0');
@@ -198,6 +202,12 @@ std::string read_place(const fs::path& path, const FilePlace& place) {
   return bytes;
 }
 
+// FRAME.png, of six digits at least.
+bool is_mask_name(const std::string& name) {
+  const std::size_t digits = name.find_first_not_of("0123456789");
+  return digits != std::string::npos && digits >= 6 && name.substr(digits) == ".png";
+}
+
 }  // namespace
 
 PerceptionWriter::PerceptionWriter(fs::path folder, const Camera& camera, std::string key)
@@ -209,8 +219,7 @@ PerceptionWriter::PerceptionWriter(fs::path folder, const Camera& camera, std::s
 }
 
 void PerceptionWriter::write(const std::string& bytes) {
-  if (!file_.write(bytes.data(), std::ssize(bytes)).flush())
-    throw std::runtime_error(fmt::format("{}: cannot be written", (folder_ / kObservations).string()));
+  if (!file_.write(bytes.data(), std::ssize(bytes)).flush()) throw_unwritable(folder_ / kObservations);
   size_ += bytes.size();
 }
 
@@ -245,6 +254,23 @@ void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_cam
   write_text(folder_ / "perception.yaml",
              fmt::format("schema: {}\nprogram: {}\nkey: {}\nframes: {}\n", kSchema, yaml_quoted(kProgram),
                          yaml_quoted(key_), frames_.size()));
+}
+
+std::vector<fs::path> foreign_files(const fs::path& folder) {
+  const std::set<std::string> own = {"perception.yaml", "camera.yaml", "camera.tum", kObservations,
+                                     "timing.csv"};
+  std::vector<fs::path> foreign;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path name = entry.path().filename();
+    if (name != kMasks || !entry.is_directory()) {
+      if (!own.contains(name.string())) foreign.push_back(name);
+      continue;
+    }
+    for (const auto& mask : fs::directory_iterator(entry.path()))
+      if (!is_mask_name(mask.path().filename().string())) foreign.push_back(name / mask.path().filename());
+  }
+  std::sort(foreign.begin(), foreign.end());
+  return foreign;
 }
 
 std::string perception_key_of(const fs::path& folder) {

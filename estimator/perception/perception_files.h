@@ -68,6 +68,9 @@ class Perception {
   std::vector<FilePlace> places_;
 };
 
+/// What lies in a folder (below it, in order) that no kept perception has.
+std::vector<std::filesystem::path> foreign_files(const std::filesystem::path& folder);
+
 /// The key of a kept perception.
 std::string perception_key_of(const std::filesystem::path& folder);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <map>
 #include <opencv2/core.hpp>
 
@@ -13,17 +14,19 @@ namespace {
 constexpr std::int64_t kSameStamp_ns = 10'000'000;  // SPEC: poses belong together within 0.01 s
 constexpr double kHiddenFraction = 0.1;             // below, an object is called hidden
 
+// Whether the last thing that the track said is that it is lost.
 bool is_lost_at(const ObjectTrack& track, std::int64_t stamp_ns) {
-  return std::any_of(track.states.begin(), track.states.end(), [&](const ObjectState& state) {
-    return state.status == ObjectStatus::lost && std::abs(state.stamp_ns - stamp_ns) <= kSameStamp_ns;
+  const auto later = std::find_if(track.states.begin(), track.states.end(), [&](const ObjectState& state) {
+    return state.stamp_ns > stamp_ns + kSameStamp_ns;
   });
+  return later != track.states.begin() && std::prev(later)->status == ObjectStatus::lost;
 }
 
 // Empty when there is nothing to say of the track.
 std::string track_note(const ObjectTrack& track, std::int64_t stamp_ns, bool has_masks, int mask_px) {
   if (state_at(track, stamp_ns) || track.states.empty()) return "";
-  if (is_lost_at(track, stamp_ns)) return label_of(track) + ": lost";
   if (mask_px > 0) return fmt::format("{}: no state from a mask of {} px", label_of(track), mask_px);
+  if (is_lost_at(track, stamp_ns)) return label_of(track) + ": lost";
   if (stamp_ns < track.states.front().stamp_ns || stamp_ns > track.states.back().stamp_ns) return "";
   return label_of(track) + (has_masks ? ": no mask" : ": no masks in this frame");
 }

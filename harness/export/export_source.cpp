@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/error.h"
+#include "core/base/files.h"
 
 namespace uniquadric {
 namespace {
@@ -103,7 +104,7 @@ void write_color_png(const ExportSource& source, const SequenceFrame& frame, boo
   const cv::Mat color = read_rgb(source.sequence, frame);
   const bool changes = rectified && source.sequence.camera.has_distortion();
   if (frame.rgb.extension() == ".png" && !changes)
-    fs::copy_file(source.sequence.folder / frame.rgb, path);
+    duplicate_file(source.sequence.folder / frame.rgb, path);
   else
     write_png(path, changes ? rectify(source.sequence.camera, color, true) : color);
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "core/base/error.h"
 #include "core/base/progress.h"
 #include "harness/export/bag_writer.h"
 #include "harness/export/export.h"
@@ -107,7 +108,14 @@ class BagExport {
 
 void write_rosbag(const ExportSource& source, const ExportOptions& options,
                   const std::filesystem::path& folder) {
-  BagExport(source, folder / (source.sequence.name + ".bag")).write(options.quiet);
+  const std::filesystem::path bag = folder / (source.sequence.name + ".bag");
+  try {
+    BagExport(source, bag).write(options.quiet);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& e) {  // rosbag's, which names no file
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}", bag.string(), e.what()));
+  }
 }
 
 }  // namespace uniquadric

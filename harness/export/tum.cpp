@@ -20,7 +20,7 @@ constexpr double kTumUnitsPerM = 5000;
 void write_depth(const Sequence& sequence, const SequenceFrame& frame, const fs::path& path) {
   const cv::Mat depth_m = read_depth(sequence, frame);
   if (sequence.depth_units_per_m == kTumUnitsPerM && frame.depth.extension() == ".png") {
-    fs::copy_file(sequence.folder / frame.depth, path);
+    duplicate_file(sequence.folder / frame.depth, path);
     return;
   }
   cv::Mat units;

@@ -1,6 +1,10 @@
 #include "core/base/files.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
 
 #include "tests/support/temp_folder.h"
 
@@ -63,6 +67,27 @@ TEST(PendingFolder, LeavesFoldersOfOthersAlone) {
   EXPECT_EQ(read_text(temp.path() / "out.old0" / "notes"), "out.old0");
 }
 
+TEST(PendingFolder, WhatAKilledProcessLeftIsClearedAwayOrGoneOnWith) {
+  const TempFolder temp;
+  const fs::path out = temp.path() / "out";
+  const pid_t child = fork();
+  if (child == 0) {
+    const PendingFolder pending(out, false);
+    write_text(pending.path() / "half", "done");
+    _exit(0);  // as by a signal: no destructor runs
+  }
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  ASSERT_TRUE(fs::exists(temp.path() / "out.partial/half"));
+  EXPECT_TRUE(fs::exists(PendingFolder(out, false, true).path() / "half"));
+  {
+    PendingFolder pending(out, false);
+    EXPECT_FALSE(fs::exists(pending.path() / "half"));
+    pending.commit();
+  }
+  EXPECT_TRUE(fs::is_empty(out));
+  EXPECT_FALSE(fs::exists(temp.path() / "out.partial"));
+}
+
 TEST(PendingFolder, TakesOneWriterAtATime) {
   const TempFolder temp;
   for (const bool keep_partial : {false, true}) {
@@ -103,6 +128,30 @@ TEST(Files, WriteTextLeavesNoAsideFile) {
   EXPECT_EQ(read_text(temp.path() / "a.txt"), "two");
   EXPECT_EQ(std::distance(fs::directory_iterator(temp.path()), {}), 1);
   EXPECT_THROW(write_text(temp.path() / "no/such/folder.txt", "x"), std::runtime_error);
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::runtime_error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Files, WhatCannotBeWrittenSaysWhy) {
+  const TempFolder temp;
+  const fs::path file = temp.path() / "file", nowhere = temp.path() / "no/such/file";
+  EXPECT_EQ(error_of([&] { write_text(nowhere, "x"); }),
+            nowhere.string() + ": cannot be written: No such file or directory");
+  write_text(file, "before");
+  EXPECT_EQ(error_of([&] { duplicate_file(file, nowhere); }),
+            nowhere.string() + ": cannot be written: No such file or directory");
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  fs::create_symlink("/dev/full", file.string() + ".partial");  // what it is written to first
+  EXPECT_EQ(error_of([&] { write_text(file, "after"); }),
+            file.string() + ": cannot be written: No space left on device");
+  EXPECT_EQ(read_text(file), "before");
 }
 
 }  // namespace

@@ -74,6 +74,19 @@ TEST_F(SequenceFolder, ReadsBackAsItWasWritten) {
   EXPECT_EQ(sequence.given_camera->size(), 2u);
 }
 
+TEST_F(SequenceFolder, MasksOfMoreIdsThanThereCanBeBodiesAreRefused) {
+  replace("sequence.yaml", "width: 8", "width: 300");
+  const Sequence sequence = open_sequence(folder());
+  cv::Mat masks(6, 300, CV_16UC1);
+  for (int u = 0; u < masks.cols; ++u) masks.col(u).setTo(u <= kMostIds ? 200 * u : 0);
+  write_png(folder() / "masks/1.png", masks);
+  EXPECT_EQ(read_masks(sequence, sequence.frames[1]).at<std::uint16_t>(0, kMostIds), 200 * kMostIds);
+  masks.at<std::uint16_t>(5, 299) = 65535;
+  write_png(folder() / "masks/1.png", masks);
+  EXPECT_EQ(input_error([&] { read_masks(sequence, sequence.frames[1]); }),
+            (folder() / "masks/1.png").string() + ": holds 257 ids, more than the 256 that masks may have");
+}
+
 TEST_F(SequenceFolder, DepthIsAssociatedWithin20ms) {
   replace("depth.txt", "0.033333333 depth/1.png\n", "0.052 depth/1.png\n");
   replace("depth.txt", "0.066666666 depth/2.png\n", "0.087 depth/2.png\n");

@@ -157,5 +157,33 @@ TEST(BodyEstimator, ABodyThatWasHiddenIsFoundAgainByItsPoints) {
   EXPECT_LT(after.rotation_rad, 0.03);
 }
 
+// Half a second of prediction, then once that it is lost, then nothing; when it is found again, it goes on.
+TEST(BodyEstimator, ABodyThatStaysHiddenIsSaidToBeLostOnce) {
+  SyntheticOptions options = three_seconds();
+  options.frames = 120;
+  options.hidden = [](int, double t) { return t > 1.5 && t < 2.5; };
+  const SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, options);
+  BodyOptions body;
+  body.lifecycle.lost_after_s = 0.5;
+  BodyEstimator estimator(1, perception.camera, body, 1);
+  int predicted = 0, lost = 0, silent = 0, last_predicted = 0;
+  for (int i = 0; i < std::ssize(perception.frames); ++i) {
+    const auto& bodies = perception.frames[i].bodies;
+    const auto state = estimator.step(perception.frames[i], bodies.empty() ? nullptr : &bodies[0]);
+    silent += !state;
+    if (!state) continue;
+    if (bodies.empty() && state->status == ObjectStatus::occluded) ++predicted, last_predicted = i;
+    if (state->status != ObjectStatus::lost) continue;
+    EXPECT_EQ(i, last_predicted + 1);
+    EXPECT_EQ(state->evidence, PoseEvidence::none);
+    ++lost;
+  }
+  EXPECT_EQ(predicted, 15);
+  EXPECT_EQ(lost, 1);
+  EXPECT_GT(silent, 10);
+  EXPECT_EQ(estimator.step(perception.frames.back(), &perception.frames.back().bodies.at(0))->status,
+            ObjectStatus::active);
+}
+
 }  // namespace
 }  // namespace uniquadric

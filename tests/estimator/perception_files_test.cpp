@@ -77,6 +77,34 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   EXPECT_FALSE(frames[1].bodies[0].segmented);
 }
 
+TEST(PerceptionFiles, SayWhyTheyCannotBeWritten) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  const TempFolder temp;
+  fs::create_symlink("/dev/full", temp.path() / "observations.bin");
+  try {
+    PerceptionWriter(temp.path(), Camera(), "key");
+    ADD_FAILURE() << "written";
+  } catch (const std::runtime_error& e) {
+    EXPECT_NE(std::string(e.what()).find("observations.bin: cannot be written: No space left"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
+TEST(PerceptionFiles, KnowTheirOwn) {
+  const TempFolder temp;
+  const SyntheticPerception perception = two_frames();
+  write(temp.path(), perception.frames, perception.camera);
+  fs::create_directories(temp.path() / "masks");
+  for (const char* own : {"timing.csv", "masks/000001.png", "masks/1234567.png"})
+    write_text(temp.path() / own, "");
+  EXPECT_TRUE(foreign_files(temp.path()).empty());
+  for (const char* other : {"notes.txt", "masks/000001.jpg", "masks/a.png"})
+    write_text(temp.path() / other, "");
+  EXPECT_EQ(foreign_files(temp.path()),
+            (std::vector<fs::path>{"masks/000001.jpg", "masks/a.png", "notes.txt"}));
+}
+
 TEST(PerceptionFiles, DamagedFilesAreRefusedWhereverTheyEndOrDiffer) {
   const TempFolder temp;
   const SyntheticPerception perception = two_frames();

@@ -238,7 +238,9 @@ TEST(Absence, EveryReasonHasItsLine) {
                       track(3, {{0, kActive}, {kLate_ns, kActive}}),
                       track(4, {{0, kActive}, {kLate_ns, kActive}}),
                       track(5, {{kLate_ns, kActive}}),
-                      track(6, {{0, kActive}})};
+                      track(6, {{0, kActive}}),
+                      track(7, {{0, kActive}, {50'000'000, ObjectStatus::lost}, {kLate_ns, kActive}}),
+                      track(8, {{0, kActive}, {50'000'000, ObjectStatus::lost}})};
   truth.objects = {{1, "ball", {}}, {2, "cube", {}}, {3, "car", {}}};
   const VisibilityTable visibility = {
       {{1, 1}, {0, 0, 0, false}}, {{1, 2}, {40, 1000, 0.04, false}}, {{1, 3}, {100, 1000, 0.1, false}}};
@@ -248,13 +250,15 @@ TEST(Absence, EveryReasonHasItsLine) {
   const std::vector<std::string> expected = {"#2: lost",
                                              "#3: no mask",
                                              "#4: no state from a mask of 10 px",
+                                             "#7: lost",
+                                             "#8: lost",
                                              "#9: never a state; mask of 10 px",
                                              "ball (truth): out of view",
                                              "cube (truth): hidden, 4 % seen"};
   EXPECT_EQ(absence_notes(estimate, masks, 1, 100'000'000, truth, visibility), expected);
-  EXPECT_EQ(
-      absence_notes(estimate, cv::Mat(), 1, 100'000'000, {}, {}),
-      (std::vector<std::string>{"#2: lost", "#3: no masks in this frame", "#4: no masks in this frame"}));
+  EXPECT_EQ(absence_notes(estimate, cv::Mat(), 1, 100'000'000, {}, {}),
+            (std::vector<std::string>{"#2: lost", "#3: no masks in this frame", "#4: no masks in this frame",
+                                      "#7: lost", "#8: lost"}));
   EXPECT_EQ(absence_notes(estimate, masks, 0, kLate_ns, {}, {}).at(0), "no camera pose");
 }
 

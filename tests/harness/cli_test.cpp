@@ -258,6 +258,56 @@ TEST_F(Cli, AForeignFolderIsNotTakenForAKeptPerception) {
   ASSERT_EQ(run_program({"perceive", data / "sequence", kept, "--quiet"}).exit_code, 0);
   const ProgramRun again = run_program({"perceive", data / "sequence", kept, "--quiet", "--seed", "7"});
   EXPECT_EQ(again.exit_code, 0) << again.err;  // an older result is replaced
+  const fs::path notes = write("kept/notes.txt", "mine");
+  ASSERT_EQ(run_program({"perceive", data / "sequence", kept, "--quiet", "--seed", "7"}).exit_code, 0)
+      << "kept";
+  expect_refusal({"perceive", data / "sequence", kept, "--quiet", "--seed", "8"},
+                 "notes.txt: is no part of the kept perception");
+  EXPECT_EQ(read_text(notes), "mine");
+}
+
+TEST_F(Cli, InfoSaysWhatAKeptPerceptionIsAndWhatIsWrongWithIt) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
+  const fs::path kept = folder() / "kept";
+  ASSERT_EQ(run_program({"simulate", scene, data, "--quiet"}).exit_code, 0);
+  ASSERT_EQ(run_program({"perceive", data / "sequence", kept, "--quiet"}).exit_code, 0);
+  const ProgramRun whole = run_program({"info", kept, "--check"});
+  EXPECT_EQ(whole.exit_code, 0) << whole.out << whole.err;
+  for (const char* line : {"perception made by uniquadric", ", key ", "\nframes: 4 over 0.300 s; ",
+                           "\nbody 1: in ", "\nbody 2: in ", "\n0 problems\n"})
+    EXPECT_NE(whole.out.find(line), std::string::npos) << line << whole.out;
+  std::string bytes = read_text(kept / "observations.bin");
+  write("kept/notes.txt", "mine");
+  const ProgramRun company = run_program({"info", kept, "--check"});
+  EXPECT_NE(company.out.find("notes.txt: is no part of a kept perception\n1 problems"), std::string::npos)
+      << company.out;
+  bytes[bytes.size() / 2] ^= 1;
+  write_text(kept / "observations.bin", bytes);
+  EXPECT_EQ(run_program({"info", kept, "--check"}).exit_code, 2);
+}
+
+// The asynchronous tracker segments keyframes alone.
+TEST_F(Cli, CheckFindsDamagedMasksThatNoEstimateReads) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
+  ASSERT_EQ(run_program({"simulate", scene, data, "--quiet"}).exit_code, 0);
+  fs::remove(data / "sequence/hashes.txt");
+  const fs::path mask = data / "sequence/masks/000002.png";
+  write_text(mask, read_text(mask).substr(0, 60));
+  const ProgramRun run = run_program({"info", data / "sequence", "--check"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.out.find("masks/000002.png: is a truncated image"), std::string::npos) << run.out;
+}
+
+TEST_F(Cli, AFullOutputIsAnError) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  const fs::path scene = write("scene.yaml", small_scene_yaml());
+  EXPECT_EQ(std::system((std::string(UNIQUADRIC_PROGRAM " info ") + scene.string() + " >/dev/full 2>" +
+                         (folder() / "err").string())
+                            .c_str()) >>
+                8,
+            2);
+  EXPECT_NE(read_text(folder() / "err").find("cannot be written: No space left on device"),
+            std::string::npos);
 }
 
 TEST_F(Cli, MetricAnswersLineByLine) {
