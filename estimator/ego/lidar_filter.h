@@ -15,6 +15,7 @@ inline constexpr int kSightingDof = 12;  ///< the first ones, which a point depe
 using Vector18d = Eigen::Matrix<double, kLidarDof, 1>;
 using Matrix18d = Eigen::Matrix<double, kLidarDof, kLidarDof>;
 using Row12d = Eigen::Matrix<double, 1, kSightingDof>;
+using SightingSquare = Eigen::Matrix<double, kSightingDof, kSightingDof>;
 
 /// Where each part of the error begins: turn of the body (right), place, velocity, biases, gravity.
 enum LidarError { kTurn = 0, kPlace = 3, kVelocity = 6, kGyroscope = 9, kAccelerometer = 12, kGravity = 15 };
@@ -68,8 +69,7 @@ double plane_distance(const LidarState& end, const Eigen::Vector3d& path_bias, c
 
 /// Sum of weight J^T J and weight J^T r over points.
 struct LidarNormal {
-  Eigen::Matrix<double, kSightingDof, kSightingDof> square =
-      Eigen::Matrix<double, kSightingDof, kSightingDof>::Zero();
+  SightingSquare square = SightingSquare::Zero();
   Eigen::Matrix<double, kSightingDof, 1> side = Eigen::Matrix<double, kSightingDof, 1>::Zero();
   int points = 0;
 };

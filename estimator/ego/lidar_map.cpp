@@ -122,7 +122,11 @@ std::optional<MapPlane> LidarMapLevel::plane_near(const Eigen::Vector3d& p, doub
   if (least > max_thickness_m * max_thickness_m || middle < options_.min_flatness * least || middle <= 0)
     return std::nullopt;
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
-  return MapPlane{normal, -normal.dot(p + mean), std::sqrt(least / points), std::sqrt(least)};
+  MapPlane plane{normal, -normal.dot(p + mean), std::sqrt(least / points), std::sqrt(least)};
+  for (int k = 0; k < 2; ++k)
+    plane.normal_error.col(k) =
+        std::sqrt(least / (points * solver.eigenvalues()[k + 1])) * solver.eigenvectors().col(k + 1);
+  return plane;
 }
 
 void LidarMapLevel::remove(std::size_t block) {

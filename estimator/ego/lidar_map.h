@@ -28,6 +28,8 @@ struct MapPlane {
   double offset_m = 0;
   double sigma_m = 0;      ///< of its place along the normal
   double thickness_m = 0;  ///< standard deviation of its points off it
+  /// The normal's error, one standard deviation along each of the plane's two axes, in columns.
+  Eigen::Matrix<double, 3, 2> normal_error = Eigen::Matrix<double, 3, 2>::Zero();
 };
 
 /// Cells of one size, of which each keeps the mean and spread of its points, in a hash of blocks of 4 x 4 x 4

@@ -18,6 +18,7 @@ constexpr std::int64_t kBeyondEnds_ns =
 constexpr int kMaskMargin_px = 6;              // outlines' error, and the motion since the mask
 constexpr double kLevelTime_s = 0.2;           // whose mean force tells up from down at first
 constexpr double kBentThickness = 6;           // over the noise of points
+constexpr double kShareGain = 0.1;             // a sweep's, in the running mean
 constexpr double kMagnitudeSigma_mps2 = 0.01;  // gravity's, over the Earth's places
 
 struct Sweep {
@@ -73,6 +74,7 @@ struct LidarOdometry::State {
   LidarSightOptions sight;  // as it is now
   LidarBelief belief;
   LidarMap map;
+  double usual_share = 0;  // of the points on planes; 0: unknown
   std::vector<Pause> pauses;
   std::vector<SweepReport> reports;
 
@@ -94,6 +96,7 @@ struct LidarOdometry::State {
   void begin();
   void go_on(const Sweep& sweep);
   void note(const SweepReport& report);
+  double place_sigma_m() const { return std::sqrt(belief.covariance.block<3, 3>(kPlace, kPlace).trace()); }
   Pose level() const;
 };
 
@@ -150,7 +153,9 @@ LidarState LidarOdometry::State::first_guess() const {
   return state;
 }
 
+// Of a start that an earlier pass found, velocity and turn rate are known as well as they were after it.
 void LidarOdometry::State::begin_at(const LidarState& start, bool is_guess) {
+  const Matrix18d known = belief.covariance;
   const bool has_imu = !imu.empty();
   const double velocity = is_guess ? options.first_velocity_mps : 0.3, gravity = is_guess ? 0.5 : 0.2;
   const double turn = has_imu ? 0.02 : is_guess ? 1.0 : 0.1;
@@ -159,7 +164,10 @@ void LidarOdometry::State::begin_at(const LidarState& start, bool is_guess) {
       Vector3d::Constant(turn), Vector3d::Constant(has_imu ? 0.1 : 0.0),
       has_imu ? Vector3d(gravity, gravity, kMagnitudeSigma_mps2) : Vector3d::Zero();
   belief = {start, sigma.cwiseAbs2().asDiagonal()};
+  for (const int part : {kVelocity, kGyroscope})
+    if (!is_guess) belief.covariance.block<3, 3>(part, part) += known.block<3, 3>(part, part);
   map = LidarMap(options.map);
+  usual_share = 0;
   reports.clear();
   pauses.clear();
   note({start.stamp_ns});
@@ -217,9 +225,9 @@ void LidarOdometry::State::begin() {
 void LidarOdometry::State::note(const SweepReport& report) {
   const auto pieces = readings_between(imu, belief.state.stamp_ns, belief.state.stamp_ns + 1);
   const Vector3d rate = pieces.front().reading.angular_velocity_radps - belief.state.gyroscope_bias_radps;
-  const double sigma = std::sqrt(belief.covariance.block<3, 3>(kPlace, kPlace).trace());
-  pauses.push_back({belief.state, rate, sigma});
+  pauses.push_back({belief.state, rate, place_sigma_m()});
   reports.push_back(report);
+  reports.back().place_covariance_m2 = belief.covariance.block<3, 3>(kPlace, kPlace);
 }
 
 void LidarOdometry::State::go_on(const Sweep& sweep) {
@@ -230,11 +238,18 @@ void LidarOdometry::State::go_on(const Sweep& sweep) {
   if (sweep.points.empty()) return note(report);
   LidarRegistration registration(map, sweep.points, path, body_from_lidar, options.sweep.voxel_m,
                                  belief.covariance, sight);
-  belief = updated(
+  const LidarBelief found = updated(
       belief,
       [&](const LidarState& state, int iteration) { return registration.normal_at(state, iteration); },
       options.iterations);
-  for (const Vector3d& p : registration.map_points(belief.state)) map.add(p);
+  const double share = registration.share_on_planes();
+  const bool is_uncertain = place_sigma_m() > options.lost_sigma_m / 2;
+  if (is_uncertain && share < options.found_share * usual_share) return note(report);  // put to wrong walls
+  if (share > 0) usual_share = usual_share > 0 ? usual_share + kShareGain * (share - usual_share) : share;
+  belief = found;
+  // Where lost, a map would be one of another place, and be taken for known soon after.
+  if (map.blocks() == 0 || place_sigma_m() <= options.lost_sigma_m)
+    for (const Vector3d& p : registration.map_points(belief.state)) map.add(p);
   map.trim(belief.state.world_from_body.translation);
   report.on_planes = registration.on_planes();
   report.rms_m = registration.rms_m();

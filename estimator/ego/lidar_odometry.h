@@ -27,7 +27,9 @@ struct LidarOdometryOptions {
   double angular_acceleration_radps2_rthz = 1.0;
   LidarSightOptions sight;
   int iterations = 4;
-  double lost_sigma_m = 1.0;      // of the place: beyond it the sensor is lost
+  double lost_sigma_m = 1.0;  // of the place: beyond it the sensor is lost
+  double found_share = 0.5;   // of the points that are usually on planes: fewer, and a sensor whose place is
+                              // uncertain by half of lost_sigma_m is not believed to be found
   double first_velocity_mps = 3;  // standard deviation, of a start that is thought to be at rest
   int first_sweeps = 10;  // gone through first_passes times, for the first motion undoes the first cloud
   int first_passes = 3;

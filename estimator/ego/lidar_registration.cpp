@@ -11,6 +11,7 @@ double square(double x) {
   return x * x;
 }
 
+constexpr int kNoiseStep = 8;  // every eighth point tells how much of what is told errors of normals make
 constexpr int kOpenIterations = 2;  // in which the prediction's own error widens the gate
 
 }  // namespace
@@ -77,6 +78,17 @@ std::array<double, 3> LidarRegistration::shares() const {
   return points;
 }
 
+// The Jacobian's row is linear in the normal.
+void LidarRegistration::add_noise(const Sight& sight, const LidarState& state, double weight,
+                                  SightingSquare& noise) const {
+  for (int k = 0; k < 2; ++k) {
+    Row12d row = Row12d::Zero();
+    plane_distance(state, path_.end().gyroscope_bias_radps, sight.point, {sight.plane->normal_error.col(k)},
+                   &row);
+    noise.noalias() += (weight * row.transpose()) * row;
+  }
+}
+
 LidarNormal LidarRegistration::normal_at(const LidarState& state, int iteration) {
   const Eigen::Matrix3d R = state.world_from_body.rotation.toRotationMatrix();
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -87,6 +99,8 @@ LidarNormal LidarRegistration::normal_at(const LidarState& state, int iteration)
   sides_ = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
   const auto share = shares();
   LidarNormal normal;
+  SightingSquare noise = SightingSquare::Zero();
+  std::vector<Eigen::Vector3d> plane_normals;
   double squares = 0;
   for (const Sight& sight : sights_) {
     if (!counts(sight)) continue;
@@ -96,13 +110,14 @@ LidarNormal LidarRegistration::normal_at(const LidarState& state, int iteration)
         share[static_cast<std::size_t>(side_of(sight))] / (sight.variance * std::max(off, 1.0));
     normal.square.noalias() += (weight * J.transpose()) * J;
     normal.side += (weight * sight.distance_m) * J.transpose();
-    ++normal.points;
+    plane_normals.push_back(sight.plane->normal);
+    if (normal.points++ % kNoiseStep == 0) add_noise(sight, state, kNoiseStep * weight, noise);
     squares += sight.distance_m * sight.distance_m;
   }
   if (normal.points < options_.min_points) return {};
   on_planes_ = normal.points;
   rms_m_ = std::sqrt(squares / normal.points);
-  return normal;
+  return without_feigned(normal, noise, plane_normals, options_.observability);
 }
 
 std::vector<Eigen::Vector3d> LidarRegistration::map_points(const LidarState& end) const {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <vector>
 
 #include "estimator/ego/lidar_filter.h"
 #include "estimator/ego/lidar_map.h"
+#include "estimator/ego/lidar_observability.h"
 #include "estimator/ego/lidar_sweep.h"
 
 namespace uniquadric {
@@ -24,6 +26,7 @@ struct LidarSightOptions {
   double huber_sigmas = 1.5;
   int searches = 2;     // iterations that look for planes anew
   int min_points = 30;  // on planes; below, the sweep says nothing
+  ObservabilityOptions observability;
 };
 
 /// What became of a sweep.
@@ -31,6 +34,9 @@ struct SweepReport {
   std::int64_t end_ns = 0;
   int points = 0, on_planes = 0, on_bodies = 0;
   double rms_m = 0;  ///< of the points on planes
+  /// Of the place after it, in the axes of the world of the start [m^2]. What the map itself is off by, which
+  /// is the drift, is not in it.
+  Eigen::Matrix3d place_covariance_m2 = Eigen::Matrix3d::Zero();
 };
 
 /// One sweep against the map: its points, one a voxel, and the planes they are put to.
@@ -47,6 +53,9 @@ class LidarRegistration {
   /// become map.
   std::vector<Eigen::Vector3d> map_points(const LidarState& end) const;
   int on_planes() const { return on_planes_; }
+  double share_on_planes() const {
+    return static_cast<double>(on_planes_) / std::max<double>(1, std::ssize(sights_));
+  }
   double rms_m() const { return rms_m_; }
 
  private:
@@ -61,6 +70,7 @@ class LidarRegistration {
   };
   double variance_of(const Sight& sight, const Eigen::Matrix3d& R) const;
   void look(Sight& sight, const LidarState& state, const Eigen::Matrix3d& R, int iteration) const;
+  void add_noise(const Sight& sight, const LidarState& state, double weight, SightingSquare& noise) const;
   std::array<double, 3> shares() const;
   bool counts(const Sight& sight) const { return sight.plane && !sight.is_off; }
   int side_of(const Sight& sight) const;

@@ -57,7 +57,8 @@ Pose LidarRoom::world_from_lidar(double t) const {
   const double v = vigour;
   return {exp_so3(0.3 * v *
                   Vector3d(0.3 * std::sin(1.7 * t), 0.4 * std::sin(1.3 * t + 0.5), 1.5 * std::sin(0.9 * t))),
-          v * Vector3d(1.2 * std::sin(0.8 * t), 0.7 * std::sin(1.1 * t + 1), 0.2 * std::sin(1.9 * t))};
+          v * Vector3d(1.2 * std::sin(0.8 * t), 0.7 * std::sin(1.1 * t + 1), 0.2 * std::sin(1.9 * t)) +
+              t * velocity_mps};
 }
 
 std::int64_t LidarRoom::scan_start_ns(int scan) const {
@@ -80,10 +81,11 @@ std::vector<LidarPoint> LidarRoom::scan(int scan) const {
       range = std::min(
           range, (half_size_m[k] - std::copysign(1.0, ray[k]) * pose.translation[k]) / std::abs(ray[k]));
     for (const Box& box : kCupboards)
-      range = std::min(range, range_to(box, pose.translation, ray).value_or(range));
+      if (!is_bare) range = std::min(range, range_to(box, pose.translation, ray).value_or(range));
     if (const Vector3d at = mover_m(time_s); mover_half_m.x() > 0)
       range = std::min(
           range, range_to({at - mover_half_m, at + mover_half_m}, pose.translation, ray).value_or(range));
+    if (range > max_range_m) range = 0;
     const Eigen::Vector3f p = ((range + range_sigma_m * random.normal()) * beam).cast<float>();
     point.x = p.x(), point.y = p.y(), point.z = p.z();
     result.push_back(point);

@@ -19,7 +19,10 @@ struct LidarRoom {
   double range_sigma_m = 0;
   int points = 12'000;  // a scan
   double rate_hz = 10;
-  double vigour = 1;  // of the motion: 1 m/s and 0.5 rad/s
+  double vigour = 1;                                       // of the motion: 1 m/s and 0.5 rad/s
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();  // besides
+  bool is_bare = false;                                    // no cupboards
+  double max_range_m = 1e9;                                // what is farther gives no return
   std::int64_t start_ns = 0;
   Eigen::Vector3d gyroscope_bias_radps = Eigen::Vector3d::Zero(),
                   accelerometer_bias_mps2 = Eigen::Vector3d::Zero();

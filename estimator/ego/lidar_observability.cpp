@@ -1,0 +1,43 @@
+#include "estimator/ego/lidar_observability.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace uniquadric {
+namespace {
+
+// The projection onto the main directions that are told.
+template <typename IsTold>
+Eigen::Matrix3d told_directions(const Eigen::Matrix3d& square, IsTold&& is_told) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(square);
+  Eigen::Matrix3d told = Eigen::Matrix3d::Zero();
+  for (const auto& v : solver.eigenvectors().colwise())
+    if (is_told(v)) told += v * v.transpose();
+  return told;
+}
+
+}  // namespace
+
+LidarNormal without_feigned(const LidarNormal& normal, const SightingSquare& noise,
+                            const std::vector<Eigen::Vector3d>& plane_normals,
+                            const ObservabilityOptions& options) {
+  const auto stands_out = [&](int part, const Eigen::Vector3d& v) {
+    return v.dot(normal.square.block<3, 3>(part, part) * v) >
+           options.min_ratio * v.dot(noise.block<3, 3>(part, part) * v);
+  };
+  const auto is_faced = [&](const Eigen::Vector3d& v) {
+    return std::ranges::count_if(plane_normals, [&](const Eigen::Vector3d& n) {
+             return std::abs(n.dot(v)) > options.min_cosine;
+           }) >= options.min_facing;
+  };
+  SightingSquare keep = SightingSquare::Zero();
+  keep.block<3, 3>(kTurn, kTurn) = keep.block<3, 3>(kGyroscope, kGyroscope) = told_directions(
+      normal.square.block<3, 3>(kTurn, kTurn), [&](const auto& v) { return stands_out(kTurn, v); });
+  keep.block<3, 3>(kPlace, kPlace) = keep.block<3, 3>(kVelocity, kVelocity) =
+      told_directions(normal.square.block<3, 3>(kPlace, kPlace),
+                      [&](const auto& v) { return is_faced(v) || stands_out(kPlace, v); });
+  return {keep * normal.square * keep, keep * normal.side, normal.points};
+}
+
+}  // namespace uniquadric
