@@ -21,6 +21,10 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
+std::uint64_t seed_of_perception(const EstimateOptions& options) {
+  return options.perception_seed.value_or(options.seed);
+}
+
 // Everything that the perception stage's result depends on.
 std::string perception_key(const Sequence& sequence, const Variant& variant, const EstimateOptions& options) {
   Hash hash;
@@ -28,7 +32,7 @@ std::string perception_key(const Sequence& sequence, const Variant& variant, con
       .add(kcore_sources)
       .add(kestimator_sources)
       .add(perception_yaml(variant))
-      .add(options.seed);
+      .add(seed_of_perception(options));
   std::vector<fs::path> files;
   for (const char* name :
        {"sequence.yaml", "rgb.txt", "depth.txt", "masks.txt", "camera_given.tum", "lidar.txt", "imu.csv"})
@@ -58,7 +62,7 @@ Perception perceive_into(const fs::path& folder, const Sequence& sequence, const
                          const EstimateOptions& options, const std::string& key) {
   PerceiveOptions run;
   run.prompts = options.prompts;
-  run.seed = options.seed;
+  run.seed = seed_of_perception(options);
   run.threads = options.threads;
   run.quiet = options.quiet;
   run.masks_folder = folder / "masks";
@@ -146,7 +150,9 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   if (!sequence.scene_hash.empty()) text += fmt::format("scene_hash: \"{}\"\n", sequence.scene_hash);
   const std::string prompts =
       options.prompts.empty() ? "everything" : options.prompts.path.filename().string();
-  text += fmt::format("seed: {}\nprompts: {}\n", options.seed, yaml_quoted(prompts));
+  text += fmt::format("seed: {}\n", options.seed);
+  if (options.perception_seed) text += fmt::format("perception_seed: {}\n", *options.perception_seed);
+  text += fmt::format("prompts: {}\n", yaml_quoted(prompts));
   text += fmt::format("frames: {}\n", perception.frames().size());
   text += fmt::format("frames_with_states: {}\n", with_states.size());
   text += fmt::format("frames_without_pose: {}\n",

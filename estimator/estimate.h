@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "estimator/variant.h"
 
@@ -9,7 +10,8 @@ namespace uniquadric {
 
 struct EstimateOptions {
   std::uint64_t seed = 0;
-  int threads = 0;  ///< 0: as many as the machine has
+  std::optional<std::uint64_t> perception_seed;  ///< of the perception stage alone; nothing: `seed`
+  int threads = 0;                               ///< 0: as many as the machine has
   bool quiet = false;
   bool force = false;  ///< replace an existing output folder
   Prompts prompts;

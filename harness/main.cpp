@@ -134,13 +134,18 @@ void add_estimate(CLI::App& app, Common& common) {
   sub->add_option("--perception", perception, "folder that keeps the perception stage's result, or has it");
   sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
+  static std::uint64_t perception_seed = 0;
+  auto* own_seed = sub->add_option("--perception-seed", perception_seed,
+                                   "of the perception stage's, for seeds to share one; default: --seed")
+                       ->check(whole_number());
   sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
   auto* as_of =
       sub->add_option("--output", output,
                       "states as of their frame (causal) or of the end (final), instead of the variant's")
           ->check(CLI::IsMember({"causal", "final"}));
   add_force(sub, common);
-  sub->callback([&common, as_of] {
+  sub->callback([&common, as_of, own_seed] {
+    if (own_seed->count() > 0) options.perception_seed = perception_seed;
     options.threads = common.threads;
     options.quiet = common.quiet;
     options.force = common.force;

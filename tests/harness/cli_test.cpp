@@ -266,6 +266,28 @@ TEST_F(Cli, AForeignFolderIsNotTakenForAKeptPerception) {
   EXPECT_EQ(read_text(notes), "mine");
 }
 
+// Perception samples too: another seed is another perception, unless it is told to keep its own.
+TEST_F(Cli, SeedsOfTheBackEndCanShareAPerception) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
+  const fs::path kept = folder() / "kept", sequence = data / "sequence";
+  ASSERT_EQ(run_program({"simulate", scene, data, "--quiet"}).exit_code, 0);
+  ASSERT_EQ(run_program({"perceive", sequence, kept, "--quiet", "--seed", "1"}).exit_code, 0);
+  const std::string made = read_text(kept / "perception.yaml");
+  const auto estimate = [&](std::vector<std::string> more) {
+    std::vector<std::string> command = {"estimate", sequence,       out(), "--quiet",
+                                        "--force",  "--perception", kept};
+    command.insert(command.end(), more.begin(), more.end());
+    const ProgramRun run = run_program(command);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+  };
+  estimate({"--seed", "2", "--perception-seed", "1"});
+  EXPECT_EQ(read_text(kept / "perception.yaml"), made);
+  EXPECT_NE(read_text(fs::path(out()) / "run.yaml").find("\nseed: 2\nperception_seed: 1\n"),
+            std::string::npos);
+  estimate({"--seed", "2"});
+  EXPECT_NE(read_text(kept / "perception.yaml"), made);
+}
+
 TEST_F(Cli, InfoSaysWhatAKeptPerceptionIsAndWhatIsWrongWithIt) {
   const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
   const fs::path kept = folder() / "kept";
