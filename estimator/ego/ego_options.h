@@ -81,7 +81,13 @@ void visit(Io& io, LidarEgoOptions& o) {
   io.number("iterations", odometry.iterations, 1, 100);
   io.number("searches", odometry.sight.searches, 1, 100);
   io.number("min_points", odometry.sight.min_points, 6);
+  io.section("observability", [&](auto& inner) {
+    inner.positive("min_ratio", odometry.sight.observability.min_ratio);
+    inner.number("min_cosine", odometry.sight.observability.min_cosine, 0.0, 1.0);
+    inner.number("min_facing", odometry.sight.observability.min_facing, 1);
+  });
   io.positive("lost_sigma_m", odometry.lost_sigma_m);
+  io.number("found_share", odometry.found_share, 0.0, 1.0);
   io.positive("first_velocity_mps", odometry.first_velocity_mps);
   io.number("first_sweeps", odometry.first_sweeps, 2, 1000);
   io.number("first_passes", odometry.first_passes, 1, 100);

@@ -1,7 +1,13 @@
 // Recordings with a LiDAR, as real ones are, through estimate().
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
+#include <limits>
+
 #include "core/base/files.h"
+#include "core/base/random.h"
 #include "core/sequence/tracks.h"
 #include "estimator/estimate.h"
 #include "tests/ego/room_recording.h"
@@ -73,6 +79,97 @@ TEST_F(LidarRecording, ClocksThatAreApartAreOneByTheOptions) {
     estimated(variant);
     EXPECT_EQ(written(), expected) << has_images;
   }
+}
+
+// What real drivers write: empty returns, numbers that are none, points in the order of rings, scans without
+// a point. The same poses come out as of the clean recording.
+TEST_F(LidarRecording, BadPointsOfDriversChangeNothing) {
+  const Tracks clean = estimated(lidar_only_variant());
+  const std::string expected = written();
+  ASSERT_EQ(clean.camera.size(), 20u);
+  recording_.change = [](int scan, std::vector<LidarPoint>& points) {
+    RandomStream random(9, "dirt", static_cast<std::uint64_t>(scan));
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    for (const LidarPoint& bad : {LidarPoint{}, LidarPoint{.x = nan}, LidarPoint{.y = inf}})
+      for (int i = 0; i < 300; ++i) {
+        points.push_back(bad);
+        points.back().offset_ns = random.below(100'000'000);
+      }
+    std::stable_sort(points.begin(), points.end(),
+                     [](const auto& a, const auto& b) { return a.ring < b.ring; });
+    for (std::size_t i = points.size(); i > 1; --i)
+      std::swap(points[i - 1], points[random.below(static_cast<std::uint32_t>(i))]);
+  };
+  estimated(lidar_only_variant());
+  EXPECT_EQ(written(), expected);
+}
+
+TEST_F(LidarRecording, EmptyScansAreGoneThroughAndNothingButEmptyOnesHaveNoPose) {
+  recording_.change = [](int scan, std::vector<LidarPoint>& points) {
+    if (scan % 6 == 3) points.clear();
+  };
+  EXPECT_EQ(estimated(lidar_only_variant()).camera.size(), 20u);
+  recording_.change = [](int, std::vector<LidarPoint>& points) {
+    for (LidarPoint& p : points) p.x = p.y = p.z = 0;
+  };
+  EXPECT_TRUE(estimated(lidar_only_variant()).camera.empty());
+}
+
+// Each is refused with the file and what is wrong with it, and nothing is left.
+TEST_F(LidarRecording, FilesThatContradictThemselvesAreRefused) {
+  const fs::path sequence = temp_.path() / "sequence", scan = sequence / "lidar/7.pcd",
+                 list = sequence / "lidar.txt";
+  recording_.scans = 12;
+  const auto replaced = [](std::string text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    return at == std::string::npos ? text : text.replace(at, what.size(), by);
+  };
+  const auto line = [](int i) { return fmt::format("{}.{}00000000 lidar/{}.pcd\n", 20 + i / 10, i % 10, i); };
+  struct Case {
+    fs::path file;
+    std::function<std::string(std::string)> spoil;
+    std::string said;
+  };
+  const std::vector<Case> cases = {
+      {scan, [&](auto text) { return replaced(text, "POINTS 8000", "POINTS 9000"); }, "7.pcd"},
+      {scan, [&](auto text) { return replaced(text, "WIDTH 8000", "WIDTH 7000"); }, "7.pcd"},
+      {scan, [&](auto text) { return text.substr(0, text.size() - 5); }, "7.pcd"},
+      {scan, [&](auto text) { return replaced(text, " t ", " s "); }, "7.pcd"},
+      {scan, [&](auto text) { return replaced(text, "SIZE 4 4 4", "SIZE 8 4 4"); }, "7.pcd"},
+      {scan, [&](auto text) { return replaced(text, "DATA binary", "DATA bin"); }, "7.pcd"},
+      {scan, [](auto) { return std::string(); }, "7.pcd"},
+      {list, [&](auto text) { return replaced(text, line(5) + line(6), line(6) + line(5)); }, "lidar.txt:"},
+      {list, [&](auto text) { return replaced(text, line(5), line(5) + line(5)); }, "lidar.txt:"},
+      {list, [&](auto text) { return replaced(text, "lidar/5.pcd", "lidar/55.pcd"); }, "55.pcd"},
+  };
+  int refused = 0;
+  for (const Case& c : cases) {
+    write_recording(sequence, recording_);
+    write_text(c.file, c.spoil(read_text(c.file)));
+    const fs::path out = temp_.path() / "spoilt";
+    const std::string message =
+        input_error([&] { uniquadric::estimated(sequence, lidar_only_variant(), out); });
+    EXPECT_NE(message.find(c.said), std::string::npos) << refused << ": " << message;
+    EXPECT_FALSE(fs::exists(out));
+    ++refused;
+  }
+  EXPECT_EQ(refused, 10);
+}
+
+// Points without times (all 0) are those of a sensor at rest: nothing can be undone, and nothing fails.
+TEST_F(LidarRecording, PointsWithoutTimesAreThoseOfAnInstant) {
+  recording_.room.vigour = 0.2;
+  recording_.change = [](int, std::vector<LidarPoint>& points) {
+    for (LidarPoint& p : points) p.offset_ns = 0;
+  };
+  const Tracks tracks = estimated(lidar_only_variant());
+  ASSERT_EQ(tracks.camera.size(), 20u);
+  const Pose lidar_from_camera = Pose{camera_from_forward(), {0.1, 0.2, -0.05}}.inverse();
+  const Pose truth = relative_pose(recording_.room.world_from_lidar(0.1) * lidar_from_camera,
+                                   recording_.room.world_from_lidar(2) * lidar_from_camera);
+  const Pose found = relative_pose(tracks.camera.front().pose, tracks.camera.back().pose);
+  EXPECT_LT((found.translation - truth.translation).norm(), 0.05);
 }
 
 }  // namespace
