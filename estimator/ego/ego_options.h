@@ -80,6 +80,7 @@ void visit(Io& io, LidarEgoOptions& o) {
   io.positive("huber_sigmas", odometry.sight.huber_sigmas);
   io.number("iterations", odometry.iterations, 1, 100);
   io.number("searches", odometry.sight.searches, 1, 100);
+  io.number("search_again_m", odometry.sight.search_again_m, 0.0, 1000.0);
   io.number("min_points", odometry.sight.min_points, 6);
   io.section("observability", [&](auto& inner) {
     inner.positive("min_ratio", odometry.sight.observability.min_ratio);

@@ -49,7 +49,11 @@ void LidarRegistration::look(Sight& sight, const LidarState& state, const Eigen:
   const Eigen::Vector3d& bias = path_.end().gyroscope_bias_radps;
   if (iteration < options_.searches) {
     const double noise = std::hypot(options_.range_sigma_m, options_.beam_sigma_rad * sight.range_m);
-    sight.plane = map_.plane_near(world_point(state, bias, sight.point), options_.max_thickness * noise);
+    const Eigen::Vector3d world = world_point(state, bias, sight.point);
+    if (iteration == 0 || (world - sight.sought_at).norm() > options_.search_again_m) {
+      sight.plane = map_.plane_near(world, options_.max_thickness * noise);
+      sight.sought_at = world;
+    }
   }
   sight.is_off = false;
   if (!sight.plane) return;

@@ -24,8 +24,9 @@ struct LidarSightOptions {
   double gate_m = 0.1;             // at least
   double open_gate_m = 0.5;        // at most: farther off is another surface
   double huber_sigmas = 1.5;
-  int searches = 2;     // iterations that look for planes anew
-  int min_points = 30;  // on planes; below, the sweep says nothing
+  int searches = 2;              // iterations that look for planes anew
+  double search_again_m = 0.01;  // for points that have moved so far since
+  int min_points = 30;           // on planes; below, the sweep says nothing
   ObservabilityOptions observability;
 };
 
@@ -64,6 +65,7 @@ class LidarRegistration {
     double range_m = 0;
     Eigen::Vector3d beam_at_end = Eigen::Vector3d::Zero();  // unit, in the body's axes at the sweep's end
     std::optional<MapPlane> plane;
+    Eigen::Vector3d sought_at = Eigen::Vector3d::Zero();
     bool is_off = false;
     double distance_m = 0, variance = 0;
     Row12d jacobian = Row12d::Zero();
