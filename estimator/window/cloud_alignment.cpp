@@ -17,6 +17,7 @@ constexpr int kLeastModel = 50;      // points of a model that a pose is taken f
 constexpr double kUnmatched = 0.45;  // the cost of a point one sigma off
 constexpr double kEvidence = 0.1;    // of the points' cost where fits are compared: neighbours err together
 constexpr double kMinDepth = 0.1;    // [m]
+constexpr double kReach = 1.5;       // of a body that is not known all around, in radii of what is
 constexpr double kConverged = 1e-5;  // [m], [rad]
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
@@ -118,6 +119,18 @@ class Aligner {
       if (2 * i > kIterations && step.norm() < kConverged) break;
     }
     return fit;
+  }
+
+  // Whether most of the points are where the body is: an outline alone fits a small body far away as well.
+  bool holds_points(const Pose& pose) const {
+    const Eigen::Vector3d least = model_.points.rowwise().minCoeff(),
+                          most = model_.points.rowwise().maxCoeff();
+    const Eigen::Vector3d center = pose * Eigen::Vector3d((least + most) / 2);
+    const double reach_m = kReach * (most - least).norm() / 2;
+    const auto held = std::count_if(seen_.begin(), seen_.end(), [&](const SeenPoint& seen) {
+      return (seen.position - center).norm() < reach_m;
+    });
+    return 2 * held >= std::ssize(seen_);
   }
 
   // Of how the points' colours differ from the model's there. Where it has none they may be any.
@@ -237,9 +250,11 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
   Fit best;
   for (const Pose& start : starts) {
     Fit fit = aligner.fit_from(start);
-    if (starts.size() > 1 && std::isfinite(fit.cost)) fit.cost += aligner.color_cost(fit.pose);
+    if (!std::isfinite(fit.cost) || !aligner.holds_points(fit.pose)) continue;
+    if (starts.size() > 1) fit.cost += aligner.color_cost(fit.pose);
     if (fit.cost < best.cost) best = fit;
   }
+  if (!std::isfinite(best.cost)) return std::nullopt;
   // A face that was never seen matches nothing: the outline is enough to go on.
   const bool known = best.matched > options.min_matched;
   const double most_px =

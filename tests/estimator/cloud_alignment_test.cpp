@@ -16,8 +16,9 @@ Pose still(double) {
 }
 
 // Above it, so that the top and two sides are seen.
-Pose camera(double) {
-  const Eigen::Vector3d from(1.2, -1.6, 2), z = (Eigen::Vector3d(0, 0, 1) - from).normalized();
+Pose camera(double away) {
+  const Eigen::Vector3d from = Eigen::Vector3d(0, 0, 1) + away * Eigen::Vector3d(1.2, -1.6, 1),
+                        z = (Eigen::Vector3d(0, 0, 1) - from).normalized();
   const Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
   Eigen::Matrix3d R;
   R << x, z.cross(x), z;
@@ -30,15 +31,16 @@ Eigen::Matrix3Xf face_colors(const Eigen::Matrix3Xd& normals) {
 }
 
 struct Scene {
-  explicit Scene(const Eigen::Vector3d& semi_axes_m = kAxes) : body(box_body(semi_axes_m, still)) {
+  explicit Scene(const Eigen::Vector3d& semi_axes_m = kAxes, double away = 1)
+      : body(box_body(semi_axes_m, still)), camera_from_body(camera(away).inverse() * still(0)) {
     SyntheticOptions options;
     options.frames = 1;
-    options.world_from_camera = camera;
+    options.world_from_camera = [away](double) { return camera(away); };
     perception = synthetic_perception({body}, options);
   }
   SyntheticBody body;
   SyntheticPerception perception;
-  Pose camera_from_body = camera(0).inverse() * still(0);
+  Pose camera_from_body;
   const BodyObservation& seen() const { return perception.frames[0].bodies[0]; }
 };
 
@@ -131,6 +133,20 @@ TEST(CloudAlignment, OfABodyThatIsNotThereIsNothing) {
   const SurfaceModel model{other.points, other.normals, {}};
   EXPECT_FALSE(align_to_cloud(scene.perception.camera, scene.seen(), model, scene.camera_from_body,
                               {0.02, 0.03}, true, {}));
+}
+
+// What shows of a body at an occluder's edge has the outline of a small one, which it would be far away.
+TEST(CloudAlignment, OutlineDoesNotPutABodyBehindItsPoints) {
+  const Scene near, far(kAxes, 2);
+  const SurfaceModel model{near.body.points.leftCols(2000), near.body.normals.leftCols(2000), {}};
+  BodyObservation sliver = far.seen();
+  const auto align = [&] {
+    return align_to_cloud(near.perception.camera, sliver, model, far.camera_from_body, {2, 1}, true, {});
+  };
+  ASSERT_TRUE(align());
+  sliver.points = near.seen().points;
+  sliver.normals = near.seen().normals;
+  EXPECT_FALSE(align());
 }
 
 }  // namespace
