@@ -62,8 +62,8 @@ Evaluation compare(const Tracks& truth, const Tracks& estimate,
   Evaluation result;
   result.camera = evaluate_camera(truth.camera, estimate.camera, kMaxDifferenceNs);
   const BallSamples samples(options.iou_samples, options.seed);
-  const ObjectContext context{truth.camera, estimate.camera, truth.calibration,
-                              &samples,     visibility,      kMaxDifferenceNs};
+  const ObjectContext context{truth.camera, estimate.camera,  truth.calibration, &samples,
+                              visibility,   kMaxDifferenceNs, options.body_frame};
   const ObjectOverlaps overlaps = overlap_objects(truth, estimate, kMaxDifferenceNs);
   const auto matches = match_objects(overlaps);
   ObjectOverlaps visible = overlaps;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "evaluation/align/alignment.h"
+#include "evaluation/align/body_frame.h"
 
 namespace uniquadric {
 
@@ -14,6 +15,7 @@ struct EvaluateOptions {
   /// of the estimate's world with the truth's; nothing: `none` where the estimate was given its camera poses,
   /// else `poses`
   std::optional<AlignmentKind> alignment;
+  BodyFrame body_frame = BodyFrame::none;  ///< of objects' pose errors
   bool quiet = false;
   bool force = false;  ///< replace an existing output folder
 };

@@ -173,7 +173,10 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
                {"camera", to_json(evaluation.camera)},
                {"tracking", tracking_json(evaluation)}};
   root["config"] = {{"estimate", run_config},
-                    {"evaluate", {{"iou_samples", options.iou_samples}, {"seed", options.seed}}}};
+                    {"evaluate",
+                     {{"body_frame", to_string(options.body_frame)},
+                      {"iou_samples", options.iou_samples},
+                      {"seed", options.seed}}}};
   root["seed"] = run_config.is_object() && run_config.contains("seed") ? run_config["seed"] : json();
   root["objects"] = json::array();
   for (const ObjectEvaluation& object : evaluation.objects)

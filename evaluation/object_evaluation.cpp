@@ -28,6 +28,17 @@ Matched collect_matched(const ObjectTrack& truth, const ObjectTrack* track,
   return matched;
 }
 
+void move_frame(BodyFrame kind, const std::vector<Ellipsoid>& truth, std::vector<Ellipsoid>& estimate) {
+  const auto poses = [](const std::vector<Ellipsoid>& ellipsoids) {
+    std::vector<Pose> result;
+    for (const Ellipsoid& ellipsoid : ellipsoids) result.push_back(ellipsoid.world_from_object);
+    return result;
+  };
+  if (kind == BodyFrame::none) return;
+  const Pose offset = body_frame_offset(kind, poses(truth), poses(estimate));
+  for (Ellipsoid& ellipsoid : estimate) ellipsoid.world_from_object = ellipsoid.world_from_object * offset;
+}
+
 void fill_single_frame(const Ellipsoid& truth, const Ellipsoid& original, const Ellipsoid& settled,
                        const ObjectContext& context, ObjectFrame& frame) {
   frame.estimate = settled;
@@ -115,7 +126,8 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
   result.symmetry =
       shape_symmetry(description.shape, description.symmetry, result.frames.front().true_semi_axes_m);
   const Matched matched = collect_matched(truth, track, matched_states);
-  const SettledTrack settled = settle_axes(result.symmetry, matched.estimate, matched.truth);
+  SettledTrack settled = settle_axes(result.symmetry, matched.estimate, matched.truth);
+  move_frame(context.body_frame, matched.truth, settled.estimate);
   result.relabel_flips = settled.relabel_flips;
   for (std::size_t i = 0; i < settled.estimate.size(); ++i) {
     ObjectFrame& frame = result.frames[matched.frame[i]];

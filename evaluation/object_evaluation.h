@@ -7,6 +7,7 @@
 
 #include "core/sequence/calibration.h"
 #include "core/sequence/tracks.h"
+#include "evaluation/align/body_frame.h"
 #include "evaluation/align/shape_symmetry.h"
 #include "evaluation/iou/monte_carlo.h"
 #include "evaluation/object_frame.h"
@@ -35,6 +36,7 @@ struct ObjectContext {
   const BallSamples* samples = nullptr;  ///< not owned
   VisibilityTable visibility;            ///< empty: all frames count as visible
   std::int64_t max_difference_ns = 10'000'000;
+  BodyFrame body_frame = BodyFrame::none;  ///< of pose errors; overlaps do not depend on frames
 };
 
 /// Compares a truth object with the track it was matched to; of `description` shape and symmetry count.

@@ -197,11 +197,15 @@ void add_evaluate(CLI::App& app, Common& common) {
          "the estimate's world with the truth's, by the camera; auto: none where its poses were given, "
          "else poses")
       ->check(CLI::IsMember({"auto", "none", "first", "se3", "sim3", "scale", "posyaw", "poses"}));
+  static std::string body_frame = "none";
+  sub->add_option("--body-frame", body_frame, "each object's frame with the true one, for its pose errors")
+      ->check(CLI::IsMember({"none", "first", "fit"}));
   add_force(sub, common);
   sub->callback([&common] {
     options.quiet = common.quiet;
     options.force = common.force;
     options.alignment = parse_alignment_kind(alignment);
+    options.body_frame = *parse_body_frame(body_frame);
     require_apart(out, {truth, estimate_folder});
     evaluate(truth, estimate_folder, options, out);
   });

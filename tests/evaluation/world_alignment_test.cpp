@@ -32,6 +32,48 @@ void move_world(Tracks& tracks, const Pose& move, double scale = 1) {
   tracks = in_true_world({AlignmentKind::sim3, alignment, 1}, tracks);
 }
 
+// Frames of unknown bodies are anybody's choice: one transform a body, from the right, takes that back.
+TEST_F(World, ABodysOwnFrameIsNoErrorWhereItIsAligned) {
+  const Pose offset = {exp_so3({0.02, -0.05, 0.03}), {0.23, -0.1, 0.04}};
+  write_changed([&](Tracks& tracks) {
+    for (auto& object : tracks.objects)
+      for (auto& state : object.states)
+        state.ellipsoid.world_from_object = state.ellipsoid.world_from_object * offset;
+  });
+  write_text(estimate() / "run.yaml", "variant: {ego: given}\n");
+  for (const BodyFrame kind : {BodyFrame::none, BodyFrame::first, BodyFrame::fit}) {
+    EvaluateOptions options;
+    options.iou_samples = 100;
+    options.force = true;
+    options.body_frame = kind;
+    uniquadric::evaluate(truth(), estimate(), options, root_ / "out");
+    const json result = json::parse(read_text(root_ / "out" / "evaluation.json"));
+    EXPECT_EQ(result["config"]["evaluate"]["body_frame"], to_string(kind));
+    const json& cuboid = result["objects"][0];
+    const double expected_m = kind == BodyFrame::none ? offset.translation.norm() : 0;
+    EXPECT_NEAR(cuboid["ape"]["translation_m"]["rmse"], expected_m, kMoved) << to_string(kind);
+    EXPECT_EQ(double(cuboid["rpe"]["translation_m"]["max"]) < kMoved, kind != BodyFrame::none);
+    EXPECT_NEAR(cuboid["motion_error"]["translation_m"]["max"], 0, kMoved);
+    EXPECT_LT(cuboid["iou3d"]["max"], 0.9);
+  }
+}
+
+// Least squares of shifts is their mean, of turns about one axis too.
+TEST(BodyFrameOffset, FitIsTheMeanWhereFirstIsTheFirst) {
+  std::vector<Pose> reference, estimate;
+  for (const double k : {-1.0, 0.0, 1.0, 2.0}) {
+    reference.push_back({exp_so3({0.3, k, -k}), {k, 2 * k, 1}});
+    estimate.push_back(reference.back() * Pose{exp_so3({0, 0, 0.1 * k}), {0.1 * k, 0, 0}}.inverse());
+  }
+  const Pose first = body_frame_offset(BodyFrame::first, reference, estimate);
+  EXPECT_NEAR(first.translation.x(), -0.1, 1e-12);
+  EXPECT_NEAR(log_so3(first.rotation).z(), -0.1, 1e-12);
+  const Pose fit = body_frame_offset(BodyFrame::fit, reference, estimate);
+  EXPECT_NEAR((fit.translation - Eigen::Vector3d(0.05, 0, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR(log_so3(fit.rotation).z(), 0.05, 1e-12);
+  EXPECT_TRUE(body_frame_offset(BodyFrame::fit, {}, {}).translation.isZero());
+}
+
 TEST_F(World, ATruthMovedAsAWholeHasNoError) {
   write_changed([](Tracks& tracks) { move_world(tracks, kMove); });
   for (const auto& kind : {std::optional<AlignmentKind>(), std::optional(AlignmentKind::first),
