@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "core/base/version.h"
 #include "evaluation/evaluation_files.h"
+#include "evaluation/pose_json_parts.h"
 #include "evaluation/view_arc.h"
 
 namespace uniquadric {
@@ -10,12 +10,6 @@ namespace {
 using nlohmann::json;
 
 constexpr int kSchema = 1;
-
-json to_json(const std::optional<Statistics>& s) {
-  if (!s) return nullptr;
-  return {{"rmse", s->rmse}, {"mean", s->mean}, {"median", s->median}, {"std", s->std},
-          {"min", s->min},   {"max", s->max},   {"sse", s->sse},       {"n", s->n}};
-}
 
 template <typename T>
 json or_null(const std::optional<T>& value) {
@@ -25,15 +19,6 @@ json or_null(const std::optional<T>& value) {
 json to_json(const PoseStatistics& statistics) {
   return {{"translation_m", to_json(statistics.translation_m)},
           {"rotation_rad", to_json(statistics.rotation_rad)}};
-}
-
-json to_json(const std::optional<Drift>& drift) {
-  if (!drift) return nullptr;
-  return {{"alignment", "first"},
-          {"max_translation_m", drift->max_translation_m},
-          {"max_translation_percent_of_path", or_null(drift->max_translation_percent_of_path)},
-          {"max_angle_deg", drift->max_angle_rad * 180 / std::numbers::pi},
-          {"max_angle_rad", drift->max_angle_rad}};
 }
 
 // Statistics of what `figure` gives for the frames that have it.
@@ -133,14 +118,7 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
 }
 
 json to_json(const WorldAlignment& alignment) {
-  const auto& [scale, pose] = alignment.truth_from_estimate;
-  const Eigen::Vector3d& t = pose.translation;
-  const Eigen::Quaterniond& q = pose.rotation;
-  json result = {{"kind", to_string(alignment.kind)},
-                 {"truth_from_estimate",
-                  {{"position_m", {t.x(), t.y(), t.z()}},
-                   {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}},
-                   {"scale", scale}}}};
+  json result = to_json(alignment.kind, alignment.truth_from_estimate, "truth_from_estimate");
   if (alignment.kind == AlignmentKind::poses) result["lever_m"] = alignment.lever_m;
   return result;
 }

@@ -7,13 +7,6 @@
 #include "evaluation/trajectory/trajectory_error.h"
 
 namespace uniquadric {
-namespace {
-
-bool same_pose(const Pose& a, const Pose& b) {
-  return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
-}
-
-}  // namespace
 
 double object_distance_m(const Tracks& truth) {
   double sum_m = 0;

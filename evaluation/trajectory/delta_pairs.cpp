@@ -5,8 +5,11 @@
 #include <functional>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "core/base/error.h"
+#include "core/base/text.h"
+#include "evaluation/trajectory/pose_error.h"
 
 namespace uniquadric {
 namespace {
@@ -20,16 +23,10 @@ std::vector<IndexStep> frame_steps(std::size_t count, std::size_t delta, bool al
 using Distance =
     std::function<double(std::size_t, std::size_t)>;  // from pose i to pose j > i, in delta's unit
 
-Distance path_m(const std::vector<Pose>& poses) {
-  std::vector<double> along = {0};
-  for (std::size_t i = 1; i < poses.size(); ++i)
-    along.push_back(along.back() + (poses[i].translation - poses[i - 1].translation).norm());
-  return [along = std::move(along)](std::size_t i, std::size_t j) { return along[j] - along[i]; };
-}
-
 Distance distance_in(DeltaUnit unit, const std::vector<Pose>& poses,
                      const std::vector<std::int64_t>& stamps_ns) {
-  if (unit == DeltaUnit::metres) return path_m(poses);
+  if (unit == DeltaUnit::metres)
+    return [along = path_lengths_m(poses)](std::size_t i, std::size_t j) { return along[j] - along[i]; };
   if (unit == DeltaUnit::seconds)
     return
         [&](std::size_t i, std::size_t j) { return static_cast<double>(stamps_ns[j] - stamps_ns[i]) * 1e-9; };
@@ -58,7 +55,28 @@ std::optional<std::size_t> step_end(std::size_t i, std::size_t count, const Delt
   return best;
 }
 
+constexpr std::pair<DeltaUnit, const char*> kUnits[] = {{DeltaUnit::frames, "f"},
+                                                        {DeltaUnit::metres, "m"},
+                                                        {DeltaUnit::seconds, "s"},
+                                                        {DeltaUnit::degrees, "deg"}};
+
 }  // namespace
+
+const char* to_string(DeltaUnit unit) {
+  for (const auto& [known, name] : kUnits)
+    if (known == unit) return name;
+  return "";
+}
+
+std::optional<Delta> parse_delta(std::string_view text) {
+  for (const auto& [unit, name] : kUnits) {
+    if (!text.ends_with(name)) continue;
+    const auto value = parse_double(text.substr(0, text.size() - std::string_view(name).size()));
+    if (value && *value > 0 && (unit != DeltaUnit::frames || *value == std::floor(*value)))
+      return Delta{*value, unit};
+  }
+  return std::nullopt;
+}
 
 std::vector<IndexStep> delta_steps(const std::vector<Pose>& poses, const std::vector<std::int64_t>& stamps_ns,
                                    const DeltaOptions& options) {

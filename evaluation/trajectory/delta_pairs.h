@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "core/geometry/pose.h"
@@ -9,6 +11,14 @@
 namespace uniquadric {
 
 enum class DeltaUnit { frames, metres, seconds, degrees };
+const char* to_string(DeltaUnit unit);  ///< f, m, s, deg
+
+struct Delta {
+  double value = 1;
+  DeltaUnit unit = DeltaUnit::frames;
+};
+/// 1f, 10.5m, 1s, 10deg: greater than 0, whole for frames; nothing for other texts.
+std::optional<Delta> parse_delta(std::string_view text);
 
 /// Which poses a relative error compares.
 struct DeltaOptions {

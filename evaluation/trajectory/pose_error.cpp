@@ -9,7 +9,7 @@ PoseError size_of(const Pose& error) {
 
 // a^-1 b, exactly the identity for the same numbers: a perfect estimate has no error at all.
 Pose difference(const Pose& a, const Pose& b) {
-  if (a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs()) return {};
+  if (same_pose(a, b)) return {};
   return relative_pose(a, b);
 }
 
@@ -23,6 +23,17 @@ double distance_from_identity(const Pose& pose) {
 }
 
 }  // namespace
+
+bool same_pose(const Pose& a, const Pose& b) {
+  return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
+}
+
+std::vector<double> path_lengths_m(const std::vector<Pose>& poses) {
+  std::vector<double> along(poses.empty() ? 0 : 1);
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    along.push_back(along.back() + (poses[i].translation - poses[i - 1].translation).norm());
+  return along;
+}
 
 PoseError absolute_error(const Pose& reference, const Pose& estimate) {
   const Eigen::Matrix3d R =

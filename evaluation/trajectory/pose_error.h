@@ -6,6 +6,12 @@
 
 namespace uniquadric {
 
+/// The same numbers throughout.
+bool same_pose(const Pose& a, const Pose& b);
+
+/// Length of the path from the first pose to each [m].
+std::vector<double> path_lengths_m(const std::vector<Pose>& poses);
+
 /// Both parts of the difference of two poses or motions.
 struct PoseError {
   double translation_m = 0, rotation_rad = 0;

@@ -1,0 +1,143 @@
+#include "evaluation/trajectory_comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/base/error.h"
+#include "evaluation/trajectory/evo_steps.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+Trajectory read_poses(const fs::path& path) {
+  Trajectory trajectory = read_tum(path);
+  if (trajectory.empty()) throw InputError(path, "has no poses");
+  return trajectory;
+}
+
+double path_m(const Trajectory& trajectory) {
+  std::vector<Pose> poses;
+  for (const StampedPose& pose : trajectory) poses.push_back(pose.pose);
+  return path_lengths_m(poses).back();
+}
+
+void pair_up(const Trajectory& reference, const Trajectory& estimate, const StampOptions& options,
+             TrajectoryComparison& result) {
+  std::set<std::size_t> covered;
+  for (const IndexPair& pair : associate(stamps_of(reference), stamps_of(estimate), options)) {
+    result.pairs.stamps_ns.push_back(reference[pair.reference].stamp_ns);
+    result.pairs.reference.push_back(reference[pair.reference].pose);
+    result.pairs.estimate.push_back(estimate[pair.estimate].pose);
+    covered.insert(pair.reference);
+  }
+  result.coverage = static_cast<double>(covered.size()) / static_cast<double>(reference.size());
+}
+
+void align_estimate(const TrajectoryOptions& options, TrajectoryComparison& result) {
+  PosePairs& pairs = result.pairs;
+  const std::size_t n = std::min(options.align_pairs.value_or(pairs.size()), pairs.size());
+  const auto first = [n](const std::vector<Pose>& poses) {
+    return std::vector<Pose>(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(n));
+  };
+  result.aligned_pairs = options.alignment == AlignmentKind::none    ? 0
+                         : options.alignment == AlignmentKind::first ? 1
+                                                                     : n;
+  const Alignment fitted = align(options.alignment, first(pairs.reference), first(pairs.estimate));
+  // No rounding of a fit where there is nothing to align: a perfect estimate has no error at all.
+  if (std::equal(pairs.reference.begin(), pairs.reference.end(), pairs.estimate.begin(), same_pose)) return;
+  result.alignment = fitted;
+  if (options.alignment == AlignmentKind::none) return;
+  for (Pose& pose : pairs.estimate) pose = fitted * pose;
+}
+
+std::vector<IndexStep> steps_of(const PosePairs& pairs, const TrajectoryOptions& options) {
+  const auto& poses = options.pairs_from_reference.value_or(!options.evo) ? pairs.reference : pairs.estimate;
+  const auto steps =
+      options.evo ? evo_steps(poses, options.delta) : delta_steps(poses, pairs.stamps_ns, options.delta);
+  if (steps.empty())
+    throw InputError(fmt::format("delta {}{}: no two of the {} pairs of poses lie that far apart",
+                                 options.delta.delta, to_string(options.delta.unit), pairs.size()));
+  return steps;
+}
+
+double part_of(const PoseError& error, double full, ErrorPart part) {
+  if (part == ErrorPart::full) return full;
+  return part == ErrorPart::translation ? error.translation_m : error.rotation_rad;
+}
+
+ErrorSeries absolute_series(const PosePairs& pairs, ErrorPart part) {
+  ErrorSeries series{PoseRelation::ape, part, {}, {}};
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Pose &reference = pairs.reference[k], &estimate = pairs.estimate[k];
+    series.at.push_back(k);
+    series.values.push_back(
+        part_of(absolute_error(reference, estimate), full_absolute_error(reference, estimate), part));
+  }
+  return series;
+}
+
+ErrorSeries relative_series(const PosePairs& pairs, const std::vector<IndexStep>& steps, ErrorPart part) {
+  ErrorSeries series{PoseRelation::rpe, part, {}, {}};
+  for (const auto& [i, j] : steps) {
+    const Pose &from = pairs.reference[i], &to = pairs.reference[j];
+    const Pose &estimate_from = pairs.estimate[i], &estimate_to = pairs.estimate[j];
+    series.at.push_back(j);
+    series.values.push_back(part_of(relative_error(from, to, estimate_from, estimate_to),
+                                    full_relative_error(from, to, estimate_from, estimate_to), part));
+  }
+  return series;
+}
+
+}  // namespace
+
+const char* to_string(PoseRelation relation) {
+  return relation == PoseRelation::ape ? "ape" : "rpe";
+}
+
+const char* to_string(ErrorPart part) {
+  return part == ErrorPart::full ? "full" : part == ErrorPart::translation ? "translation" : "rotation";
+}
+
+const char* unit_of(ErrorPart part) {
+  return part == ErrorPart::full ? "" : part == ErrorPart::translation ? "m" : "rad";
+}
+
+TrajectoryComparison compare_trajectories(const fs::path& reference_file, const fs::path& estimate_file,
+                                          const TrajectoryOptions& options) {
+  const Trajectory reference = read_poses(reference_file), estimate = read_poses(estimate_file);
+  TrajectoryComparison result;
+  result.reference_poses = reference.size();
+  result.estimate_poses = estimate.size();
+  result.reference_path_m = path_m(reference);
+  result.estimate_path_m = path_m(estimate);
+  pair_up(reference, estimate, options.association, result);
+  if (result.pairs.size() < kMinPairs)
+    throw InputError(
+        estimate_file,
+        fmt::format("{} of {} poses lie within {} s of the reference's {}, at least {} are needed",
+                    result.pairs.size(), estimate.size(),
+                    static_cast<double>(options.association.max_difference_ns) * 1e-9, reference.size(),
+                    kMinPairs));
+  try {
+    align_estimate(options, result);
+  } catch (const InputError& e) {
+    throw InputError(estimate_file, e.what());
+  }
+  for (const PoseRelation relation : options.relations)
+    for (const ErrorPart part : options.parts)
+      result.errors.push_back(relation == PoseRelation::ape
+                                  ? absolute_series(result.pairs, part)
+                                  : relative_series(result.pairs, steps_of(result.pairs, options), part));
+  if (options.drift) {
+    result.drift = maximum_drift(result.pairs);
+    result.drift_angles = drift_angles(result.pairs);
+    result.calibrated = calibrated_drift(result.pairs);
+  }
+  if (options.kitti) result.kitti = kitti_odometry(result.pairs);
+  return result;
+}
+
+}  // namespace uniquadric
