@@ -13,6 +13,7 @@
 
 #include "core/base/apart.h"
 #include "core/base/error.h"
+#include "core/base/files.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/sequence/import_kitti.h"
@@ -22,6 +23,7 @@
 #include "evaluation/metric.h"
 #include "evaluation/report/overlay.h"
 #include "evaluation/report/report.h"
+#include "evaluation/report/trajectory_svg.h"
 #include "evaluation/trajectory_comparison.h"
 #include "harness/bench/bench.h"
 #include "harness/bench/process.h"
@@ -328,7 +330,7 @@ TrajectoryOptions trajectory_options(const std::string& align, const std::string
 void add_trajectory(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "trajectory", "APE, RPE, drift, KITTI errors of two TUM trajectories", common);
   static std::string reference, estimate_file, align = "none", relation, part, delta = "1f", from, rule,
-                                               compat;
+                                               compat, plot;
   static double max_dt_s = 0.01;
   static std::size_t align_pairs = 0;
   static bool all_pairs = false, drift = false, kitti = false, as_json = false;
@@ -352,6 +354,7 @@ void add_trajectory(CLI::App& app, Common& common) {
   sub->add_flag("--kitti", kitti, "and KITTI's errors over 100 to 800 m");
   sub->add_option("--compat", compat, "choose steps as evo does")->check(CLI::IsMember({"evo"}));
   sub->add_flag("--json", as_json, "as JSON instead of a table");
+  sub->add_option("--plot", plot, "picture of the paths and errors to write (SVG)");
   sub->callback([] {
     TrajectoryOptions options = trajectory_options(align, relation, part, delta, max_dt_s);
     if (align_pairs > 0) options.align_pairs = align_pairs;
@@ -361,7 +364,13 @@ void add_trajectory(CLI::App& app, Common& common) {
     options.evo = compat == "evo";
     options.drift = drift;
     options.kitti = kitti;
+    require_apart(plot, {reference, estimate_file});
     const TrajectoryComparison comparison = compare_trajectories(reference, estimate_file, options);
+    if (!plot.empty())
+      write_text(plot, trajectory_svg(comparison,
+                                      fmt::format("{} against {}",
+                                                  std::filesystem::path(estimate_file).filename().string(),
+                                                  std::filesystem::path(reference).filename().string())));
     std::cout << (as_json ? trajectory_json(comparison, options) : trajectory_text(comparison, options));
   });
 }

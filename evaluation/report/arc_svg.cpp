@@ -6,6 +6,7 @@
 
 #include "evaluation/report/arc_curves.h"
 #include "evaluation/report/markup.h"
+#include "evaluation/report/svg_colours.h"
 #include "evaluation/view_arc.h"
 
 namespace uniquadric {
@@ -19,27 +20,10 @@ constexpr int kColumns = 2;
 constexpr double kMargin = 8, kLegendLine = 22, kLegendSample = 26, kLetter = 7.4;
 constexpr double kStep_deg = 5, kMost_deg = 180;
 
-// The page's colours (page/data.js, page.css), which keep apart for the colour-blind. Written out a rule
-// each: some viewers of pictures know no variables of CSS.
-struct Colours {
-  std::array<const char*, 8> variant;
-  const char *back, *text, *quiet, *grid;
-};
-constexpr Colours kLight = {
-    {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56a3d9", "#7a3db8", "#5c6670"},
-    "#ffffff",
-    "#1d2126",
-    "#5c6670",
-    "#e2dfd9"};
-constexpr Colours kDark = {
-    {"#4aa8e8", "#ff8f3f", "#35cfa0", "#e89ac4", "#e8d24a", "#8cccf5", "#b98aef", "#a5adb5"},
-    "#1c2024",
-    "#e8e6e3",
-    "#9aa3ac",
-    "#2f353b"};
-constexpr std::size_t kColours = kLight.variant.size();
+constexpr std::size_t kColours = kLightSvg.variant.size();
 
-std::string colour_rules(const Colours& colours) {
+// Written out a rule each: some viewers of pictures know no variables of CSS.
+std::string colour_rules(const SvgColours& colours) {
   std::string text = fmt::format(
       ".arc text{{fill:{1}}}.arc .back{{fill:{0}}}.arc .tick{{fill:{2}}}.arc .wide{{stroke:{2}}}"
       ".arc .grid{{stroke:{3}}}\n",
@@ -54,7 +38,7 @@ std::string style() {
          ".arc .tick{font-size:11px;font-weight:400}\n.arc .title{font-weight:600}\n"
          ".arc .grid{fill:none}.arc .wide{stroke-dasharray:3 4}\n"
          ".arc .median{fill:none;stroke-width:2;stroke-linejoin:round}.arc .band{stroke:none;opacity:.18}\n" +
-         colour_rules(kLight) + "@media (prefers-color-scheme:dark){\n" + colour_rules(kDark) +
+         colour_rules(kLightSvg) + "@media (prefers-color-scheme:dark){\n" + colour_rules(kDarkSvg) +
          "}\n</style>\n";
 }
 

@@ -128,6 +128,19 @@ TEST_F(TrajectoryCommand, TableForPeople) {
     EXPECT_NE(table.out.find(text), std::string::npos) << text;
 }
 
+TEST_F(TrajectoryCommand, WritesAPicture) {
+  EXPECT_EQ(run({"--plot", path("out.svg")}).exit_code, 0);
+  const std::string picture = read_text(path("out.svg"));
+  EXPECT_TRUE(picture.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\"")) << picture.substr(0, 80);
+  for (const char* text :
+       {"est.tum against ref.tum", "x [m]", "z [m]", "APE translation [m]", "RPE rotation [rad]"})
+    EXPECT_NE(picture.find(text), std::string::npos) << text;
+  EXPECT_EQ(picture.find("nan"), std::string::npos);
+  const std::string before = read_text(path("ref.tum"));
+  expect_refusal({"--plot", path("ref.tum")}, "ref.tum");
+  EXPECT_EQ(read_text(path("ref.tum")), before);
+}
+
 TEST_F(TrajectoryCommand, RefusesBadInputByNameAndLine) {
   expect_refusal({"--align", "yaw"}, "--align");
   expect_refusal({"--align-n", "0"}, "--align-n");

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+
+namespace uniquadric {
+
+/// The page's colours (page/data.js, page.css), which keep apart for the colour-blind, for pictures of their
+/// own.
+struct SvgColours {
+  std::array<const char*, 8> variant;
+  const char *back, *text, *quiet, *grid;
+};
+inline constexpr SvgColours kLightSvg = {
+    {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56a3d9", "#7a3db8", "#5c6670"},
+    "#ffffff",
+    "#1d2126",
+    "#5c6670",
+    "#e2dfd9"};
+inline constexpr SvgColours kDarkSvg = {
+    {"#4aa8e8", "#ff8f3f", "#35cfa0", "#e89ac4", "#e8d24a", "#8cccf5", "#b98aef", "#a5adb5"},
+    "#1c2024",
+    "#e8e6e3",
+    "#9aa3ac",
+    "#2f353b"};
+
+}  // namespace uniquadric
