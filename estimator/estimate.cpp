@@ -12,6 +12,7 @@
 #include "core/base/hash.h"
 #include "core/base/source_hashes.h"
 #include "core/base/text.h"
+#include "core/base/threads.h"
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
 #include "estimator/backend.h"
@@ -189,7 +190,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
   PendingFolder pending(out, options.force);
-  const int threads = options.threads > 0 ? options.threads : tbb::this_task_arena::max_concurrency();
+  const auto threads = static_cast<std::size_t>(threads_to_use(options.threads));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   const bool is_own = options.perception.empty();
   const fs::path perceived = is_own ? pending.path() / "perception" : options.perception;

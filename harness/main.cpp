@@ -1,6 +1,7 @@
 // The program: each subcommand parses its options and calls one function.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <csignal>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -484,5 +485,6 @@ int run(int argc, char** argv) {
 }  // namespace uniquadric
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file larger than may be is a write that fails, and is said
   return uniquadric::run(argc, argv);
 }

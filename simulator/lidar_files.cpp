@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "core/base/progress.h"
+#include "core/base/threads.h"
 #include "simulator/lidar/lidar_reader.h"
 #include "simulator/lidar/point_truth.h"
 #include "simulator/octree_files.h"
@@ -25,8 +26,7 @@ void cast_scans(const Scene& scene, const LidarRig& rig, const SimulateOptions& 
   const RayCaster caster(scene.world, scene.objects, rig.caster, rig.reflectivity);
   const PoseAt world_from_lidar = lidar_path(scene.camera_motion, rig);
   Progress progress(fmt::format("lidar {}", scene.name), static_cast<std::int64_t>(count), options.quiet);
-  const int most = tbb::this_task_arena::max_concurrency();  // TBB warns of more
-  tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, most) : most);
+  tbb::task_arena arena(threads_to_use(options.threads));
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
       const auto number = static_cast<std::int64_t>(k);

@@ -12,6 +12,7 @@
 #include "core/base/hash.h"
 #include "core/base/progress.h"
 #include "core/base/source_hashes.h"
+#include "core/base/threads.h"
 #include "simulator/frame_files.h"
 #include "simulator/frame_log.h"
 #include "simulator/imu/imu_files.h"
@@ -107,8 +108,7 @@ void write_descriptions(const Scene& scene, const SimulateOptions& options, std:
 void write_frames(const Scene& scene, const SimulateOptions& options, std::int64_t count,
                   const fs::path& folder, const fs::path& log_file, StageTimes& times) {
   const StageClock clock;
-  const int machine = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const std::int64_t workers = std::min<std::int64_t>(options.threads > 0 ? options.threads : machine, count);
+  const std::int64_t workers = std::min<std::int64_t>(threads_to_use(options.threads), count);
   SharedCounter frames(count);
   FrameTimes frame_times;
   FrameLog log(log_file);  // the workers append to it, a record a write

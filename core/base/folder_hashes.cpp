@@ -10,6 +10,7 @@
 #include "core/base/files.h"
 #include "core/base/hash.h"
 #include "core/base/text.h"
+#include "core/base/threads.h"
 
 namespace uniquadric {
 namespace {
@@ -29,8 +30,7 @@ std::vector<std::string> list_files(const fs::path& folder) {
 std::map<std::string, std::string> hash_files(const fs::path& folder, int threads) {
   const std::vector<std::string> names = list_files(folder);
   std::vector<std::uint64_t> hashes(names.size());
-  const int most = tbb::this_task_arena::max_concurrency();  // TBB warns of more
-  tbb::task_arena arena(threads > 0 ? std::min(threads, most) : most);
+  tbb::task_arena arena(threads_to_use(threads));
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, names.size(),
                       [&](std::size_t i) { hashes[i] = hash_file(folder / names[i]); });

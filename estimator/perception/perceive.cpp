@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "core/base/threads.h"
 #include "estimator/perception/check_sequence.h"
 #include "estimator/perception/lidar_stream.h"
 #include "estimator/perception/point_colors.h"
@@ -305,7 +306,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     progress.advance();
   };
   using Handle = std::shared_ptr<Work>;
-  tbb::task_arena arena(run.threads > 0 ? run.threads : tbb::task_arena::automatic);
+  tbb::task_arena arena(threads_to_use(run.threads));
   arena.execute([&] {
     tbb::parallel_pipeline(run.feedback ? 1 : kFramesInFlight,
                            tbb::make_filter<void, Handle>(tbb::filter_mode::serial_in_order, take) &

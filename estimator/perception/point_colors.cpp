@@ -17,8 +17,8 @@ Eigen::Matrix3Xf point_colors(const cv::Mat& rgb, const Camera& lens, const Eige
   for (int i = 0; i < colors.cols; ++i) {
     const auto pixel = lens.project(points.col(i));
     if (!pixel) continue;
-    const int u = std::clamp(static_cast<int>(std::lround(pixel->x())), 0, rgb.cols - 1);
-    const int v = std::clamp(static_cast<int>(std::lround(pixel->y())), 0, rgb.rows - 1);
+    const int u = static_cast<int>(std::lround(std::clamp(pixel->x(), 0.0, rgb.cols - 1.0)));
+    const int v = static_cast<int>(std::lround(std::clamp(pixel->y(), 0.0, rgb.rows - 1.0)));
     const int side = 2 * kHalfWindow + 1;
     const cv::Scalar mean = cv::mean(rgb(cv::Rect(u - kHalfWindow, v - kHalfWindow, side, side) & image));
     for (int k = 0; k < 3; ++k) colors.at<cv::Vec3f>(i)[k] = static_cast<float>(mean[k] / 255);

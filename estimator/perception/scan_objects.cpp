@@ -64,10 +64,13 @@ class NearestDepth {
   cv::Mat depths_m_;
 };
 
-// Where the sensor looks, by what it has seen so far.
-void widen(const std::vector<cv::Point2f>& pixels, std::vector<cv::Point2f>& hull) {
+// Where in the image the sensor looks, by what it has seen so far. Far outside the rows of a spinning one
+// bend away, and their hull would be without limits above and below.
+void widen(const std::vector<cv::Point2f>& pixels, const Camera& camera, std::vector<cv::Point2f>& hull) {
   std::vector<cv::Point2f> all = hull;
-  all.insert(all.end(), pixels.begin(), pixels.end());
+  std::copy_if(pixels.begin(), pixels.end(), std::back_inserter(all), [&](const cv::Point2f& p) {
+    return camera.contains({p.x, p.y});
+  });
   if (!all.empty()) cv::convexHull(all, hull);
 }
 
@@ -82,7 +85,7 @@ class ScanObjects {
 
   std::vector<BodyObservation> look(std::int64_t frame, std::int64_t stamp_ns, const Pose& world_from_camera,
                                     const ScanPoints& points) {
-    widen(points.pixels, view_);
+    widen(points.pixels, camera_, view_);
     const auto ground = find_ground(points.world, options_.clusters, seed_, frame);
     const auto clusters = clusters_above(points.world, ground, options_.clusters);
     const NearestDepth nearest(points, ground, options_.clusters.ground_m, camera_, options_.rim_px);

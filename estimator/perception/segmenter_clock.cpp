@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -54,7 +55,8 @@ class VirtualClock : public SegmenterClock {
   std::optional<SegmenterInput> waiting_;  // the newest frame, until it is taken
   std::optional<SegmenterResult> pending_;
   std::int64_t arrival_ns_ = 0;  // of the pending result
-  std::int64_t free_ns_ = 0;     // since when the segmenter is free, while nothing is pending
+  // since when the segmenter is free, while nothing is pending
+  std::int64_t free_ns_ = std::numeric_limits<std::int64_t>::min();
   std::int64_t newest_ = 0;
 };
 

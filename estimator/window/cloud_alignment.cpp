@@ -107,7 +107,7 @@ class Aligner {
           options_.far_m * std::pow(options_.near_m / options_.far_m, std::min(1.0, 1.5 * share));
       NormalEquations equations;
       add_points(fit, reach_m, equations);
-      add_outline(fit, equations);
+      if (!add_outline(fit, equations)) return {};
       const double prior = add_prior(fit.pose, equations);
       fit.cost = kEvidence * equations.cost + prior;
       fit.information = equations.information;
@@ -180,10 +180,11 @@ class Aligner {
     fit.distance_m = matched ? sum / matched : 0;
   }
 
-  void add_outline(Fit& fit, NormalEquations& equations) const {
+  // Whether all of the body is in front of the camera: else it has no outline.
+  bool add_outline(Fit& fit, NormalEquations& equations) const {
     const Eigen::Matrix3Xd in_camera =
         (fit.pose.rotation.toRotationMatrix() * model_.points).colwise() + fit.pose.translation;
-    if (in_camera.row(2).minCoeff() < kMinDepth) return;
+    if (in_camera.row(2).minCoeff() < kMinDepth) return false;
     const Eigen::RowVectorXd u =
         camera_.fx * in_camera.row(0).cwiseQuotient(in_camera.row(2)).array() + camera_.cx;
     const Eigen::RowVectorXd v =
@@ -204,6 +205,7 @@ class Aligner {
       sum += std::abs(off);
     }
     fit.outline_px = lines_.empty() ? 0 : sum / static_cast<double>(std::ssize(lines_));
+    return true;
   }
 
   double add_prior(const Pose& pose, NormalEquations& equations) const {

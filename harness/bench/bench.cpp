@@ -11,6 +11,7 @@
 #include "core/base/files.h"
 #include "core/base/progress.h"
 #include "core/base/text.h"
+#include "core/base/threads.h"
 #include "estimator/variant.h"
 #include "evaluation/report/report.h"
 #include "harness/bench/config.h"
@@ -275,8 +276,7 @@ int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& 
   const auto simulations = plan(config);
   fs::create_directories(out);
   write_text(out / "bench.yaml", bench_yaml(config));  // at once: what is cut short can be gone on with
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const int jobs = options.jobs > 0 ? options.jobs : cores;
+  const int cores = threads_to_use(0), jobs = threads_to_use(options.jobs);
   std::int64_t cells = 0;
   for (const auto& simulation : simulations) cells += std::ssize(simulation->cells);
   {

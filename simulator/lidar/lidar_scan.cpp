@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "core/base/error.h"
+#include "core/base/threads.h"
 #include "simulator/lidar/beam_casting.h"
 
 namespace uniquadric {
@@ -37,8 +38,7 @@ void for_each_block(std::int64_t blocks, int threads, const std::function<void(s
     for (std::int64_t block = 0; block < blocks; ++block) work(block);
     return;
   }
-  const int most = tbb::this_task_arena::max_concurrency();
-  tbb::task_arena arena(threads > 0 ? std::min(threads, most) : most);
+  tbb::task_arena arena(threads_to_use(threads));
   arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, blocks), [&](const auto& range) {
       for (std::int64_t block = range.begin(); block < range.end(); ++block) work(block);

@@ -15,7 +15,8 @@ namespace {
 
 using Basis = Eigen::Spline<double, 1, 3>;  // for its basis functions alone
 constexpr int kDegree = 3;
-constexpr double kStep = 1e-14;        // relative: the solver stops when its steps are rounding
+constexpr double kStep = 1e-14;  // relative: the solver stops when its steps are rounding
+constexpr double kNoTurn_rad = 1e-9;
 constexpr double kSolved_rad = 1e-10;  // what then must be left of the way-points' turns
 
 /// The four basis functions that are not zero at one time, the first belonging to control pose `first`.
@@ -95,6 +96,8 @@ void Spline::solve_rotations(const std::vector<Waypoint>& waypoints) {
   for (Eigen::Index k = 1; k < n; ++k)
     turns.segment<3>(3 * (k - 1)) = log_so3(waypoints[k - 1].world_from_body.rotation.conjugate() *
                                             waypoints[k].world_from_body.rotation);
+  // differences over a share of what is rounding alone would be none
+  turns = (turns.array().abs() < kNoTurn_rad).select(0, turns);
   const auto misses = [&](const Eigen::VectorXd& unknown) {
     set_turns(unknown);
     Eigen::VectorXd miss(unknown.size());

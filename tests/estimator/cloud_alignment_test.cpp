@@ -135,6 +135,13 @@ TEST(CloudAlignment, OfABodyThatIsNotThereIsNothing) {
                               {0.02, 0.03}, true, {}));
 }
 
+TEST(CloudAlignment, OfABodyAroundTheCameraIsNothing) {
+  const Scene scene;
+  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000), {}};
+  const Pose around{scene.camera_from_body.rotation, {0, 0, 0.2}};
+  EXPECT_FALSE(align_to_cloud(scene.perception.camera, scene.seen(), model, around, {0.02, 0.03}, false, {}));
+}
+
 // What shows of a body at an occluder's edge has the outline of a small one, which it would be far away.
 TEST(CloudAlignment, OutlineDoesNotPutABodyBehindItsPoints) {
   const Scene near, far(kAxes, 2);

@@ -167,6 +167,25 @@ TEST(Robustness, ADistortingLensIsUndone) {
   EXPECT_NEAR(-body.silhouette->bbox[3].offset_px, corner.y(), 0.5);
 }
 
+TEST(Robustness, StampsMayLieBeforeZero) {
+  const TempFolder temp;
+  Sequence sequence = write_drawn_sequence(temp.path(), {kRed}, 12);
+  for (SequenceFrame& frame : sequence.frames) {
+    frame.stamp_ns -= 50'000'000'000;
+    frame.masks_arrival_ns -= 50'000'000'000;
+  }
+  for (auto& pose : *sequence.given_camera) pose.stamp_ns -= 50'000'000'000;
+  PerceiveOptions quiet;
+  quiet.quiet = true;
+  std::vector<StageTime> times;
+  const fs::path folder = temp.path() / "perception";
+  fs::create_directories(folder);
+  PerceptionWriter out(folder, sequence.camera, "");
+  perceive(sequence, PerceptionOptions{}, quiet, out, times);
+  const Perception perception(folder);
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(perception.frames()[i].has_masks, i >= kLatencyFrames) << i;
+}
+
 TEST(Robustness, NoMaskEverIsNoObject) {
   const TempFolder temp;
   write_drawn_sequence(temp.path(), {kRed}, 12, [](DrawnFrame& drawn) { drawn.masks.setTo(0); });

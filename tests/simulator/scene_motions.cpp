@@ -52,6 +52,16 @@ TEST(SplineMotion, PassesThroughWaypoints) {
 
 // With two way-points at rest the curve is the Bezier smooth step 3u^2 - 2u^3 along the line and about the
 // fixed axis.
+// Turns that are rounding, as of angles that came through sines, are none.
+TEST(SplineMotion, PassesThroughWaypointsThatTurnByRoundingAlone) {
+  std::vector<Waypoint> waypoints;
+  for (int k = 0; k < 5; ++k)
+    waypoints.push_back({double(k), {exp_so3({1e-17 * k * k, 0.4, 3e-17 * (k % 2)}), {1.0 * k, 0, 0}}});
+  const Motion motion = spline_motion(waypoints);
+  for (const Waypoint& w : waypoints)
+    EXPECT_LT(apart_rad(motion.at(w.time_s).rotation, w.world_from_body.rotation), kRounding);
+}
+
 TEST(SplineMotion, OfTwoWaypointsIsTheSmoothStep) {
   const Vector3d turn(0.3, -1.1, 0.9), way(2, -1, 0.5);
   const Motion motion = spline_motion({{1, {}}, {3, {exp_so3(turn), way}}});
