@@ -10,10 +10,11 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kEvaluations = 200;        // a good start needs about ten
+constexpr int kEvaluations = 200;  // a good start needs about ten
+constexpr std::size_t kCoarse = 500;
 constexpr double kStep = 1e-6;           // m and rad, of the derivatives: truncation and rounding both 1e-10
 constexpr double kRankTolerance = 1e-6;  // of the greatest column: the derivatives' own error, and more
-constexpr double kTolerance = 1e-14;     // of the sum of squares and the step: as far as doubles go
+constexpr double kTolerance = 1e-10;     // of the sum of squares and the step: a fit is as good before
 
 struct Motions {
   std::vector<Pose> estimate, reference;  // e_k, g_k, from the second pair on
@@ -26,6 +27,17 @@ Motions motions_of(const PosePairs& poses) {
     motions.reference.push_back(relative_pose(poses.reference[k], poses.reference[0]));
   }
   return motions;
+}
+
+// Evenly, to at most kCoarse: enough to choose among the starts.
+Motions thinned(const Motions& motions) {
+  const std::size_t every = (motions.estimate.size() + kCoarse - 1) / kCoarse;
+  Motions coarse;
+  for (std::size_t k = every - 1; k < motions.estimate.size(); k += every) {
+    coarse.estimate.push_back(motions.estimate[k]);
+    coarse.reference.push_back(motions.reference[k]);
+  }
+  return coarse;
 }
 
 Pose error_of(const Pose& C, const Pose& estimate, const Pose& reference) {
@@ -116,9 +128,11 @@ Fit fit_from(const Motions& motions, const Pose& start) {
 std::optional<CalibratedDrift> calibrated_drift(const PosePairs& poses) {
   if (poses.size() < kMinPairs) return std::nullopt;
   const Motions motions = motions_of(poses);
+  const Motions coarse = thinned(motions);
   std::optional<Fit> best;
-  for (const Pose& start : starts(motions))
-    if (const Fit fit = fit_from(motions, start); !best || fit.cost < best->cost) best = fit;
+  for (const Pose& start : starts(coarse))
+    if (const Fit fit = fit_from(coarse, start); !best || fit.cost < best->cost) best = fit;
+  if (coarse.estimate.size() < motions.estimate.size()) best = fit_from(motions, best->C);
   CalibratedDrift drift;
   drift.reference_from_estimate = best->C;
   drift.determined = best->determined;

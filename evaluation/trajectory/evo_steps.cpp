@@ -1,5 +1,7 @@
 #include "evaluation/trajectory/evo_steps.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "core/base/error.h"
@@ -8,6 +10,8 @@ namespace uniquadric {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
+constexpr double kMostAngle = std::numbers::pi;  // between two orientations
+constexpr double kCosineRounding = 1e-9;         // far above that of a product of unit quaternions
 
 double angle_between(const Pose& a, const Pose& b) {
   return rotation_angle((a.rotation.conjugate() * b.rotation).toRotationMatrix());
@@ -41,13 +45,19 @@ std::vector<IndexStep> steps_along_turns(const std::vector<Pose>& poses, double 
   return steps;
 }
 
+// Every pair of poses is looked at: the cosine of half the angle, a product of two quaternions, settles all
+// that are not near the band.
 std::vector<IndexStep> all_turns(const std::vector<Pose>& poses, double delta_rad, double tolerance_rad) {
+  const double least_rad = delta_rad - tolerance_rad, most_rad = delta_rad + tolerance_rad;
+  const double least_cosine = std::cos(std::min(most_rad, kMostAngle) / 2) - kCosineRounding;
+  const double most_cosine = std::cos(least_rad / 2) + kCosineRounding;
   std::vector<IndexStep> steps;
   for (std::size_t i = 0; i < poses.size(); ++i)
     for (std::size_t j = i + 1; j < poses.size(); ++j) {
+      const double cosine = std::abs(poses[i].rotation.dot(poses[j].rotation));
+      if (cosine < least_cosine || cosine > most_cosine) continue;
       const double angle_rad = angle_between(poses[i], poses[j]);
-      if (delta_rad - tolerance_rad <= angle_rad && angle_rad <= delta_rad + tolerance_rad)
-        steps.push_back({i, j});
+      if (least_rad <= angle_rad && angle_rad <= most_rad) steps.push_back({i, j});
     }
   return steps;
 }

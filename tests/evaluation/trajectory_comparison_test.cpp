@@ -250,6 +250,13 @@ TEST(EvoSteps, DifferFromOursAsEvoDoes) {
   EXPECT_EQ(evo_steps(poses, {66, DeltaUnit::degrees, 0.1, true}),
             (Steps{{0, 6}, {0, 7}, {1, 7}, {1, 8}, {2, 8}}));
   EXPECT_EQ(evo_steps(poses, {3, DeltaUnit::frames, 0.1, false}), (Steps{{0, 3}, {3, 6}}));
+  // angles end at 180 degrees, the band may not; -q is the turn of q
+  std::vector<Pose> opposite = {{yaw(0), Eigen::Vector3d::Zero()},
+                                {yaw(179 * kDegree), Eigen::Vector3d::Zero()}};
+  EXPECT_EQ(evo_steps(opposite, {180, DeltaUnit::degrees, 0.1, true}), (Steps{{0, 1}}));
+  opposite[1].rotation.coeffs() *= -1;
+  EXPECT_EQ(evo_steps(opposite, {180, DeltaUnit::degrees, 0.1, true}), (Steps{{0, 1}}));
+  EXPECT_EQ(evo_steps(opposite, {100, DeltaUnit::degrees, 0.1, true}), Steps{});
   EXPECT_EQ(evo_steps(poses, {6, DeltaUnit::frames, 0.1, true}), (Steps{{0, 6}, {1, 7}, {2, 8}}));
   EXPECT_NE(input_error([&] {
               evo_steps(poses, {1, DeltaUnit::seconds, 0.1, false});
@@ -373,6 +380,18 @@ TEST(CalibratedDrift, UndoesAnotherFrameOfTheSameBody) {
   EXPECT_NEAR(off.rotation_rad, 0, kFitted);
   EXPECT_GT(maximum_drift(pairs_of(way, other))->max_translation_m,
             0.3);  // the form without calibration does not
+}
+
+TEST(CalibratedDrift, FitsAllOfALongWayThoughItStartsFromAPart) {
+  const auto way = random_walk(1200, 12);
+  RandomStream random(13, "body");
+  const Pose body = {random_rotation(random), random_vector(random, 1)};
+  auto other = changed(way, [&](std::size_t, const Pose& p) { return p * body; });
+  other[700] = other[700] * Pose{yaw(0.3), {0.2, 0, 0}};  // not among every third
+  const auto drift = *calibrated_drift(pairs_of(way, other));
+  EXPECT_EQ(drift.angle_index, 700u);
+  EXPECT_NEAR(drift.roll_pitch_yaw_rad.norm(), 0.3, 0.02);
+  EXPECT_NEAR(absolute_error(body, drift.reference_from_estimate).rotation_rad, 0, 0.01);
 }
 
 TEST(CalibratedDrift, SaysWhatTheMotionLeavesOpen) {
