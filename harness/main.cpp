@@ -368,10 +368,7 @@ void add_trajectory(CLI::App& app, Common& common) {
     require_apart(plot, {reference, estimate_file});
     const TrajectoryComparison comparison = compare_trajectories(reference, estimate_file, options);
     if (!plot.empty())
-      write_text(plot, trajectory_svg(comparison,
-                                      fmt::format("{} against {}",
-                                                  std::filesystem::path(estimate_file).filename().string(),
-                                                  std::filesystem::path(reference).filename().string())));
+      write_text(plot, trajectory_svg(comparison, fmt::format("{} against {}", estimate_file, reference)));
     std::cout << (as_json ? trajectory_json(comparison, options) : trajectory_text(comparison, options));
   });
 }
