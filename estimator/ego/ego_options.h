@@ -49,6 +49,8 @@ void visit(Io& io, LidarMapOptions& o) {
   io.number("neighbours", o.neighbours, 3, 27);
   io.number("min_neighbours", o.min_neighbours, 3, 27);
   io.number("levels", o.levels, 1, 8);
+  io.number("wide_levels", o.wide_levels, 0, 4);
+  io.positive("wide_flatness", o.wide_flatness);
   io.positive("min_flatness", o.min_flatness);
   io.number("max_count", o.max_count, 1);
   io.positive("max_range_m", o.max_range_m);
@@ -73,6 +75,7 @@ void visit(Io& io, LidarEgoOptions& o) {
   io.positive("beam_sigma_rad", odometry.sight.beam_sigma_rad);
   io.positive("plane_sigma_m", odometry.sight.plane_sigma_m);
   io.positive("max_thickness", odometry.sight.max_thickness);
+  io.number("min_breadth", odometry.sight.min_breadth, 0.0, 1000.0);
   io.positive("side_points", odometry.sight.side_points);
   io.positive("gate_sigmas", odometry.sight.gate_sigmas);
   io.positive("gate_m", odometry.sight.gate_m);
@@ -92,6 +95,8 @@ void visit(Io& io, LidarEgoOptions& o) {
   io.positive("first_velocity_mps", odometry.first_velocity_mps);
   io.number("first_sweeps", odometry.first_sweeps, 2, 1000);
   io.number("first_passes", odometry.first_passes, 1, 100);
+  io.number("first_sweep_s", odometry.first_sweep_s, 0.0, 100.0);
+  io.positive("first_change_mps", odometry.first_change_mps);
 }
 
 }  // namespace uniquadric

@@ -93,7 +93,7 @@ LidarMapLevel::Neighbours LidarMapLevel::neighbours_of(const Eigen::Vector3d& p)
   return result;
 }
 
-std::optional<MapPlane> LidarMapLevel::plane_near(const Eigen::Vector3d& p, double max_thickness_m) const {
+std::optional<MapPlane> LidarMapLevel::plane_near(const Eigen::Vector3d& p, const PlaneLimits& limits) const {
   Neighbours near = neighbours_of(p);
   if (near.count < options_.min_neighbours) return std::nullopt;
   const int n = std::min(near.count, options_.neighbours);
@@ -119,7 +119,8 @@ std::optional<MapPlane> LidarMapLevel::plane_near(const Eigen::Vector3d& p, doub
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;  // reads the lower triangle
   solver.computeDirect(square / points - mean * mean.transpose());
   const double least = std::max(solver.eigenvalues()[0], 0.0), middle = solver.eigenvalues()[1];
-  if (least > max_thickness_m * max_thickness_m || middle < options_.min_flatness * least || middle <= 0)
+  if (least > limits.max_thickness_m * limits.max_thickness_m || middle < options_.min_flatness * least ||
+      middle <= limits.min_breadth_m * limits.min_breadth_m)
     return std::nullopt;
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
   MapPlane plane{normal, -normal.dot(p + mean), std::sqrt(least / points), std::sqrt(least)};
@@ -160,15 +161,19 @@ void LidarMapLevel::trim(const Eigen::Vector3d& centre) {
 
 LidarMap::LidarMap(const LidarMapOptions& options) {
   for (int level = options.levels; level-- > 0;) levels_.emplace_back(options, level);
+  LidarMapOptions wide = options;
+  wide.min_flatness = options.wide_flatness;
+  for (int level = 0; level < options.wide_levels; ++level)
+    levels_.emplace_back(wide, options.levels + level);
 }
 
 void LidarMap::add(const Eigen::Vector3d& p) {
   for (LidarMapLevel& level : levels_) level.add(p);
 }
 
-std::optional<MapPlane> LidarMap::plane_near(const Eigen::Vector3d& p, double max_thickness_m) const {
+std::optional<MapPlane> LidarMap::plane_near(const Eigen::Vector3d& p, const PlaneLimits& limits) const {
   for (const LidarMapLevel& level : levels_)
-    if (const auto plane = level.plane_near(p, max_thickness_m)) return plane;
+    if (const auto plane = level.plane_near(p, limits)) return plane;
   return std::nullopt;
 }
 

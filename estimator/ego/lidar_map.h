@@ -12,14 +12,17 @@ namespace uniquadric {
 
 /// All numbers are ours, chosen on subway_car.
 struct LidarMapOptions {
-  double cell_m = 0.25;      // of the finest means that are kept
-  int levels = 2;            // of cells, each twice as large as the one before
-  int neighbours = 9;        // means a plane is fitted to, at most
-  int min_neighbours = 5;    // at least: FAST-LIO2's five
-  double min_flatness = 5;   // middle eigenvalue over the least one: what is thinner is a line or a blob
-  int max_count = 30;        // points of a cell; later ones leave it as it is: a map does not follow drift
-  double max_range_m = 150;  // of the sensor; what is farther is forgotten
-  int max_blocks = 40'000;   // of 64 cells, 2.6 KB each, a level
+  double cell_m = 0.25;  // of the finest means that are kept
+  int levels = 2;        // of cells, each twice as large as the one before
+  int wide_levels = 1;   // of larger cells still, for points that the others find no plane for: rings of a
+                         // spinning sensor are farther apart than their cells
+  double wide_flatness = 30;  // min_flatness of the wide ones, which may span corners
+  int neighbours = 9;         // means a plane is fitted to, at most
+  int min_neighbours = 5;     // at least: FAST-LIO2's five
+  double min_flatness = 5;    // middle eigenvalue over the least one: what is thinner is a line or a blob
+  int max_count = 30;         // points of a cell; later ones leave it as it is: a map does not follow drift
+  double max_range_m = 150;   // of the sensor; what is farther is forgotten
+  int max_blocks = 40'000;    // of 64 cells, 2.6 KB each, a level
 };
 
 /// normal . p + offset_m = 0
@@ -32,6 +35,12 @@ struct MapPlane {
   Eigen::Matrix<double, 3, 2> normal_error = Eigen::Matrix<double, 3, 2>::Zero();
 };
 
+/// What a set of points has to be for a plane to be told by it.
+struct PlaneLimits {
+  double max_thickness_m = 0;  ///< standard deviation off the plane, at most
+  double min_breadth_m = 0;    ///< standard deviation across the longer of its ways, more than
+};
+
 /// Cells of one size, of which each keeps the mean and spread of its points, in a hash of blocks of 4 x 4 x 4
 /// cells. On a plane a mean lies on the plane, and is the truer the more often it was seen, which single
 /// points are not.
@@ -41,8 +50,8 @@ class LidarMapLevel {
 
   void add(const Eigen::Vector3d& p);
   /// The plane through the points of the cells whose means are nearest to p, of the 27 about it. Nothing
-  /// where they are too few, not flat, or thicker than max_thickness_m.
-  std::optional<MapPlane> plane_near(const Eigen::Vector3d& p, double max_thickness_m) const;
+  /// where they are too few, not flat, or out of the limits.
+  std::optional<MapPlane> plane_near(const Eigen::Vector3d& p, const PlaneLimits& limits) const;
   /// Forgets what is out of range of `centre`, and then what was seen least recently, down to max_blocks.
   void trim(const Eigen::Vector3d& centre);
   std::size_t blocks() const { return blocks_.size(); }
@@ -74,15 +83,15 @@ class LidarMapLevel {
   std::uint64_t time_ = 0;  // counts calls of trim()
 };
 
-/// An incremental map. A plane is sought from the coarsest level to the finest: a wall is one large plane,
-/// whose normal is known well; a window's reveal is a small one. (Normals of small pieces of a wall err by
-/// some degrees, and many of them feign knowledge along the wall that there is none of.) Memory is bounded:
-/// max_range_m, max_blocks.
+/// An incremental map. A plane is sought from the coarsest level to the finest, the wide ones last: a wall is
+/// one large plane, whose normal is known well; a window's reveal is a small one. (Normals of small pieces of
+/// a wall err by some degrees, and many of them feign knowledge along the wall that there is none of.) Memory
+/// is bounded: max_range_m, max_blocks.
 class LidarMap {
  public:
   explicit LidarMap(const LidarMapOptions& options);
   void add(const Eigen::Vector3d& p);
-  std::optional<MapPlane> plane_near(const Eigen::Vector3d& p, double max_thickness_m) const;
+  std::optional<MapPlane> plane_near(const Eigen::Vector3d& p, const PlaneLimits& limits) const;
   void trim(const Eigen::Vector3d& centre);
   std::size_t blocks() const;
 

@@ -17,6 +17,7 @@ constexpr std::int64_t kBeyondEnds_ns =
     150'000'000;                               // that the motion is trusted before and after the sweeps
 constexpr int kMaskMargin_px = 6;              // outlines' error, and the motion since the mask
 constexpr double kLevelTime_s = 0.2;           // whose mean force tells up from down at first
+constexpr double kStampSlack_ns = 1e6;         // of sweeps that are a scan long but for rounding
 constexpr double kBentThickness = 6;           // over the noise of points
 constexpr double kShareGain = 0.1;             // a sweep's, in the running mean
 constexpr double kMagnitudeSigma_mps2 = 0.01;  // gravity's, over the Earth's places
@@ -25,6 +26,12 @@ struct Sweep {
   std::int64_t end_ns = 0;
   std::vector<TimedPoint> points;
   int on_bodies = 0;
+
+  void append(const Sweep& next) {
+    end_ns = next.end_ns;
+    points.insert(points.end(), next.points.begin(), next.points.end());
+    on_bodies += next.on_bodies;
+  }
 };
 
 struct Mask {
@@ -93,6 +100,9 @@ struct LidarOdometry::State {
   LidarState first_guess() const;
   LidarState run_back(LidarState state) const;
   LidarState better_start() const;
+  bool is_last_whole() const;
+  bool has_found_start() const;
+  void wait_for_start();
   void begin();
   void go_on(const Sweep& sweep);
   void note(const SweepReport& report);
@@ -219,7 +229,36 @@ void LidarOdometry::State::begin() {
     if (pass >= options.first_passes || pauses.size() < 3) break;
     begin_at(better_start(), false);
   }
+  if (!has_found_start()) return wait_for_start();
   beginning.clear();
+}
+
+// Of the beginning, in which sweeps are whole scans however they are cut later: a spinning sensor's look one
+// way each, and what two of them see in turn tells no motion.
+bool LidarOdometry::State::is_last_whole() const {
+  if (beginning.empty()) return true;
+  const auto last = beginning.size() - 1;
+  const std::int64_t from_ns = last == 0 ? start_ns : beginning[last - 1].end_ns;
+  return static_cast<double>(beginning[last].end_ns - from_ns) >=
+         1e9 * options.first_sweep_s - kStampSlack_ns;
+}
+
+// The passes have come to an end: the motion that was put in is the one that came out.
+bool LidarOdometry::State::has_found_start() const {
+  if (pauses.size() < 3) return true;  // too short to tell
+  const LidarState found = better_start(), used = pauses.front().state;
+  return (found.velocity_mps - used.velocity_mps).norm() <= options.first_change_mps;
+}
+
+// A motion that is not known makes a map that agrees with it. So there is none, nor are there poses.
+void LidarOdometry::State::wait_for_start() {
+  has_begun = false;
+  const auto half = static_cast<std::ptrdiff_t>(beginning.size() + 1) / 2;
+  start_ns = beginning[static_cast<std::size_t>(half) - 1].end_ns;
+  beginning.erase(beginning.begin(), beginning.begin() + half);
+  pauses.clear();
+  reports.clear();
+  map = LidarMap(options.map);
 }
 
 void LidarOdometry::State::note(const SweepReport& report) {
@@ -282,8 +321,11 @@ void LidarOdometry::end_sweep(std::int64_t end_ns) {
   if (!s.has_start || end_ns <= s.start_ns) return;
   if (s.has_begun) return s.go_on(sweep);
   if (s.beginning.empty() && sweep.points.empty()) return;  // it begins with the first points
-  s.beginning.push_back(std::move(sweep));
-  if (std::ssize(s.beginning) >= s.options.first_sweeps) s.begin();
+  if (s.is_last_whole())
+    s.beginning.push_back(std::move(sweep));
+  else
+    s.beginning.back().append(sweep);
+  if (std::ssize(s.beginning) >= s.options.first_sweeps && s.is_last_whole()) s.begin();
 }
 
 void LidarOdometry::finish() {

@@ -33,6 +33,9 @@ struct LidarOdometryOptions {
   double first_velocity_mps = 3;  // standard deviation, of a start that is thought to be at rest
   int first_sweeps = 10;  // gone through first_passes times, for the first motion undoes the first cloud
   int first_passes = 3;
+  double first_sweep_s = 0.1;     // least length of those sweeps: shorter ones are joined
+  double first_change_mps = 0.3;  // by the last pass, of the first velocity; more: it is not known, and the
+                                  // beginning is put off
 };
 
 /// What the odometry knows of its sensors.

@@ -51,7 +51,7 @@ void LidarRegistration::look(Sight& sight, const LidarState& state, const Eigen:
     const double noise = std::hypot(options_.range_sigma_m, options_.beam_sigma_rad * sight.range_m);
     const Eigen::Vector3d world = world_point(state, bias, sight.point);
     if (iteration == 0 || (world - sight.sought_at).norm() > options_.search_again_m) {
-      sight.plane = map_.plane_near(world, options_.max_thickness * noise);
+      sight.plane = map_.plane_near(world, {options_.max_thickness * noise, options_.min_breadth * noise});
       sight.sought_at = world;
     }
   }

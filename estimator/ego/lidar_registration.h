@@ -18,11 +18,13 @@ struct LidarSightOptions {
   double beam_sigma_rad = 0.0016;  // across it: a Livox's jitter and the width of its beam
   double plane_sigma_m = 0.01;     // of the map's planes, whose walls are not quite flat
   double max_thickness = 1.0;      // of a plane, over the noise of points at that range: thicker are two
-  double side_points = 1000;       // that the points facing one way are worth at most: they share their
-                                   // planes' errors, and walls along a street must not outvote its cross-ways
-  double gate_sigmas = 3;          // beyond what the prediction explains, a point is off its plane
-  double gate_m = 0.1;             // at least
-  double open_gate_m = 0.5;        // at most: farther off is another surface
+  double min_breadth = 2;  // of a plane, over the same noise: points of one ring of a spinning sensor are a
+                           // line that noise makes broad, and the plane through them is no wall's
+  double side_points = 1000;  // that the points facing one way are worth at most: they share their
+                              // planes' errors, and walls along a street must not outvote its cross-ways
+  double gate_sigmas = 3;     // beyond what the prediction explains, a point is off its plane
+  double gate_m = 0.1;        // at least
+  double open_gate_m = 0.5;   // at most: farther off is another surface
   double huber_sigmas = 1.5;
   int searches = 2;              // iterations that look for planes anew
   double search_again_m = 0.01;  // for points that have moved so far since

@@ -26,7 +26,7 @@ TEST(LidarMap, FindsThePlaneOfAWallThroughItsNoise) {
   int asked = 0;
   for (; asked < 200; ++asked) {
     const Vector3d on_wall = place + random.uniform(-3, 3) * u + random.uniform(-3, 3) * v;
-    const auto plane = map.plane_near(on_wall + 0.05 * random.normal() * normal, kNoise_m);
+    const auto plane = map.plane_near(on_wall + 0.05 * random.normal() * normal, {kNoise_m});
     ASSERT_TRUE(plane);
     // A dozen cells of thirty points: good to 20 mm / sqrt(360) = 1 mm; five sigma.
     EXPECT_NEAR(plane->normal.dot(on_wall) + plane->offset_m, 0, 0.005);
@@ -42,8 +42,8 @@ TEST(LidarMap, SmallFacesHaveTheirOwnPlanes) {
       map.add({0.02 * i, 0.02 * k, 0});
       map.add({0, 0.02 * i, 0.02 * k});  // a wall at right angles
     }
-  const auto floor = map.plane_near({1.0, 2.0, 0.02}, kNoise_m),
-             wall = map.plane_near({0.02, 2.0, 1.0}, kNoise_m);
+  const auto floor = map.plane_near({1.0, 2.0, 0.02}, {kNoise_m}),
+             wall = map.plane_near({0.02, 2.0, 1.0}, {kNoise_m});
   ASSERT_TRUE(floor && wall);
   EXPECT_GT(std::abs(floor->normal.z()), 0.9999);
   EXPECT_GT(std::abs(wall->normal.x()), 0.9999);
@@ -52,13 +52,35 @@ TEST(LidarMap, SmallFacesHaveTheirOwnPlanes) {
 TEST(LidarMap, HasNoPlaneWhereThereIsNone) {
   RandomStream random(2, "map");
   LidarMap map{LidarMapOptions()};
-  EXPECT_FALSE(map.plane_near(Vector3d::Zero(), kNoise_m));
+  EXPECT_FALSE(map.plane_near(Vector3d::Zero(), {kNoise_m}));
   for (int i = 0; i < 400; ++i) map.add({0.01 * i, 10, 0});  // a wire
-  EXPECT_FALSE(map.plane_near({2, 10, 0}, kNoise_m));
+  EXPECT_FALSE(map.plane_near({2, 10, 0}, {kNoise_m}));
   for (int i = 0; i < 3000; ++i)  // a tree
     map.add({random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
-  EXPECT_FALSE(map.plane_near(Vector3d::Zero(), kNoise_m));
-  EXPECT_FALSE(map.plane_near({30, 0, 0}, kNoise_m));
+  EXPECT_FALSE(map.plane_near(Vector3d::Zero(), {kNoise_m}));
+  EXPECT_FALSE(map.plane_near({30, 0, 0}, {kNoise_m}));
+}
+
+// The points of one ring on a wall (x = 0): a line that noise along the beams makes broad. Its plane would
+// lie along the beams, not along the wall. A ring more, and there is a wall.
+TEST(LidarMap, ALineWithNoiseIsNoPlane) {
+  RandomStream random(3, "map");
+  const auto add_ring = [&](LidarMap& map, double height_m) {
+    for (int i = 0; i < 400; ++i)
+      map.add({0.02 * random.normal(), 0.01 * i - 2, height_m + 0.003 * random.normal()});
+  };
+  LidarMapOptions options;
+  options.cell_m = 0.5;
+  LidarMap map(options);
+  add_ring(map, 0.2);
+  const PlaneLimits limits{kNoise_m, 2 * kNoise_m};
+  ASSERT_TRUE(map.plane_near({0, 0, 0.2}, {kNoise_m}));
+  EXPECT_LT(std::abs(map.plane_near({0, 0, 0.2}, {kNoise_m})->normal.x()), 0.1);
+  EXPECT_FALSE(map.plane_near({0, 0, 0.2}, limits));
+  add_ring(map, 0.9);
+  const auto wall = map.plane_near({0, 0, 0.5}, limits);
+  ASSERT_TRUE(wall);
+  EXPECT_GT(std::abs(wall->normal.x()), 0.99);
 }
 
 // A step of 10 cm within a cell is no wall in between.
@@ -68,12 +90,13 @@ TEST(LidarMap, TwoWallsCloseTogetherAreNotOne) {
   LidarMap map(options);
   for (int i = 0; i < 60; ++i)
     for (int k = 0; k < 60; ++k) map.add({0.05 * i, 0.05 * k, (i + k) % 2 == 0 ? 0.05 : 0.15});
-  EXPECT_FALSE(map.plane_near({1.5, 1.5, 0.1}, kNoise_m));
-  EXPECT_TRUE(map.plane_near({1.5, 1.5, 0.1}, 0.1));
+  EXPECT_FALSE(map.plane_near({1.5, 1.5, 0.1}, {kNoise_m}));
+  EXPECT_TRUE(map.plane_near({1.5, 1.5, 0.1}, {0.1}));
 }
 
 TEST(LidarMap, ForgetsWhatIsFarAndWhatIsOld) {
   LidarMapOptions options;
+  options.wide_levels = 0;
   options.levels = 1;
   options.max_blocks = 100;
   options.max_range_m = 50;
@@ -89,7 +112,7 @@ TEST(LidarMap, ForgetsWhatIsFarAndWhatIsOld) {
   EXPECT_LE(map.blocks(), 100U);
   for (int i = 0; i < 5; ++i)
     for (int k = 0; k < 5; ++k) map.add({130.2 + 0.1 * i, 0.1 * k, 0.01});
-  EXPECT_TRUE(map.plane_near({130.4, 0.2, 0}, kNoise_m));
+  EXPECT_TRUE(map.plane_near({130.4, 0.2, 0}, {kNoise_m}));
 }
 
 }  // namespace

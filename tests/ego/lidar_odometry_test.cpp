@@ -100,6 +100,26 @@ TEST(LidarOdometry, FollowsANarrowRosette) {
   EXPECT_LT(errors.max_rad, 0.01);
 }
 
+// Walls 12 m away and more, on which two rings lie 0.4 m and more apart: the points of one are a line, and
+// noise makes a plane of it that goes along with the sensor.
+TEST(LidarOdometry, FollowsSixteenRingsThroughAHall) {
+  for (const bool has_imu : {true, false}) {
+    RoomRun run;
+    run.has_imu = has_imu;
+    run.room.pattern = LidarRoom::Pattern::rings;
+    run.room.half_size_m = {20, 12, 3};
+    run.room.velocity_mps = {1.2, 0, 0};
+    run.room.vigour = 0.3;
+    run.room.range_sigma_m = 0.03;
+    run.room.points = 20'000;
+    run.options.sight.range_sigma_m = 0.03;
+    const Errors errors = errors_of(run.odometry(), run);
+    EXPECT_EQ(errors.missing, 0);
+    EXPECT_LT(errors.max_m, 0.01 * 1.2 * 4);
+    EXPECT_LT(errors.max_rad, 0.01);
+  }
+}
+
 TEST(LidarOdometry, FindsTheBiasesOfItsImu) {
   RoomRun run;
   run.room.gyroscope_bias_radps = {0.01, -0.02, 0.015};
@@ -118,6 +138,17 @@ TEST(LidarOdometry, TheImuCarriesItThroughASecondWithoutScans) {
   EXPECT_EQ(errors.missing, 0);
   EXPECT_LT(errors.max_m, 0.08);
   EXPECT_LT(errors.max_rad, 0.006);
+}
+
+// The mechanism alone: no pass ends as it began to the last nanometre, so there is no start, nor a pose.
+TEST(LidarOdometry, AStartWhoseMotionStillChangesIsPutOff) {
+  RoomRun run;
+  run.scans = 25;
+  run.room.range_sigma_m = 0.02;
+  run.options.first_change_mps = 1e-9;
+  const LidarOdometry odometry = run.odometry();
+  EXPECT_TRUE(odometry.reports().empty());
+  EXPECT_EQ(errors_of(odometry, run).poses, 0);
 }
 
 // Where the map is met again it is found, or else it stays lost: never elsewhere.

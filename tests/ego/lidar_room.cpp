@@ -18,8 +18,11 @@ constexpr double kTwoPi = 6.283185307179586;
 
 // Unit directions of a scan: rings about z as of a spinning LiDAR, or a rosette about x as of a Livox.
 Vector3d direction(LidarRoom::Pattern pattern, double u, std::int64_t shot) {
-  if (pattern == LidarRoom::Pattern::spinning) {
-    const double azimuth = kTwoPi * u, elevation = (static_cast<double>(shot % 32) - 15.5) * 2 * kTwoPi / 360;
+  if (pattern != LidarRoom::Pattern::forward) {
+    const double azimuth = kTwoPi * u;
+    const double elevation = kTwoPi / 360 *
+                             (pattern == LidarRoom::Pattern::rings ? 2 * static_cast<double>(shot % 16) - 15
+                                                                   : 2 * static_cast<double>(shot % 32) - 31);
     return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
             std::sin(elevation)};
   }

@@ -13,7 +13,7 @@ namespace uniquadric {
 /// A LiDAR that sways through a room of six walls with six cupboards in it, every point cast where the sensor
 /// is at its own time, by closed form. The world has its origin at the room's middle.
 struct LidarRoom {
-  enum class Pattern { spinning, forward };
+  enum class Pattern { spinning, rings, forward };  // 32 lines 4 deg apart, 16 lines 2 deg apart, a rosette
   Pattern pattern = Pattern::spinning;
   Eigen::Vector3d half_size_m{7, 5, 2.5};
   double range_sigma_m = 0;
