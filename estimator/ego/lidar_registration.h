@@ -57,7 +57,7 @@ class LidarRegistration {
   std::vector<Eigen::Vector3d> map_points(const LidarState& end) const;
   int on_planes() const { return on_planes_; }
   double share_on_planes() const {
-    return static_cast<double>(on_planes_) / std::max<double>(1, std::ssize(sights_));
+    return static_cast<double>(on_planes_) / std::max(1.0, static_cast<double>(sights_.size()));
   }
   double rms_m() const { return rms_m_; }
 

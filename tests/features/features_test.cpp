@@ -135,7 +135,7 @@ TEST(Features, AHintOfTheLastMotionIsTheTrackersOwn) {
     const auto step_ns = [&](int k) { return double(frame_at(k).stamp_ns - frame_at(k - 1).stamp_ns); };
     BodyHints hint;
     if (motion) hint[3].motion = exp_se3(step_ns(i) / step_ns(i - 1) * log_se3(*motion));
-    hints += std::ssize(hint);
+    hints += static_cast<int>(hint.size());
     const auto a = track(alone, i, frame);
     const auto b = told.track(frame_at(i), frame.gray, frame.depth, frame.masks, hint);
     ASSERT_EQ(a.motions.contains(3), b.motions.contains(3));
