@@ -7,12 +7,26 @@ namespace {
 std::string shown(const std::filesystem::path& path) {
   return path.empty() ? "(empty name)" : path.string();
 }
+
+// Bytes of a bad file do not reach the terminal as they are, nor do they end the message.
+std::string printable(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f)
+      result += fmt::format("\\x{:02x}", byte);
+    else
+      result += c;
+  }
+  return result;
+}
+
 }  // namespace
 
 InputError::InputError(const std::filesystem::path& path, const std::string& what)
-    : std::runtime_error(fmt::format("{}: {}", shown(path), what)) {}
+    : std::runtime_error(printable(fmt::format("{}: {}", shown(path), what))) {}
 
 InputError::InputError(const std::filesystem::path& path, int line, const std::string& what)
-    : std::runtime_error(fmt::format("{}:{}: {}", shown(path), line, what)) {}
+    : std::runtime_error(printable(fmt::format("{}:{}: {}", shown(path), line, what))) {}
 
 }  // namespace uniquadric

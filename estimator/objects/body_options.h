@@ -157,8 +157,12 @@ void visit(Io& io, CloudAlignmentOptions& o) {
   io.positive("outline_sigma_px", o.outline_sigma_px);
   io.positive("far_m", o.far_m);
   io.positive("near_m", o.near_m);
+  io.number("min_normal_cosine", o.min_normal_cosine, 0.0, 1.0);
+  io.number("min_matched", o.min_matched, 0.0, 1.0);
+  io.number("min_lines", o.min_lines, 1, 1000);
   io.positive("max_distance_m", o.max_distance_m);
   io.positive("max_outline_px", o.max_outline_px);
+  io.number("max_outline_share", o.max_outline_share, 0.0, 1.0);
   io.positive("turn_rad", o.turn_rad);
   io.number("turns", o.turns, 0, 6);
   io.positive("color_sigma", o.color_sigma);

@@ -295,6 +295,9 @@ Perception::Perception(const fs::path& folder)
     if (index.get<char>() != 0) frame.world_from_camera = get_pose(index);
     places_.push_back(index.get<FilePlace>());
   }
+  const ConfigNode root = ConfigNode::load(folder / "perception.yaml");
+  if (root.get<std::int64_t>("frames") != std::ssize(frames_))
+    root.at("frames").fail(fmt::format("expected {}, as observations.bin has", frames_.size()));
 }
 
 PerceivedFrame Perception::read(std::size_t index) const {

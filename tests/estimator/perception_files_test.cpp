@@ -105,6 +105,17 @@ TEST(PerceptionFiles, KnowTheirOwn) {
             (std::vector<fs::path>{"masks/000001.jpg", "masks/a.png", "notes.txt"}));
 }
 
+TEST(PerceptionFiles, ANumberOfFramesThatTheyAreNotIsRefused) {
+  const TempFolder temp;
+  const SyntheticPerception perception = two_frames();
+  write(temp.path() / "kept", perception.frames, perception.camera);
+  const fs::path file = temp.path() / "kept" / "perception.yaml";
+  std::string text = read_text(file);
+  text.replace(text.find("frames: 2"), 9, "frames: 5");
+  write_text(file, text);
+  EXPECT_THROW(Perception(temp.path() / "kept"), InputError);
+}
+
 TEST(PerceptionFiles, DamagedFilesAreRefusedWhereverTheyEndOrDiffer) {
   const TempFolder temp;
   const SyntheticPerception perception = two_frames();
