@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <thread>
 
 #include "core/base/error.h"
 #include "core/base/files.h"

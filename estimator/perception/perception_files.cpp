@@ -39,9 +39,11 @@ class Writer {
     static_assert(std::is_trivially_copyable_v<T>);
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  void numbers(std::span<const double> values) {
+  template <typename T>
+  void numbers(std::span<const T> values) {
     bytes_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
   }
+  void numbers(std::span<const double> values) { numbers<double>(values); }
   const std::string& bytes() const { return bytes_; }
 
  private:
@@ -57,7 +59,11 @@ class Reader {
     take(&value, sizeof value);
     return value;
   }
-  void numbers(std::span<double> values) { take(values.data(), values.size_bytes()); }
+  template <typename T>
+  void numbers(std::span<T> values) {
+    take(values.data(), values.size_bytes());
+  }
+  void numbers(std::span<double> values) { numbers<double>(values); }
   // A number of items of at least `size` bytes each, which the rest of the file must hold.
   std::uint64_t count(std::uint64_t size) {
     const auto n = get<std::uint64_t>();
@@ -92,13 +98,13 @@ Pose get_pose(Reader& in) {
 template <typename Columns>
 void put_columns(Writer& out, const Columns& columns) {
   out.put(static_cast<std::uint64_t>(columns.cols()));
-  for (const auto& value : columns.reshaped()) out.put(value);
+  out.numbers(std::span(columns.data(), static_cast<std::size_t>(columns.size())));
 }
 
 template <typename Columns>
 void get_columns(Reader& in, Columns& columns) {
   columns.resize(3, static_cast<Eigen::Index>(in.count(3 * sizeof(typename Columns::Scalar))));
-  for (auto& value : columns.reshaped()) value = in.get<typename Columns::Scalar>();
+  in.numbers(std::span(columns.data(), static_cast<std::size_t>(columns.size())));
 }
 
 void put(Writer& out, const SupportLine& line) {

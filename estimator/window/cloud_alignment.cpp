@@ -52,16 +52,20 @@ std::vector<SeenPoint> evenly_drawn(const BodyObservation& body, int most) {
   return result;
 }
 
+double cauchy_loss(double residual) {
+  return 2 * std::log1p(residual * residual / 4);
+}
+
 struct NormalEquations {
   Matrix6d information = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   double cost = 0;
 
-  void add(const Vector6d& row, double residual) {  // Cauchy's loss
+  void add(const Vector6d& row, double residual) {
     const double weight = 1 / (1 + residual * residual / 4);
     information += weight * row * row.transpose();
     gradient += weight * residual * row;
-    cost += 2 * std::log1p(residual * residual / 4);
+    cost += cauchy_loss(residual);
   }
 };
 
@@ -142,7 +146,7 @@ class Aligner {
       const auto partner = partner_of(seen, body_from_camera, options_.near_m);
       const double off =
           partner ? (seen.color - model_.colors.col(*partner)).norm() / options_.color_sigma : 1;
-      cost += 2 * std::log1p(off * off / 4);
+      cost += cauchy_loss(off);
     }
     return kEvidence * cost;
   }

@@ -62,6 +62,19 @@ Variant windows(EgoSource ego = EgoSource::given) {
   return variant;
 }
 
+// Sees it in a folder below the sequence's.
+Perception perceived(const Sequence& sequence, const PerceptionOptions& options,
+                     const char* name = "perception") {
+  PerceiveOptions quiet;
+  quiet.quiet = true;
+  std::vector<StageTime> times;
+  const fs::path folder = sequence.folder / name;
+  fs::create_directories(folder);
+  PerceptionWriter out(folder, perception_camera(sequence, options), "");
+  perceive(sequence, options, quiet, out, times);
+  return Perception(folder);
+}
+
 struct Outcome {
   Tracks tracks;
   std::map<std::string, std::string> files;
@@ -97,17 +110,10 @@ TEST(Robustness, WhatIsKnownWhen) {
   const TempFolder temp;
   const Sequence sequence = write_drawn_sequence(temp.path(), {kRed}, 16);
   PerceptionOptions options;
-  PerceiveOptions quiet;
-  quiet.quiet = true;
-  std::vector<StageTime> times;
   int late = 0;
   for (const bool carries : {true, false}) {
     options.aot.enabled = carries;
-    const fs::path folder = temp.path() / (carries ? "carried" : "segmented");
-    fs::create_directories(folder);
-    PerceptionWriter out(folder, sequence.camera, "");
-    perceive(sequence, options, quiet, out, times);
-    const Perception perception(folder);
+    const Perception perception = perceived(sequence, options, carries ? "carried" : "segmented");
     ASSERT_EQ(perception.frames().size(), 16u);
     for (std::size_t i = 0; i < 16; ++i) {
       const PerceivedFrame frame = perception.read(i);
@@ -139,14 +145,7 @@ TEST(Robustness, ADistortingLensIsUndone) {
   PerceptionOptions options;
   options.aot.enabled = false;
   options.ego = EgoSource::given;
-  PerceiveOptions quiet;
-  quiet.quiet = true;
-  std::vector<StageTime> times;
-  const fs::path folder = temp.path() / "perception";
-  fs::create_directories(folder);
-  PerceptionWriter out(folder, perception_camera(sequence, options), "");
-  perceive(sequence, options, quiet, out, times);
-  const PerceivedFrame frame = Perception(folder).read(1);
+  const PerceivedFrame frame = perceived(sequence, options).read(1);
   ASSERT_EQ(frame.bodies.size(), 1u);
   const BodyObservation& body = frame.bodies[0];
   ASSERT_GT(body.points.cols(), 100);
@@ -175,14 +174,7 @@ TEST(Robustness, StampsMayLieBeforeZero) {
     frame.masks_arrival_ns -= 50'000'000'000;
   }
   for (auto& pose : *sequence.given_camera) pose.stamp_ns -= 50'000'000'000;
-  PerceiveOptions quiet;
-  quiet.quiet = true;
-  std::vector<StageTime> times;
-  const fs::path folder = temp.path() / "perception";
-  fs::create_directories(folder);
-  PerceptionWriter out(folder, sequence.camera, "");
-  perceive(sequence, PerceptionOptions{}, quiet, out, times);
-  const Perception perception(folder);
+  const Perception perception = perceived(sequence, PerceptionOptions{});
   for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(perception.frames()[i].has_masks, i >= kLatencyFrames) << i;
 }
 
