@@ -1,0 +1,67 @@
+#include "harness/commands/commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include "core/base/apart.h"
+#include "estimator/estimate.h"
+#include "harness/commands/options.h"
+
+namespace uniquadric {
+
+void add_estimate(CLI::App& app, Common& common) {
+  auto* sub = subcommand(app, "estimate", "sequence -> 9-DoF tracks of every object", common);
+  static std::string sequence, out, variant, prompt = "everything", perception, output;
+  static EstimateOptions options;
+  sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
+  sub->add_option("OUT", out, "folder for the estimate")->required();
+  sub->add_option("--perception", perception, "folder that keeps the perception stage's result, or has it");
+  sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
+  sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
+  static std::uint64_t perception_seed = 0;
+  auto* own_seed = sub->add_option("--perception-seed", perception_seed,
+                                   "of the perception stage's, for seeds to share one; default: --seed")
+                       ->check(whole_number());
+  sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
+  auto* as_of =
+      sub->add_option("--output", output,
+                      "states as of their frame (causal) or of the end (final), instead of the variant's")
+          ->check(CLI::IsMember({"causal", "final"}));
+  add_force(sub, common);
+  sub->callback([&common, as_of, own_seed] {
+    if (own_seed->count() > 0) options.perception_seed = perception_seed;
+    options.threads = common.threads;
+    options.quiet = common.quiet;
+    options.force = common.force;
+    options.perception = perception;
+    options.prompts = parse_prompts(prompt);
+    require_apart(out, {sequence, variant, perception, options.prompts.path});
+    require_apart(perception, {sequence, variant, options.prompts.path});
+    Variant chosen = variant.empty() ? default_variant() : load_variant(variant);
+    if (as_of->count() > 0) chosen.output = output == "causal" ? Output::causal : Output::final;
+    estimate(sequence, chosen, options, out);
+  });
+}
+
+void add_perceive(CLI::App& app, Common& common) {
+  auto* sub =
+      subcommand(app, "perceive", "the perception stage of estimate alone, for variants to share", common);
+  static std::string sequence, out, variant, prompt = "everything";
+  static EstimateOptions options;
+  sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
+  sub->add_option("OUT", out, "folder for its result, for estimate's --perception")->required();
+  sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
+  sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
+  sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
+  add_force(sub, common);
+  sub->callback([&common] {
+    options.threads = common.threads;
+    options.quiet = common.quiet;
+    options.force = common.force;
+    options.perception = out;
+    options.prompts = parse_prompts(prompt);
+    require_apart(out, {sequence, variant, options.prompts.path});
+    keep_perception(sequence, variant.empty() ? default_variant() : load_variant(variant), options);
+  });
+}
+
+}  // namespace uniquadric

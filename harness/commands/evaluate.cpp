@@ -1,0 +1,41 @@
+#include "harness/commands/commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include "core/base/apart.h"
+#include "evaluation/evaluate.h"
+#include "harness/commands/options.h"
+
+namespace uniquadric {
+
+void add_evaluate(CLI::App& app, Common& common) {
+  auto* sub = subcommand(app, "evaluate", "truth and estimate -> evaluation.json, frames.csv", common);
+  static std::string truth, estimate_folder, out;
+  static EvaluateOptions options;
+  sub->add_option("TRUTH", truth, "truth folder")->required();
+  sub->add_option("ESTIMATE", estimate_folder, "estimate folder")->required();
+  sub->add_option("OUT", out, "folder for the evaluation")->required();
+  sub->add_option("--samples", options.iou_samples, "of the Monte Carlo 3D IoU")
+      ->check(whole_number(1, kMaxCount));
+  sub->add_option("--seed", options.seed, "of those samples")->check(whole_number());
+  static std::string alignment = "auto";
+  sub->add_option(
+         "--align", alignment,
+         "the estimate's world with the truth's, by the camera; auto: none where its poses were given, "
+         "else poses")
+      ->check(CLI::IsMember({"auto", "none", "first", "se3", "sim3", "scale", "posyaw", "poses"}));
+  static std::string body_frame = "none";
+  sub->add_option("--body-frame", body_frame, "each object's frame with the true one, for its pose errors")
+      ->check(CLI::IsMember({"none", "first", "fit"}));
+  add_force(sub, common);
+  sub->callback([&common] {
+    options.quiet = common.quiet;
+    options.force = common.force;
+    options.alignment = parse_alignment_kind(alignment);
+    options.body_frame = *parse_body_frame(body_frame);
+    require_apart(out, {truth, estimate_folder});
+    evaluate(truth, estimate_folder, options, out);
+  });
+}
+
+}  // namespace uniquadric

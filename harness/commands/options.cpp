@@ -1,0 +1,44 @@
+#include "harness/commands/options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include "core/base/text.h"
+
+namespace uniquadric {
+
+CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
+  return {[least, most](const std::string& text) {
+            std::uint64_t value = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+            if (error == std::errc{} && end == text.data() + text.size() && value >= least && value <= most)
+              return std::string();
+            return fmt::format("'{}' is no whole number from {} to {}", text, least, most);
+          },
+          ""};
+}
+
+CLI::Validator at_least_0() {
+  return {[](const std::string& text) {
+            const auto value = parse_double(text);
+            return value && *value >= 0 ? std::string()
+                                        : fmt::format("'{}' is no number of at least 0", text);
+          },
+          ""};
+}
+
+CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& what, Common& common) {
+  CLI::App* sub = app.add_subcommand(name, what);
+  sub->add_flag("-q,--quiet", common.quiet, "no progress on stderr");
+  sub->add_option("--threads", common.threads, "threads to use; 0: as many as there are cores")
+      ->check(whole_number(0, kMaxCount));
+  return sub;
+}
+
+void add_force(CLI::App* sub, Common& common) {
+  sub->add_flag("--force", common.force, "replace OUT when it exists");
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+
+namespace CLI {
+class App;
+class Validator;
+}  // namespace CLI
+
+namespace uniquadric {
+
+constexpr int kBadInput = 2;  ///< exit code of bad input and of an incomplete answer
+constexpr std::uint64_t kMaxCount = 10'000'000;
+
+/// What the subcommands share.
+struct Common {
+  std::string command;  ///< the line the program was called with, for reports to state
+  bool quiet = false;
+  bool force = false;
+  int threads = 0;
+  int exit_code = 0;  ///< of the program; a callback sets it
+};
+
+/// Takes a whole number of at least `least` and at most `most`, digits only: CLI11 itself lets -5 wrap
+/// around.
+CLI::Validator whole_number(std::uint64_t least = 0,
+                            std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+
+/// Takes a finite number of at least 0.
+CLI::Validator at_least_0();
+
+/// A subcommand with the options that every one has: --quiet, --threads.
+CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& what, Common& common);
+
+void add_force(CLI::App* sub, Common& common);
+
+}  // namespace uniquadric

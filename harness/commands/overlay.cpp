@@ -1,0 +1,27 @@
+#include "harness/commands/commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include "core/base/apart.h"
+#include "evaluation/report/overlay.h"
+#include "harness/commands/options.h"
+
+namespace uniquadric {
+
+void add_overlay(CLI::App& app, Common& common) {
+  auto* sub = subcommand(app, "overlay", "frames with masks and outlines drawn in", common);
+  static std::string sequence, estimate_folder, out, truth;
+  static int count = 16;
+  sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
+  sub->add_option("ESTIMATE", estimate_folder, "estimate folder")->required();
+  sub->add_option("OUT", out, "folder for the pictures and sheet.jpg")->required();
+  sub->add_option("--truth", truth, "truth folder, to draw true outlines too");
+  sub->add_option("--count", count, "frames, evenly spaced")->check(whole_number(1, kMaxCount));
+  add_force(sub, common);
+  sub->callback([&common] {
+    require_apart(out, {sequence, truth, estimate_folder});
+    write_overlays(sequence, truth, estimate_folder, out, count, common.force);
+  });
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,29 @@
+#include "harness/commands/commands.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <stdexcept>
+
+#include "evaluation/report/report.h"
+#include "harness/bench/process.h"
+#include "harness/commands/options.h"
+
+namespace uniquadric {
+
+void add_report(CLI::App& app, Common& common) {
+  auto* sub = subcommand(app, "report", "results -> report.html, report.md, scores.csv", common);
+  static std::string results;
+  static bool open = false;
+  sub->add_option("RESULTS", results, "results folder of bench")->required();
+  sub->add_flag("--open", open, "show it in the desktop's browser");
+  sub->callback([] {
+    write_report(results);
+    std::cout << results << "/report.html\n";
+    if (!open) return;
+    const ProcessResult shown =
+        run_process({"/usr/bin/env", "xdg-open", results + "/report.html"}, "/dev/null", 60);
+    if (!shown.ok) throw std::runtime_error("the report cannot be shown: " + shown.message);
+  });
+}
+
+}  // namespace uniquadric

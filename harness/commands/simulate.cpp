@@ -1,0 +1,62 @@
+#include "harness/commands/commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include "core/base/apart.h"
+#include "harness/commands/options.h"
+#include "simulator/preview.h"
+#include "simulator/scene/noise_scale.h"
+#include "simulator/scene/scene.h"
+#include "simulator/simulate.h"
+
+namespace uniquadric {
+
+void add_simulate(CLI::App& app, Common& common) {
+  auto* sub = subcommand(app, "simulate", "scene file -> sequence with exact ground truth", common);
+  static std::string scene, out;
+  static SimulateOptions options;
+  static std::int64_t frames = 0;
+  static std::string gl = "osmesa";
+  static double noise_scale = 1;
+  sub->add_option("SCENE", scene, "scene file (YAML)")->required();
+  sub->add_option("OUT", out, "folder for sequence/ and truth/")->required();
+  sub->add_option("--seed", options.seed, "of all noise")->check(whole_number());
+  sub->add_option("--noise-scale", noise_scale, "of the amplitudes of all noise")
+      ->check(at_least_0())
+      ->check(CLI::Range(0.0, kMostNoiseScale));
+  auto* count =
+      sub->add_option("--frames", frames, "instead of the scene's number")->check(whole_number(1, kMaxCount));
+  sub->add_option("--gl", gl,
+                  "what draws: osmesa, or egl (without a screen; a graphics card's bytes are its own)")
+      ->check(CLI::IsMember({"osmesa", "egl"}));
+  sub->add_option("--timing", options.timing, "file for what each stage took (CSV)");
+  add_force(sub, common);
+  sub->callback([&common, count] {
+    options.gl = gl == "egl" ? GlLibrary::egl : GlLibrary::osmesa;
+    options.threads = common.threads;
+    options.quiet = common.quiet;
+    options.force = common.force;
+    if (count->count() > 0) options.frames = frames;
+    require_apart(out, {scene});
+    require_apart(options.timing, {scene});
+    Scene loaded = load_scene(scene);
+    scale_noise(loaded, noise_scale);
+    simulate(loaded, options, out);
+  });
+}
+
+void add_preview(CLI::App& app, Common& common) {
+  auto* sub = subcommand(app, "preview", "scene file -> a picture of some of its frames", common);
+  static std::string scene, out;
+  static PreviewOptions options;
+  sub->add_option("SCENE", scene, "scene file (YAML)")->required();
+  sub->add_option("OUT", out, "the picture (JPEG)")->required();
+  sub->add_option("--frames", options.frames, "how many, side by side")->check(whole_number(1, 100));
+  sub->add_option("--width", options.width_px, "of the picture, in pixels")->check(whole_number(1, 16384));
+  sub->callback([] {
+    require_apart(out, {scene});
+    write_preview(load_scene(scene), options, out);
+  });
+}
+
+}  // namespace uniquadric
