@@ -32,12 +32,20 @@ void associate_masks(const fs::path& folder, std::vector<SequenceFrame>& frames,
   }
 }
 
-void check_image(const fs::path& path, const cv::Mat& image, const Camera& camera, int type,
-                 const char* expected) {
-  if (image.type() != type) throw InputError(path, fmt::format("expected {}", expected));
-  if (image.cols != camera.width || image.rows != camera.height)
-    throw InputError(path, fmt::format("is {}x{}, the camera says {}x{}", image.cols, image.rows,
-                                       camera.width, camera.height));
+// Values of a 16-bit image besides 0.
+int count_different(const cv::Mat& image) {
+  std::vector<char> is_there(1 << 16);
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) is_there[image.at<std::uint16_t>(v, u)] = 1;
+  is_there[0] = 0;
+  return static_cast<int>(std::count(is_there.begin(), is_there.end(), 1));
+}
+
+cv::Mat read_of_kind(const Sequence& sequence, const fs::path& file, ImageKind kind) {
+  const fs::path path = sequence.folder / file;
+  const cv::Mat image = read_image(path);
+  require_image(path, image, sequence.camera, kind);
+  return image;
 }
 
 }  // namespace
@@ -126,38 +134,31 @@ void write_sequence_index(const fs::path& folder, const Sequence& sequence) {
   write_text(folder / "sequence.yaml", yaml);  // last: a folder without it is no sequence
 }
 
+void require_image(const fs::path& path, const cv::Mat& image, const Camera& camera, ImageKind kind) {
+  const bool is_color = kind == ImageKind::color;
+  if (image.type() != (is_color ? CV_8UC3 : CV_16UC1))
+    throw InputError(path, is_color ? "expected an 8-bit colour image" : "expected a 16-bit grey image");
+  if (image.cols != camera.width || image.rows != camera.height)
+    throw InputError(path, fmt::format("is {}x{}, the camera says {}x{}", image.cols, image.rows,
+                                       camera.width, camera.height));
+  if (kind != ImageKind::masks) return;
+  if (const int ids = count_different(image); ids > kMostIds)
+    throw InputError(path, fmt::format("holds {} ids, more than the {} that masks may have", ids, kMostIds));
+}
+
 cv::Mat read_rgb(const Sequence& sequence, const SequenceFrame& frame) {
-  const fs::path path = sequence.folder / frame.rgb;
-  const cv::Mat image = read_image(path);
-  check_image(path, image, sequence.camera, CV_8UC3, "an 8-bit colour image");
-  return image;
+  return read_of_kind(sequence, frame.rgb, ImageKind::color);
 }
 
 cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame) {
-  const fs::path path = sequence.folder / frame.depth;
-  const cv::Mat image = read_image(path);
-  check_image(path, image, sequence.camera, CV_16UC1, "a 16-bit grey image");
   cv::Mat depth;
-  image.convertTo(depth, CV_32F, 1 / sequence.depth_units_per_m);
+  read_of_kind(sequence, frame.depth, ImageKind::depth)
+      .convertTo(depth, CV_32F, 1 / sequence.depth_units_per_m);
   return depth;
 }
 
-// Values of a 16-bit image besides 0.
-int count_different(const cv::Mat& image) {
-  std::vector<char> is_there(1 << 16);
-  for (int v = 0; v < image.rows; ++v)
-    for (int u = 0; u < image.cols; ++u) is_there[image.at<std::uint16_t>(v, u)] = 1;
-  is_there[0] = 0;
-  return static_cast<int>(std::count(is_there.begin(), is_there.end(), 1));
-}
-
 cv::Mat read_masks(const Sequence& sequence, const SequenceFrame& frame) {
-  const fs::path path = sequence.folder / frame.masks;
-  const cv::Mat image = read_image(path);
-  check_image(path, image, sequence.camera, CV_16UC1, "a 16-bit grey image");
-  if (const int ids = count_different(image); ids > kMostIds)
-    throw InputError(path, fmt::format("holds {} ids, more than the {} that masks may have", ids, kMostIds));
-  return image;
+  return read_of_kind(sequence, frame.masks, ImageKind::masks);
 }
 
 }  // namespace uniquadric

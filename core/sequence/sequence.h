@@ -62,6 +62,12 @@ cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame);
 inline constexpr int kMostIds = 256;  // ours: more are noise, or an image of another kind
 cv::Mat read_masks(const Sequence& sequence, const SequenceFrame& frame);
 
+/// What an image of a sequence is: 8-bit colour, 16-bit depth, 16-bit ids.
+enum class ImageKind { color, depth, masks };
+/// Throws InputError naming the file for an image that is not of that kind, or not of the camera's size.
+void require_image(const std::filesystem::path& path, const cv::Mat& image, const Camera& camera,
+                   ImageKind kind);
+
 /// Any image file, undecodable or truncated files refused with InputError.
 cv::Mat read_image(const std::filesystem::path& path);
 /// Writes a PNG (fast compression), aside and renamed.

@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/apart.h"
-#include "core/sequence/import_kitti.h"
-#include "core/sequence/import_tum.h"
+#include "core/import/kitti.h"
+#include "core/import/tum.h"
 #include "harness/commands/options.h"
 
 namespace uniquadric {

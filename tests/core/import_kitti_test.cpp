@@ -1,4 +1,4 @@
-#include "core/sequence/import_kitti.h"
+#include "core/import/kitti.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

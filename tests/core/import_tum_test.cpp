@@ -1,4 +1,4 @@
-#include "core/sequence/import_tum.h"
+#include "core/import/tum.h"
 
 #include <gtest/gtest.h>
 

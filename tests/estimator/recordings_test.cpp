@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/sequence/import_tum.h"
+#include "core/import/tum.h"
 #include "core/sequence/tracks.h"
 #include "estimator/ego/rgbd_odometry.h"
 #include "estimator/estimate.h"

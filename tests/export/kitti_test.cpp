@@ -6,7 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "core/sequence/import_kitti.h"
+#include "core/import/kitti.h"
 #include "harness/check.h"
 #include "harness/export/kitti_label.h"
 #include "tests/export/exported_scene.h"

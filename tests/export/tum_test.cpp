@@ -1,6 +1,6 @@
 #include <opencv2/core.hpp>
 
-#include "core/sequence/import_tum.h"
+#include "core/import/tum.h"
 #include "tests/export/exported_scene.h"
 
 namespace uniquadric {

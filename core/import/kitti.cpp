@@ -1,22 +1,16 @@
-#include "core/sequence/import_kitti.h"
+#include "core/import/kitti.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <iostream>
 #include <map>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
-#include "core/base/progress.h"
 #include "core/base/text.h"
-#include "core/base/version.h"
-#include "core/sequence/calibration.h"
-#include "core/sequence/kitti_recording.h"
-#include "core/sequence/recording.h"
-#include "core/sequence/sequence.h"
+#include "core/import/kitti_recording.h"
 
 namespace uniquadric {
 namespace {
@@ -51,18 +45,11 @@ Trajectory camera_trajectory(const KittiRecording& recording) {
 }
 
 Sequence describe(const KittiRecording& recording) {
-  Sequence sequence;
-  sequence.program = kProgram;
-  sequence.name = recording_name(recording.folder) + "_" + recording.drive;
+  Sequence sequence = begin_sequence(recording_name(recording.folder) + "_" + recording.drive);
   sequence.camera = recording.calibration.camera;
   sequence.rate_hz = nominal_rate_hz(recording.stamps_ns, kKittiRateHz);
-  for (const auto& [number, image] : recording.images) {
-    SequenceFrame frame;
-    frame.frame = std::ssize(sequence.frames);
-    frame.stamp_ns = recording.stamps_ns[number];
-    frame.rgb = fmt::format("rgb/{:06}.png", number);
-    sequence.frames.push_back(frame);
-  }
+  for (const auto& [number, image] : recording.images)
+    add_frame(sequence, recording.stamps_ns[number], fmt::format("rgb/{:06}.png", number));
   if (!recording.world_from_camera.empty()) sequence.given_camera = camera_trajectory(recording);
   if (recording.scans.empty()) return sequence;
   const std::vector<std::int64_t> frames = frames_of_scans(recording.scans);
@@ -76,38 +63,6 @@ Sequence describe(const KittiRecording& recording) {
   for (std::size_t i = 0; i < frames.size(); ++i)
     sequence.scans.push_back({stamps_ns[i] - period_ns, fmt::format("lidar/{:06}.pcd", frames[i])});
   return sequence;
-}
-
-void write_images(const KittiRecording& recording, const Sequence& sequence, const fs::path& out,
-                  Progress& progress) {
-  for (const SequenceFrame& frame : sequence.frames) {
-    const fs::path source = std::next(recording.images.begin(), frame.frame)->second;
-    fs::create_directories((out / frame.rgb).parent_path());
-    duplicate_file(source, out / frame.rgb);
-    progress.advance();
-  }
-}
-
-// Refuses images of another size or kind, naming the recording's file.
-void check_images(const KittiRecording& recording, Sequence sequence) {
-  sequence.folder = recording.folder;
-  for (const auto& [number, image] : recording.images) {
-    SequenceFrame frame;
-    frame.rgb = fs::relative(image, recording.folder);
-    read_rgb(sequence, frame);
-  }
-}
-
-void write_scans(const KittiRecording& recording, const Sequence& sequence, const fs::path& out,
-                 Progress& progress) {
-  if (!sequence.lidar) return;
-  fs::create_directories(out / "lidar");
-  const auto period_ns = static_cast<std::uint32_t>(std::llround(1e9 / sequence.lidar->rate_hz));
-  for (const SequenceScan& scan : sequence.scans) {
-    const auto number = parse_integer(scan.file.stem().string());
-    write_lidar_points(out / scan.file, read_kitti_scan(recording.scans.at(*number), period_ns));
-    progress.advance();
-  }
 }
 
 // Ids are positive; a track 0 gets the first number behind all others.
@@ -130,53 +85,55 @@ Eigen::Vector3d median_size(const std::vector<const KittiLabel*>& labels) {
   return median;
 }
 
-void write_truth(const KittiRecording& recording, const fs::path& out) {
-  fs::create_directories(out / "objects");
+RecordedTruth describe_truth(const KittiRecording& recording) {
+  RecordedTruth truth;
   int free_id = 1;
   for (const KittiLabel& label : recording.labels) free_id = std::max(free_id, label.id + 1);
   std::map<int, std::vector<const KittiLabel*>> by_id;
   for (const KittiLabel& label : recording.labels) by_id[object_id(label, free_id)].push_back(&label);
-  std::vector<ObjectDescription> objects;
   for (auto& [id, labels] : by_id) {
     std::sort(labels.begin(), labels.end(), [](const auto* a, const auto* b) { return a->frame < b->frame; });
-    Trajectory trajectory;
     for (const KittiLabel* label : labels) {
       Pose pose = recording.world_from_camera[label->frame] * recording.calibration.camera_from_rectified *
                   label->rectified_from_object;
       pose.rotation.normalize();
-      trajectory.push_back({recording.stamps_ns[label->frame], pose});
+      truth.objects_at[id].push_back({recording.stamps_ns[label->frame], pose});
     }
-    write_tum(out / fmt::format("objects/{}.tum", id), trajectory);
     std::string name = fmt::format("{}_{}", labels.front()->type, id);
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-    objects.push_back({id, name, median_size(labels), shape_of(labels.front()->type), ""});
+    truth.objects.push_back({id, name, median_size(labels), shape_of(labels.front()->type), ""});
   }
-  write_objects_yaml(out / "objects.yaml", objects);
-  write_tum(out / "camera.tum", camera_trajectory(recording));
-  write_camera_yaml(out / "camera.yaml", recording.calibration.camera);
+  truth.camera = camera_trajectory(recording);
+  return truth;
+}
+
+Recording as_recording(const KittiRecording& kitti) {
+  Recording recording;
+  recording.sequence = describe(kitti);
+  for (const SequenceFrame& frame : recording.sequence.frames)
+    recording.images.push_back(
+        {std::next(kitti.images.begin(), frame.frame)->second, frame.rgb, ImageKind::color});
+  if (const auto& lidar = recording.sequence.lidar) {
+    const auto period_ns = static_cast<std::uint32_t>(std::llround(1e9 / lidar->rate_hz));
+    recording.read_scan = [scans = kitti.scans, period_ns](const SequenceScan& scan) {
+      return read_kitti_scan(scans.at(*parse_integer(scan.file.stem().string())), period_ns);
+    };
+  }
+  if (kitti.labels.empty()) return recording;
+  if (!kitti.world_from_camera.empty())
+    recording.truth = describe_truth(kitti);
+  else
+    recording.left_out.push_back(
+        fmt::format("{}: left out, for neither poses nor oxts place its boxes in the world",
+                    kitti.file("label_02").string()));
+  return recording;
 }
 
 }  // namespace
 
 void import_kitti_tracking(const fs::path& folder, const ImportKittiOptions& options, const fs::path& out) {
   if (!fs::is_directory(folder)) throw InputError(folder, "is not a folder");
-  const KittiRecording recording = read_kitti_recording(folder, options.drive);
-  const Sequence sequence = describe(recording);
-  check_images(recording, sequence);
-  PendingFolder pending(out, options.force);
-  const fs::path sequence_folder = pending.path() / "sequence";
-  fs::create_directories(sequence_folder);
-  Progress progress("import", std::ssize(sequence.frames) + std::ssize(sequence.scans), options.quiet);
-  write_images(recording, sequence, sequence_folder, progress);
-  write_scans(recording, sequence, sequence_folder, progress);
-  write_sequence_index(sequence_folder, sequence);
-  if (!recording.labels.empty() && !recording.world_from_camera.empty())
-    write_truth(recording, pending.path() / "truth");
-  pending.commit();
-  if (!recording.labels.empty() && recording.world_from_camera.empty())
-    std::cerr << fmt::format(
-        "uniquadric: {}: left out, for neither poses nor oxts place its boxes in the world\n",
-        recording.file("label_02").string());
+  write_recording(as_recording(read_kitti_recording(folder, options.drive)), options, out);
 }
 
 }  // namespace uniquadric

@@ -2,18 +2,16 @@
 
 #include <filesystem>
 
+#include "core/import/recording.h"
+
 namespace uniquadric {
 
-struct ImportTumOptions {
+struct ImportTumOptions : ImportOptions {
   /// Calibration: a YAML map with width, height, fx, fy, cx, cy [px], depth_units_per_metre (value of a depth
   /// pixel at 1 m) and, where there is any, distortion [k1 k2 p1 p2 k3]. Empty: `camera.yaml` in the
   /// recording.
   std::filesystem::path camera;
-  /// A camera pose is interpolated only between ground-truth poses no further apart than this.
-  double max_pose_gap_s =
-      0.1;  // ours: motion capture comes at 100 Hz or more; 0.1 s of it missing is an outage
-  bool quiet = false;
-  bool force = false;  ///< replace an existing output folder
+  double max_pose_gap_s = kMaxPoseGap_s;
 };
 
 /// Turns a recording in the layout of the TUM RGB-D benchmark (rgb.txt, depth.txt, and, where it exists,

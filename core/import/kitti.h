@@ -3,13 +3,13 @@
 #include <filesystem>
 #include <string>
 
+#include "core/import/recording.h"
+
 namespace uniquadric {
 
-struct ImportKittiOptions {
+struct ImportKittiOptions : ImportOptions {
   /// Which recording of the folder (`0000`); empty: the only one.
   std::string drive;
-  bool quiet = false;
-  bool force = false;  ///< replace an existing output folder
 };
 
 /// Turns a recording in the layout of KITTI's tracking benchmark into `out`/sequence and, where there are

@@ -1,4 +1,4 @@
-#include "core/sequence/kitti_files.h"
+#include "core/import/kitti_files.h"
 
 #include <fmt/format.h>
 
@@ -8,48 +8,18 @@
 #include <map>
 #include <numbers>
 #include <set>
-#include <stdexcept>
 
 #include "core/base/error.h"
 #include "core/base/text.h"
-#include "core/sequence/trajectory.h"
+#include "core/import/fields.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
-using Fields = std::vector<std::string_view>;
 
-constexpr double kRotationTolerance = 1e-3;  // of R^T R: files have 7 digits or more
-constexpr double kEarthRadiusM = 6378137;    // the devkit's
-constexpr std::size_t kOxtsFields = 30;      // of which the first six are the pose
-constexpr std::size_t kLabelFields = 17;     // results have a score besides
-
-std::vector<double> read_numbers(const fs::path& path, int line, const Fields& fields, std::size_t begin) {
-  std::vector<double> values;
-  for (std::size_t i = begin; i < fields.size(); ++i) {
-    const auto value = parse_double(fields[i]);
-    if (!value) throw InputError(path, line, fmt::format("'{}' is not a finite number", fields[i]));
-    values.push_back(*value);
-  }
-  return values;
-}
-
-// Rows of 3 or, with a translation, 4 numbers.
-Pose pose_of_rows(const fs::path& path, int line, const std::vector<double>& values, std::size_t begin = 0) {
-  const std::size_t columns = (values.size() - begin) / 3;
-  Eigen::Matrix3d rotation;
-  Pose pose;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j)
-      rotation(static_cast<int>(i), static_cast<int>(j)) = values[begin + i * columns + j];
-    if (columns == 4) pose.translation[static_cast<int>(i)] = values[begin + i * columns + 3];
-  }
-  const double off = (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off < kRotationTolerance) || rotation.determinant() < 0)
-    throw InputError(path, line, "the matrix is no rotation");
-  pose.rotation = Eigen::Quaterniond(rotation).normalized();
-  return pose;
-}
+constexpr double kEarthRadiusM = 6378137;  // the devkit's
+constexpr std::size_t kOxtsFields = 30;    // of which the first six are the pose
+constexpr std::size_t kLabelFields = 17;   // results have a score besides
 
 struct Row {
   int line = 0;
@@ -92,14 +62,6 @@ Pose label_pose(const std::vector<double>& v) {  // h w l x y z ry
           {v[3], v[4] - v[0] / 2, v[5]}};
 }
 
-int count_in(const fs::path& path, int line, std::string_view field, const char* what, long long end) {
-  const auto value = parse_integer(field);
-  if (!value || *value < 0 || *value >= end)
-    throw InputError(path, line,
-                     fmt::format("{} '{}' is no whole number from 0 to {}", what, field, end - 1));
-  return static_cast<int>(*value);
-}
-
 }  // namespace
 
 KittiCalibration read_kitti_calibration(const fs::path& path, bool needs_imu) {
@@ -114,7 +76,7 @@ KittiCalibration read_kitti_calibration(const fs::path& path, bool needs_imu) {
   read_projection(path, row_of(path, rows, "P2", "P2", 12), calibration);
   const auto pose = [&](const char* name, const char* other, std::size_t count) {
     const Row& row = row_of(path, rows, name, other, count);
-    return pose_of_rows(path, row.line, row.values);
+    return read_pose_rows(path, row.line, row.values);
   };
   const Pose rectified_from_camera0 = pose("R_rect", "R0_rect", 9);
   calibration.camera_from_velodyne =
@@ -137,10 +99,10 @@ std::vector<KittiLabel> read_kitti_labels(const fs::path& path, std::int64_t fra
       throw InputError(path, line, fmt::format("expected {} fields, found {}", kLabelFields, fields.size()));
     if (fields[2] == "DontCare") return;
     KittiLabel label;
-    label.frame = count_in(path, line, fields[0], "frame", frames);
-    label.id = count_in(path, line, fields[1], "track", std::numeric_limits<int>::max());
+    label.frame = read_count(path, line, fields[0], "frame", frames);
+    label.id = static_cast<int>(read_count(path, line, fields[1], "track", std::numeric_limits<int>::max()));
     label.type = fields[2];
-    const auto box = read_numbers(path, line, Fields(fields.begin() + 10, fields.begin() + kLabelFields), 0);
+    const auto box = read_numbers(path, line, Fields(fields.begin() + 10, fields.begin() + kLabelFields));
     if (!(box[0] > 0 && box[1] > 0 && box[2] > 0))
       throw InputError(path, line, fmt::format("a box of {} x {} x {} m", box[2], box[1], box[0]));
     if (!is_plain_name(label.type)) throw InputError(path, line, "the type is no plain name");
@@ -156,10 +118,10 @@ std::vector<KittiLabel> read_kitti_labels(const fs::path& path, std::int64_t fra
 std::vector<Pose> read_kitti_poses(const fs::path& path) {
   std::vector<Pose> poses;
   for_each_line(path, [&](int line, const Fields& fields) {
-    const auto values = read_numbers(path, line, fields, 0);
+    const auto values = read_numbers(path, line, fields);
     if (values.size() != 12)
       throw InputError(path, line, fmt::format("expected 12 numbers, found {}", values.size()));
-    poses.push_back(camera_from_velodyne_axes().inverse() * pose_of_rows(path, line, values));
+    poses.push_back(camera_from_velodyne_axes().inverse() * read_pose_rows(path, line, values));
   });
   return poses;
 }
@@ -169,7 +131,7 @@ std::vector<Pose> read_kitti_oxts(const fs::path& path) {
   double scale = 1;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   for_each_line(path, [&](int line, const Fields& fields) {
-    const auto v = read_numbers(path, line, fields, 0);
+    const auto v = read_numbers(path, line, fields);
     if (v.size() != kOxtsFields)
       throw InputError(path, line, fmt::format("expected {} numbers, found {}", kOxtsFields, v.size()));
     constexpr double kRad = std::numbers::pi / 180;
@@ -184,21 +146,6 @@ std::vector<Pose> read_kitti_oxts(const fs::path& path) {
                      place - first});
   });
   return poses;
-}
-
-std::vector<std::int64_t> read_kitti_times(const fs::path& path) {
-  std::vector<std::int64_t> stamps_ns;
-  for_each_line(path, [&](int line, const Fields& fields) {
-    if (fields.size() != 1) throw InputError(path, line, "expected one time in seconds");
-    try {
-      stamps_ns.push_back(parse_stamp_ns(fields[0]));
-    } catch (const std::invalid_argument& error) {
-      throw InputError(path, line, error.what());
-    }
-    if (stamps_ns.size() > 1 && stamps_ns.back() <= *(stamps_ns.end() - 2))
-      throw InputError(path, line, fmt::format("{} does not come after the time before", fields[0]));
-  });
-  return stamps_ns;
 }
 
 }  // namespace uniquadric

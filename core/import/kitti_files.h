@@ -49,9 +49,6 @@ std::vector<Pose> read_kitti_poses(const std::filesystem::path& path);
 /// the raw data's devkit has it).
 std::vector<Pose> read_kitti_oxts(const std::filesystem::path& path);
 
-/// times/DRIVE.txt: seconds, one a frame.
-std::vector<std::int64_t> read_kitti_times(const std::filesystem::path& path);
-
 /// A scan: velodyne/DRIVE/FRAME.bin (float32 x y z reflectance) or .pcd (x y z, where it has them intensity,
 /// ring, tag and times as write_lidar_points() has them). Points without times have `end_ns`.
 std::vector<LidarPoint> read_kitti_scan(const std::filesystem::path& path, std::uint32_t end_ns);

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
-#include "core/sequence/kitti_files.h"
+#include "core/import/kitti_files.h"
 #include "core/sequence/pcd.h"
 
 namespace uniquadric {

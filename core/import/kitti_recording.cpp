@@ -1,4 +1,4 @@
-#include "core/sequence/kitti_recording.h"
+#include "core/import/kitti_recording.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "core/import/fields.h"
 #include "core/sequence/sequence.h"
 
 namespace uniquadric {
@@ -62,7 +63,7 @@ void read_stamps(KittiRecording& recording) {
   if (frames == 0)
     throw InputError(recording.folder, fmt::format("has no image and no scan of {}", recording.drive));
   if (fs::exists(recording.file("times"))) {
-    recording.stamps_ns = read_kitti_times(recording.file("times"));
+    recording.stamps_ns = read_times(recording.file("times"));
     if (std::ssize(recording.stamps_ns) < frames)
       throw InputError(recording.file("times"),
                        fmt::format("has {} lines for {} frames", recording.stamps_ns.size(), frames));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/sequence/kitti_files.h"
+#include "core/import/kitti_files.h"
 
 namespace uniquadric {
 

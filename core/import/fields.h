@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/geometry/pose.h"
+
+namespace uniquadric {
+
+class ConfigNode;
+
+// What the readers of recordings' text files share. All throw InputError with file and line.
+
+using Fields = std::vector<std::string_view>;
+
+/// The fields from `begin` on, each a finite number.
+std::vector<double> read_numbers(const std::filesystem::path& path, int line, const Fields& fields,
+                                 std::size_t begin = 0);
+
+/// A whole number from 0 to `end` - 1; `what` names it in the message.
+std::int64_t read_count(const std::filesystem::path& path, int line, std::string_view field, const char* what,
+                        std::int64_t end);
+
+/// Whole seconds and the nanoseconds of the second.
+std::int64_t read_seconds_and_ns(const std::filesystem::path& path, int line, std::string_view seconds,
+                                 std::string_view nanoseconds);
+
+/// Rows of a CSV file with that many columns; a first row that begins with no number is its header.
+void for_each_row(const std::filesystem::path& path, std::size_t columns,
+                  const std::function<void(int line, const Fields&)>& visit);
+
+/// Times in seconds, one a line, increasing.
+std::vector<std::int64_t> read_times(const std::filesystem::path& path);
+
+/// A stamp that comes after the one before it, `before_ns` (nothing: the first).
+void require_later(const std::filesystem::path& path, int line, std::optional<std::int64_t> before_ns,
+                   std::int64_t stamp_ns);
+
+/// A rigid transform of its matrix [R t]; nothing where R is no rotation to 1e-3.
+std::optional<Pose> rigid_pose(const Eigen::Matrix<double, 3, 4>& matrix);
+/// The same of numbers row by row: 9 (no translation), 12, or 16 with the last row 0 0 0 1.
+Pose read_pose_rows(const std::filesystem::path& path, int line, const std::vector<double>& values);
+/// The same of a YAML list: 16 numbers, or 4 rows of 4.
+Pose read_pose_matrix(const ConfigNode& node);
+
+}  // namespace uniquadric

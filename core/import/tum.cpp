@@ -1,0 +1,60 @@
+#include "core/import/tum.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/base/config.h"
+#include "core/base/error.h"
+#include "core/sequence/file_list.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr double kBenchmarkRateHz = 30;  // of its cameras: one image has no rate
+
+void read_calibration(const fs::path& path, Sequence& sequence) {
+  const ConfigNode node = ConfigNode::load(path);
+  sequence.camera = read_camera(node);
+  sequence.depth_units_per_m = node.positive("depth_units_per_metre");
+  node.refuse_unknown_keys();
+}
+
+std::vector<ListedFile> read_list(const fs::path& recording, const std::string& list) {
+  auto files = read_file_list(recording, list, false);
+  for (const auto& entry : files)
+    if (entry.file.is_absolute() || std::find(entry.file.begin(), entry.file.end(), "..") != entry.file.end())
+      throw InputError(recording / list, fmt::format("{} leads out of the recording", entry.file.string()));
+  return files;
+}
+
+Recording read_recording(const fs::path& folder, const ImportTumOptions& options) {
+  Recording recording;
+  recording.is_sequence_alone = true;
+  Sequence& sequence = recording.sequence = begin_sequence(recording_name(folder));
+  read_calibration(options.camera.empty() ? folder / "camera.yaml" : options.camera, sequence);
+  const auto rgb = read_list(folder, "rgb.txt"), depth = read_list(folder, "depth.txt");
+  if (rgb.empty()) throw InputError(folder / "rgb.txt", "names no image");
+  for (const ListedFile& entry : rgb) add_frame(sequence, entry.stamp_ns, entry.file);
+  associate_depth(sequence.frames, depth);
+  for (const SequenceFrame& frame : sequence.frames) {
+    recording.images.push_back({folder / frame.rgb, frame.rgb, ImageKind::color});
+    if (!frame.depth.empty())
+      recording.images.push_back({folder / frame.depth, frame.depth, ImageKind::depth});
+  }
+  sequence.rate_hz = nominal_rate_hz(stamps_of(sequence.frames), kBenchmarkRateHz);
+  if (const fs::path truth = folder / "groundtruth.txt"; fs::exists(truth))
+    sequence.given_camera =
+        trajectory_at(read_tum(truth), stamps_of(sequence.frames), options.max_pose_gap_s);
+  return recording;
+}
+
+}  // namespace
+
+void import_tum(const fs::path& recording, const ImportTumOptions& options, const fs::path& out) {
+  if (!fs::is_directory(recording)) throw InputError(recording, "is not a folder");
+  write_recording(read_recording(recording, options), options, out);
+}
+
+}  // namespace uniquadric
