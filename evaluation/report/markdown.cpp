@@ -3,17 +3,12 @@
 
 #include "core/base/version.h"
 #include "evaluation/report/arc_curves.h"
+#include "evaluation/report/markup.h"
 #include "evaluation/report/metrics.h"
 #include "evaluation/report/page.h"
 
 namespace uniquadric {
 namespace {
-
-// Text inside a table's cell.
-std::string cell_text(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != text.npos; at += 2) text.replace(at, 1, "\\|");
-  return text;
-}
 
 std::string line(const std::vector<std::string>& fields) {
   return fmt::format("| {} |\n", fmt::join(fields, " | "));
@@ -63,7 +58,7 @@ std::string failures(const Results& results) {
   for (const Cell& cell : results.cells)
     if (cell.status != CellStatus::ok)
       text += line({cell.scene, cell.variant, std::to_string(cell.seed),
-                    cell.status == CellStatus::failed ? cell_text(cell.message) : "not run"});
+                    cell.status == CellStatus::failed ? markdown_cell(cell.message) : "not run"});
   if (text.empty()) return "";
   return "\n## Runs without a result\n" + line({"scene", "variant", "seed", "why"}) +
          line({"---", "---", "---:", "---"}) + text;

@@ -1,5 +1,9 @@
 #include "evaluation/report/markup.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 namespace uniquadric {
 
 std::string escaped(const std::string& text) {
@@ -15,6 +19,27 @@ std::string escaped(const std::string& text) {
       result += c;
   }
   return result;
+}
+
+std::string markdown_cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != text.npos; at += 2) text.replace(at, 1, "\\|");
+  return text;
+}
+
+std::string aligned_columns(const std::vector<std::vector<std::string>>& lines, std::string_view sides) {
+  std::vector<std::size_t> width(lines.front().size());
+  for (const auto& line : lines)
+    for (std::size_t i = 0; i < line.size(); ++i) width[i] = std::max(width[i], line[i].size());
+  std::string text;
+  for (const auto& line : lines) {
+    std::string row;
+    for (std::size_t i = 0; i < line.size(); ++i)
+      row += i < sides.size() && sides[i] == '<' ? fmt::format("{:<{}}  ", line[i], width[i])
+                                                 : fmt::format("{:>{}}  ", line[i], width[i]);
+    row.erase(row.find_last_not_of(' ') + 1);
+    text += row + "\n";
+  }
+  return text;
 }
 
 }  // namespace uniquadric

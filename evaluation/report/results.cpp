@@ -45,27 +45,6 @@ Cell parse_cell(const fs::path& file, int line, const std::vector<std::string_vi
   return cell;
 }
 
-std::vector<Cell> read_cells(const fs::path& file) {
-  std::vector<Cell> cells;
-  std::set<std::tuple<std::string, std::string, std::uint64_t>> seen;
-  bool header = true;
-  for_each_line(
-      file,
-      [&](int line, const std::vector<std::string_view>& fields) {
-        if (std::exchange(header, false)) {
-          if (fields != split(kCellsHeader, ','))
-            throw InputError(file, line, fmt::format("expected the header {}", kCellsHeader));
-          return;
-        }
-        cells.push_back(parse_cell(file, line, fields));
-        if (!seen.emplace(cells.back().scene, cells.back().variant, cells.back().seed).second)
-          throw InputError(file, line, "this scene, variant and seed stand twice");
-      },
-      ',');
-  if (header) throw InputError(file, "is empty, expected a header");
-  return cells;
-}
-
 // Without blanks and line ends at its end; empty when there is no such file.
 std::string read_optional(const fs::path& file) {
   if (!fs::exists(file)) return "";
@@ -91,6 +70,27 @@ std::vector<LidarRoutes> read_all_lidar_routes(const Results& results) {
 }
 
 }  // namespace
+
+std::vector<Cell> read_cells(const fs::path& file) {
+  std::vector<Cell> cells;
+  std::set<std::tuple<std::string, std::string, std::uint64_t>> seen;
+  bool header = true;
+  for_each_line(
+      file,
+      [&](int line, const std::vector<std::string_view>& fields) {
+        if (std::exchange(header, false)) {
+          if (fields != split(kCellsHeader, ','))
+            throw InputError(file, line, fmt::format("expected the header {}", kCellsHeader));
+          return;
+        }
+        cells.push_back(parse_cell(file, line, fields));
+        if (!seen.emplace(cells.back().scene, cells.back().variant, cells.back().seed).second)
+          throw InputError(file, line, "this scene, variant and seed stand twice");
+      },
+      ',');
+  if (header) throw InputError(file, "is empty, expected a header");
+  return cells;
+}
 
 Results read_results(const fs::path& folder) {
   if (!fs::is_directory(folder)) throw InputError(folder, "is not a folder");

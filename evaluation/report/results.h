@@ -57,6 +57,9 @@ struct Results {
 /// cells.csv or frames.csv, a field of evaluation.json.
 Results read_results(const std::filesystem::path& folder);
 
+/// Reads cells.csv, without any evaluation. Throws InputError with file and line.
+std::vector<Cell> read_cells(const std::filesystem::path& file);
+
 /// Reads one `evaluation` folder: evaluation.json and frames.csv. Throws InputError.
 CellEvaluation read_cell_evaluation(const std::filesystem::path& folder);
 

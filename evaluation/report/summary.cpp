@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "evaluation/report/markup.h"
 #include "evaluation/report/metrics.h"
 
 namespace uniquadric {
@@ -65,22 +66,6 @@ std::vector<std::string> paper_line(const SummaryRow& row) {
   return line;
 }
 
-// Columns padded to their widest cell; the first three to the left.
-std::string aligned(const std::vector<std::vector<std::string>>& lines) {
-  std::vector<std::size_t> width(lines.front().size());
-  for (const auto& line : lines)
-    for (std::size_t i = 0; i < line.size(); ++i) width[i] = std::max(width[i], line[i].size());
-  std::string text;
-  for (const auto& line : lines) {
-    std::string row;
-    for (std::size_t i = 0; i < line.size(); ++i)
-      row += i < 3 ? fmt::format("{:<{}}  ", line[i], width[i]) : fmt::format("{:>{}}  ", line[i], width[i]);
-    row.erase(row.find_last_not_of(' ') + 1);
-    text += row + "\n";
-  }
-  return text;
-}
-
 }  // namespace
 
 bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i) {
@@ -133,7 +118,7 @@ std::string summary_text(const std::vector<SummaryRow>& rows) {
     for (const char* metric : summary_metrics()) lines.back().push_back(text_cell(row, metric));
     if (row.paper && ends_object(rows, i)) lines.push_back(paper_line(row));
   }
-  return aligned(lines) +
+  return aligned_columns(lines, "<<<") +
          "medians over seeds; APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares; * best of its "
          "object;\n"
          "(paper): Table III, Single Frame OBB, on the paper's own sequences\n";

@@ -1,0 +1,107 @@
+#include "evaluation/comparison/metric_change.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace uniquadric {
+namespace {
+
+// A mean that is built value by value.
+struct Mean {
+  double sum = 0;
+  std::size_t n = 0;
+  void add(double value) { sum += value, ++n; }
+  double get() const { return sum / static_cast<double>(n); }
+};
+
+// A figure of each (sequence, seed): the mean over the objects there.
+using Runs = std::map<std::string, std::map<std::uint64_t, Mean>>;
+
+template <typename Figure>
+Runs by_run(const MetricPairs& pairs, const Figure& figure) {
+  Runs runs;
+  for (const PairedScore* pair : pairs) runs[pair->key.run.sequence][pair->key.run.seed].add(figure(*pair));
+  return runs;
+}
+
+// The summands of the mean over sequences of the means over seeds.
+std::vector<double> weighted(const Runs& runs) {
+  std::vector<double> summands;
+  for (const auto& [sequence, seeds] : runs)
+    for (const auto& [seed, mean] : seeds)
+      summands.push_back(mean.get() / static_cast<double>(seeds.size() * runs.size()));
+  return summands;
+}
+
+double sum(const std::vector<double>& values) {
+  double result = 0;
+  for (const double value : values) result += value;
+  return result;
+}
+
+double norm(const std::vector<double>& values) {
+  double squares = 0;
+  for (const double value : values) squares += value * value;
+  return std::sqrt(squares);
+}
+
+// Greatest loss first; a place is tested where enough seeds are paired and any of them differs.
+std::vector<PlaceChange> measure_places(const MetricPairs& pairs, const ChangeRule& rule,
+                                        const GateOptions& options) {
+  std::map<std::pair<std::string, std::string>, std::vector<double>> losses;
+  for (const PairedScore* pair : pairs)
+    losses[{pair->key.run.sequence, pair->key.object}].push_back(loss(rule, pair->a, pair->b));
+  std::vector<PlaceChange> places;
+  for (const auto& [place, values] : losses) {
+    PlaceChange& change = places.emplace_back();
+    std::tie(change.sequence, change.object) = place;
+    change.seeds = values.size();
+    change.loss = sum(values) / static_cast<double>(values.size());
+    const bool differs = std::any_of(values.begin(), values.end(), [](double d) { return d != 0; });
+    if (differs && values.size() >= std::max<std::size_t>(options.place_seeds, 2) &&
+        (!rule.is_time || options.gate_time))
+      change.p = t_test_above(values);
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const PlaceChange& x, const PlaceChange& y) { return x.loss > y.loss; });
+  return places;
+}
+
+}  // namespace
+
+std::string subjects_of_object(const std::string& object) {
+  return object == "camera" || object == "all" ? object : "objects";
+}
+
+MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule, const GateOptions& options) {
+  assert(!pairs.empty());
+  const ScoreKey& key = pairs.front()->key;
+  MetricChange change;
+  change.variant = key.run.variant;
+  change.metric = key.metric;
+  change.subjects = subjects_of_object(key.object);
+  change.rule = rule;
+  const Runs runs = by_run(pairs, [&](const PairedScore& pair) { return loss(rule, pair.a, pair.b); });
+  const std::vector<double> summands = weighted(runs);
+  change.sequences = runs.size();
+  change.pairs = summands.size();
+  change.loss = sum(summands);
+  change.noise = norm(summands);
+  const auto mean = [&](double PairedScore::*side) {
+    return from_scale(
+        rule, sum(weighted(by_run(pairs, [&](const PairedScore& p) { return to_scale(rule, p.*side); }))));
+  };
+  change.a = mean(&PairedScore::a);
+  change.b = mean(&PairedScore::b);
+  change.test =
+      sign_flip(summands, fmt::format("compare/{}/{}/{}", change.variant, change.subjects, change.metric));
+  change.places = measure_places(pairs, rule, options);
+  return change;
+}
+
+}  // namespace uniquadric

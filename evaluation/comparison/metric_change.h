@@ -1,0 +1,17 @@
+#pragma once
+
+#include "evaluation/comparison/score_comparison.h"
+
+namespace uniquadric {
+
+/// The paired figures of one (variant, subjects, metric), in order of their keys.
+using MetricPairs = std::vector<const PairedScore*>;
+
+/// `objects` for an object, else the object's own name: camera, all.
+std::string subjects_of_object(const std::string& object);
+
+/// Means, places and the uncorrected tests of one metric; verdicts come when all metrics are known. A place's
+/// `p` is uncorrected yet.
+MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule, const GateOptions& options);
+
+}  // namespace uniquadric

@@ -1,0 +1,117 @@
+#include "evaluation/comparison/pairing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "core/base/error.h"
+
+namespace uniquadric {
+namespace {
+
+enum class Presence { ok, failed, absent };
+
+// A table, and which of its runs have a figure.
+struct Side {
+  const ScoreTable& table;
+  std::map<RunKey, bool> has_figure;  // of runs that have rows
+
+  explicit Side(const ScoreTable& t) : table(t) {
+    for (const auto& [key, value] : t.cells) has_figure[key.run] |= value.has_value();
+  }
+  bool failed_whole(const RunKey& run) const {
+    const auto found = has_figure.find(run);
+    return found != has_figure.end() && !found->second;
+  }
+  Presence presence(const ScoreKey& key) const {
+    const auto found = table.cells.find(key);
+    if (found != table.cells.end()) return found->second ? Presence::ok : Presence::failed;
+    return failed_whole(key.run) ? Presence::failed : Presence::absent;
+  }
+};
+
+// Gathers cells to gaps; whole runs as one.
+class Gaps {
+ public:
+  void add(const ScoreKey& key, bool whole_run) {
+    if (whole_run) return add_run(key.run);
+    metrics_[{key.run, key.object}].push_back(key.metric);
+  }
+  void add_run(const RunKey& run) { metrics_[{run, ""}]; }
+  std::vector<Gap> list() const {
+    std::vector<Gap> gaps;
+    for (const auto& [place, metrics] : metrics_) gaps.push_back({place.first, place.second, metrics});
+    return gaps;
+  }
+
+ private:
+  std::map<std::pair<RunKey, std::string>, std::vector<std::string>> metrics_;
+};
+
+struct GapLists {
+  Gaps new_failures, mended, missing_in_a, missing_in_b;
+};
+
+void add_cell(const ScoreKey& key, const Side& a, const Side& b, GapLists& gaps, Pairing& pairing) {
+  const Presence in_a = a.presence(key), in_b = b.presence(key);
+  const bool no_run_in_a = !a.has_figure.contains(key.run), no_run_in_b = !b.has_figure.contains(key.run);
+  if (in_a == Presence::ok && in_b == Presence::ok)
+    pairing.pairs.push_back({key, *a.table.cells.at(key), *b.table.cells.at(key)});
+  else if (in_a == Presence::ok && in_b == Presence::failed)
+    gaps.new_failures.add(key, b.failed_whole(key.run));
+  else if (in_a == Presence::failed && in_b == Presence::ok)
+    gaps.mended.add(key, a.failed_whole(key.run));
+  else if (in_a == Presence::ok || no_run_in_b)
+    gaps.missing_in_b.add(key, no_run_in_b);
+  else if (in_b == Presence::ok || no_run_in_a)
+    gaps.missing_in_a.add(key, no_run_in_a);
+  else  // nobody has a figure: no pair is lost
+    ++pairing.failed_in_both;
+}
+
+void require_same_directions(const ScoreTable& a, const ScoreTable& b) {
+  for (const auto& [metric, lower] : a.lower_is_better) {
+    const auto found = b.lower_is_better.find(metric);
+    if (found != b.lower_is_better.end() && found->second != lower)
+      throw InputError(b.file, fmt::format("{} is better {}, in {} {}", metric, lower ? "higher" : "lower",
+                                           a.file.string(), lower ? "lower" : "higher"));
+  }
+}
+
+}  // namespace
+
+Pairing pair_scores(const ScoreTable& a, const ScoreTable& b) {
+  require_same_directions(a, b);
+  const Side side_a(a), side_b(b);
+  Pairing pairing;
+  GapLists gaps;
+  for (const auto& [key, value] : a.cells) add_cell(key, side_a, side_b, gaps, pairing);
+  for (const auto& [key, value] : b.cells)
+    if (!a.cells.contains(key)) add_cell(key, side_a, side_b, gaps, pairing);
+  for (const RunKey& run : a.not_run) gaps.missing_in_a.add_run(run);
+  for (const RunKey& run : b.not_run) gaps.missing_in_b.add_run(run);
+  std::sort(pairing.pairs.begin(), pairing.pairs.end(),
+            [](const PairedScore& x, const PairedScore& y) { return x.key < y.key; });
+  pairing.new_failures = gaps.new_failures.list();
+  pairing.mended = gaps.mended.list();
+  pairing.missing_in_a = gaps.missing_in_a.list();
+  pairing.missing_in_b = gaps.missing_in_b.list();
+  return pairing;
+}
+
+void rename_variant(ScoreTable& table, const std::string& name) {
+  ScoreTable renamed = {table.file, {}, table.lower_is_better, {}};
+  for (const auto& [key, value] : table.cells) {
+    ScoreKey other = key;
+    other.run.variant = name;
+    renamed.cells.emplace(other, value);
+  }
+  for (RunKey run : table.not_run) {
+    run.variant = name;
+    renamed.not_run.insert(run);
+  }
+  table = std::move(renamed);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "evaluation/comparison/score_table.h"
+
+namespace uniquadric {
+
+/// A figure that both sides have.
+struct PairedScore {
+  ScoreKey key;
+  double a = 0, b = 0;
+};
+
+/// Figures of one object in one run that one side lacks.
+struct Gap {
+  RunKey run;
+  std::string object;                ///< empty: the whole run, which has no figure at all
+  std::vector<std::string> metrics;  ///< in order of their names; empty for the whole run
+  auto operator<=>(const Gap&) const = default;
+};
+
+/// Two tables set against each other. Every cell of either is in one of the lists, or counted.
+struct Pairing {
+  std::vector<PairedScore> pairs;               ///< in order of their keys
+  std::vector<Gap> new_failures;                ///< ok in A, failed in B
+  std::vector<Gap> mended;                      ///< failed in A, ok in B
+  std::vector<Gap> missing_in_a, missing_in_b;  ///< in the other side alone, or not run
+  std::size_t failed_in_both = 0;               ///< cells
+};
+
+/// Pairs cells by (sequence, object, variant, seed, metric); variants go by their own names, so name them
+/// alike before. A run all of whose rows failed fails in what it has no row for, too. Throws InputError when
+/// a metric is better in another direction in B.
+Pairing pair_scores(const ScoreTable& a, const ScoreTable& b);
+
+/// Every run's variant as `name`.
+void rename_variant(ScoreTable& table, const std::string& name);
+
+}  // namespace uniquadric

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluation/comparison/change.h"
+#include "evaluation/comparison/pairing.h"
+#include "evaluation/comparison/significance.h"
+
+namespace uniquadric {
+
+/// The gate's numbers (docs/compare.md). Margins are in ChangeRule.
+struct GateOptions {
+  // The two tests together have a false alarm in 4 % of comparisons at most: SPEC's 5 % with room to show it.
+  double alpha = 0.035;        ///< ours: of the means over all sequences, corrected by Holm
+  double place_alpha = 0.005;  ///< ours: of single objects on single sequences, corrected by Holm
+  double suspect_p = 0.01;  ///< ours: an uncorrected p that is worth a look: of 20 metrics one in five times
+  std::size_t place_seeds = 8;  ///< SPEC: for a claim on one sequence
+  bool gate_time = false;       ///< computing time may fail the gate, too
+};
+
+enum class Verdict { worse, suspect, better, same };
+/// Why a verdict is what it is, where the change and p of all sequences do not say it.
+enum class VerdictReason { none, one_place, below_margin, not_proven, few_pairs, time_only };
+
+/// One object on one sequence.
+struct PlaceChange {
+  std::string sequence, object;
+  double loss = 0;          ///< mean over seeds, on the rule's scale; positive is worse
+  std::size_t seeds = 0;    ///< that are paired
+  std::optional<double> p;  ///< paired t test, corrected by Holm over all places; of places that are tested
+  bool worse = false;
+};
+
+/// One metric of one variant, of all objects, of the camera or of `all`.
+struct MetricChange {
+  std::string variant, metric;
+  std::string subjects;  ///< objects, camera or all
+  ChangeRule rule;
+  double a = 0, b = 0;  ///< mean over sequences of means over seeds of means over objects (geometric: ratio)
+  double loss = 0;      ///< the same mean of the pairs' losses, on the rule's scale; positive is worse
+  double noise =
+      0;  ///< standard deviation of that mean when each pair's sign is a coin's; a loss of 3 is seen
+  std::size_t sequences = 0, pairs = 0;     ///< pairs of (sequence, seed)
+  SignFlip test;                            ///< uncorrected; above: a loss
+  std::optional<double> p_worse, p_better;  ///< corrected by Holm; of metrics that are tested
+  std::vector<PlaceChange> places;          ///< greatest loss first
+  Verdict verdict = Verdict::same;
+  VerdictReason reason = VerdictReason::none;
+};
+
+enum class GateAnswer { pass, worse, incomplete };
+
+struct ScoreComparison {
+  std::string a, b;  ///< names of the sides
+  GateOptions options;
+  Pairing pairing;
+  std::vector<MetricChange> metrics;  ///< worst first
+  GateAnswer answer = GateAnswer::pass;
+};
+
+/// The paired gate: is B worse than A? `worse`: a metric is, or a cell failed that did not in A; else
+/// `incomplete`: cells are missing, or there is no pair at all; else `pass`. The same for the same input,
+/// whatever the order of its rows.
+ScoreComparison compare_scores(const ScoreTable& a, const ScoreTable& b, const GateOptions& options = {});
+
+std::size_t count_verdicts(const ScoreComparison& comparison, Verdict verdict);
+const char* to_string(Verdict verdict);
+const char* to_string(VerdictReason reason);  ///< a few words; empty for none
+const char* to_string(GateAnswer answer);
+
+/// As a short table for people, worst first; as the same in markdown, with all metrics folded away; and as
+/// JSON: keys sorted, doubles that read back the same.
+std::string comparison_text(const ScoreComparison& comparison);
+std::string comparison_markdown(const ScoreComparison& comparison);
+std::string comparison_json(const ScoreComparison& comparison);
+
+}  // namespace uniquadric

@@ -1,0 +1,128 @@
+#include "evaluation/comparison/score_table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/text.h"
+#include "evaluation/report/results.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using Fields = std::vector<std::string_view>;
+
+const char* const kHeader = "sequence,object,variant,seed,metric,value,better,status";
+enum Column { kSequence, kObject, kVariant, kSeed, kMetric, kValue, kBetter, kStatus, kColumns };
+
+constexpr double kMostValue = 1e100;  // ours: its square is a number still
+
+// Where a line is, for messages.
+struct Line {
+  const fs::path& file;
+  int number;
+  template <typename... Args>
+  [[noreturn]] void fail(fmt::format_string<Args...> what, Args&&... args) const {
+    throw InputError(file, number, fmt::format(what, std::forward<Args>(args)...));
+  }
+};
+
+std::uint64_t parse_seed(const Line& line, std::string_view text) {
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error != std::errc{} || end != text.data() + text.size())
+    line.fail("seed '{}' is no whole number", text);
+  return seed;
+}
+
+ScoreKey parse_key(const Line& line, const Fields& fields) {
+  const auto columns = split(kHeader, ',');
+  for (const Column column : {kSequence, kObject, kVariant, kMetric})
+    if (fields[column].empty()) line.fail("{} is empty", columns[column]);
+  return {{std::string(fields[kVariant]), std::string(fields[kSequence]), parse_seed(line, fields[kSeed])},
+          std::string(fields[kObject]),
+          std::string(fields[kMetric])};
+}
+
+bool parse_lower(const Line& line, std::string_view text) {
+  if (text != "lower" && text != "higher") line.fail("better '{}' is neither lower nor higher", text);
+  return text == "lower";
+}
+
+std::optional<double> parse_value(const Line& line, const Fields& fields, bool lower) {
+  const std::string_view text = fields[kValue], status = fields[kStatus];
+  if (status != "ok" && status != "failed") line.fail("status '{}' is neither ok nor failed", status);
+  if (status == "failed" && !text.empty()) line.fail("value '{}' of a cell that failed", text);
+  if (status == "failed") return std::nullopt;
+  const auto value = parse_double(text);
+  if (!value) line.fail("value '{}' is no finite number", text);
+  if (std::abs(*value) > kMostValue) line.fail("value {} is beyond {}", text, kMostValue);
+  if (lower && *value < 0) line.fail("value {} of an error is below 0", text);
+  return value;
+}
+
+void add_line(const Line& line, const Fields& fields, ScoreTable& table) {
+  if (fields.size() != kColumns)
+    line.fail("expected {} columns ({}), found {}", int{kColumns}, kHeader, fields.size());
+  const ScoreKey key = parse_key(line, fields);
+  const bool lower = parse_lower(line, fields[kBetter]);
+  if (table.lower_is_better.try_emplace(key.metric, lower).first->second != lower)
+    line.fail("better '{}' of {} differs from an earlier line's", fields[kBetter], key.metric);
+  if (!table.cells.emplace(key, parse_value(line, fields, lower)).second)
+    line.fail("this sequence, object, variant, seed and metric stand twice");
+}
+
+void require_known(const ScoreTable& table, const char* what, const std::string& name,
+                   const std::set<std::string>& known) {
+  if (!known.contains(name))
+    throw InputError(table.file, fmt::format("has no {} '{}', but {}", what, name, fmt::join(known, ", ")));
+}
+
+void select(ScoreTable& table, const ScoreSelection& selection) {
+  std::set<std::string> variants, metrics;
+  for (const auto& [key, value] : table.cells) variants.insert(key.run.variant), metrics.insert(key.metric);
+  for (const RunKey& run : table.not_run) variants.insert(run.variant);
+  if (selection.variant) require_known(table, "variant", *selection.variant, variants);
+  for (const std::string& name : selection.metrics) require_known(table, "metric", name, metrics);
+  const auto is_other = [&](const RunKey& run) {
+    return selection.variant && run.variant != *selection.variant;
+  };
+  const auto& wanted = selection.metrics;
+  std::erase_if(table.not_run, is_other);
+  std::erase_if(table.cells, [&](const auto& cell) {
+    return is_other(cell.first.run) ||
+           (!wanted.empty() && std::find(wanted.begin(), wanted.end(), cell.first.metric) == wanted.end());
+  });
+}
+
+}  // namespace
+
+ScoreTable read_score_table(const fs::path& path, const ScoreSelection& selection) {
+  ScoreTable table;
+  table.file = fs::is_directory(path) ? path / "scores.csv" : path;
+  if (fs::is_directory(path) && !fs::exists(table.file))
+    throw InputError(path, "is no results folder: it has no scores.csv");
+  bool header = true;
+  for_each_line(
+      table.file,
+      [&](int number, const Fields& fields) {
+        const Line line{table.file, number};
+        if (!std::exchange(header, false)) return add_line(line, fields, table);
+        if (fields != split(kHeader, ',')) line.fail("expected the header {}", kHeader);
+      },
+      ',');
+  if (fs::is_directory(path) && fs::exists(path / "cells.csv"))
+    for (const Cell& cell : read_cells(path / "cells.csv"))
+      if (cell.status == CellStatus::missing) table.not_run.insert({cell.variant, cell.scene, cell.seed});
+  if (table.cells.empty() && table.not_run.empty())
+    throw InputError(table.file, header ? "is empty, expected a header" : "has no scores");
+  select(table, selection);
+  return table;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace uniquadric {
+
+/// One run of a bench, and whether it has figures, is in the table below.
+struct RunKey {
+  std::string variant, sequence;
+  std::uint64_t seed = 0;
+  auto operator<=>(const RunKey&) const = default;
+};
+
+/// Which figure: a cell of scores.csv.
+struct ScoreKey {
+  RunKey run;
+  std::string object, metric;
+  auto operator<=>(const ScoreKey&) const = default;
+};
+
+/// One side of a comparison.
+struct ScoreTable {
+  std::filesystem::path file;                       ///< for messages
+  std::map<ScoreKey, std::optional<double>> cells;  ///< no value: failed
+  std::map<std::string, bool> lower_is_better;      ///< by metric
+  std::set<RunKey> not_run;                         ///< that cells.csv says are missing
+};
+
+/// What of a table to compare.
+struct ScoreSelection {
+  std::optional<std::string> variant;  ///< this one alone; default: all
+  std::vector<std::string> metrics;    ///< these alone; default: all
+};
+
+/// Reads scores.csv, or that of a results folder of `bench`, with the runs that its cells.csv calls missing.
+/// Throws InputError with file and line: header, number of columns, an empty name, a seed or value that is no
+/// number, a value beyond 1e100, an error below 0, `better` that is neither lower nor higher or not always
+/// the same, a `status` that is neither ok nor failed or does not fit the value, a cell that stands twice; no
+/// rows; a variant or metric of the selection that is not there.
+ScoreTable read_score_table(const std::filesystem::path& path, const ScoreSelection& selection = {});
+
+}  // namespace uniquadric

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+namespace uniquadric {
+
+/// What a sign-flip test says of a sum of paired differences.
+struct SignFlip {
+  double p_above = 1;         ///< chance of a sum at least as great when each difference's sign is a coin's
+  double p_below = 1;         ///< of one at least as small
+  bool exact = true;          ///< all flips were counted; else drawn
+  std::size_t differing = 0;  ///< differences other than 0, which alone count
+};
+
+constexpr std::size_t kMostExactPairs = 20;      // SPEC: 2^20 flips are counted in milliseconds
+constexpr std::size_t kSignFlipDraws = 100'000;  // SPEC: the standard error of p = 0.05 is 0.0007
+
+/// One-sided sign-flip tests of the sum of `differences` (weights in them), both sides. Exact up to 20
+/// differences other than 0; else 100,000 draws from the random stream of (seed 0, `stream`), the flip that
+/// was observed counted as one more, so that p is never 0 and the test keeps its level.
+SignFlip sign_flip(const std::vector<double>& differences, std::string_view stream);
+
+/// One-sided paired t test: chance of so great a mean of `differences` when the true one is 0 and they are
+/// normal. At least two values. Values that are all the same: 0 if they are above 0, else 1.
+double t_test_above(const std::vector<double>& differences);
+
+/// Holm's step-down correction: `p <= alpha` of the results holds the chance of any false rejection among all
+/// under alpha. In the order of the input.
+std::vector<double> holm(const std::vector<double>& p);
+
+}  // namespace uniquadric

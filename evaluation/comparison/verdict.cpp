@@ -1,0 +1,125 @@
+#include "evaluation/comparison/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace uniquadric {
+namespace {
+
+// A metric in which nothing differs has nothing to test: it does not count among those that Holm corrects
+// for.
+bool is_tested(const MetricChange& change, const GateOptions& options) {
+  return change.test.differing > 0 && (!change.rule.is_time || options.gate_time);
+}
+
+void correct_means(std::vector<MetricChange>& changes, const GateOptions& options) {
+  std::vector<MetricChange*> tested;
+  std::vector<double> above, below;
+  for (MetricChange& change : changes) {
+    if (!is_tested(change, options)) continue;
+    tested.push_back(&change);
+    above.push_back(change.test.p_above);
+    below.push_back(change.test.p_below);
+  }
+  above = holm(above);
+  below = holm(below);
+  for (std::size_t i = 0; i < tested.size(); ++i) {
+    tested[i]->p_worse = above[i];
+    tested[i]->p_better = below[i];
+  }
+}
+
+void correct_places(std::vector<MetricChange>& changes, const GateOptions& options) {
+  std::vector<std::pair<const MetricChange*, PlaceChange*>> tested;
+  std::vector<double> p;
+  for (MetricChange& change : changes)
+    for (PlaceChange& place : change.places)
+      if (place.p) tested.emplace_back(&change, &place), p.push_back(*place.p);
+  p = holm(p);
+  for (std::size_t i = 0; i < tested.size(); ++i) {
+    const auto& [change, place] = tested[i];
+    place->p = p[i];
+    place->worse = p[i] <= options.place_alpha && place->loss > change->rule.place_margin;
+  }
+}
+
+// Whether every pair lost, and yet there are too few of them for the test to say it.
+bool is_too_few(const MetricChange& change, const GateOptions& options) {
+  const double least_p = std::exp2(-static_cast<double>(change.test.differing));
+  return least_p > options.suspect_p && change.test.p_above <= least_p;
+}
+
+std::pair<Verdict, VerdictReason> judge(const MetricChange& change, const GateOptions& options) {
+  const bool large = change.loss > change.rule.margin;
+  const bool by_time = change.rule.is_time && !options.gate_time;
+  if (large && change.p_worse && *change.p_worse <= options.alpha)
+    return {Verdict::worse, VerdictReason::none};
+  if (std::any_of(change.places.begin(), change.places.end(), [](const PlaceChange& p) { return p.worse; }))
+    return {Verdict::worse, VerdictReason::one_place};
+  const bool proven = change.p_worse && *change.p_worse <= options.alpha;
+  if (change.test.differing > 0 && (proven || change.test.p_above <= options.suspect_p)) {
+    if (by_time) return {large ? Verdict::suspect : Verdict::same, VerdictReason::time_only};
+    return {Verdict::suspect, large ? VerdictReason::not_proven : VerdictReason::below_margin};
+  }
+  if (large && is_too_few(change, options))
+    return {Verdict::suspect, by_time ? VerdictReason::time_only : VerdictReason::few_pairs};
+  if (-change.loss > change.rule.margin && change.p_better && *change.p_better <= options.alpha)
+    return {Verdict::better, VerdictReason::none};
+  return {Verdict::same, VerdictReason::none};
+}
+
+}  // namespace
+
+void decide(std::vector<MetricChange>& changes, const GateOptions& options) {
+  correct_means(changes, options);
+  correct_places(changes, options);
+  for (MetricChange& change : changes) std::tie(change.verdict, change.reason) = judge(change, options);
+}
+
+const char* to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::worse:
+      return "worse";
+    case Verdict::suspect:
+      return "suspect";
+    case Verdict::better:
+      return "better";
+    case Verdict::same:
+      break;
+  }
+  return "same";
+}
+
+const char* to_string(VerdictReason reason) {
+  switch (reason) {
+    case VerdictReason::one_place:
+      return "of one object";
+    case VerdictReason::below_margin:
+      return "below the margin";
+    case VerdictReason::not_proven:
+      return "not proven";
+    case VerdictReason::few_pairs:
+      return "too few pairs differ";
+    case VerdictReason::time_only:
+      return "time fails nothing";
+    case VerdictReason::none:
+      break;
+  }
+  return "";
+}
+
+const char* to_string(GateAnswer answer) {
+  switch (answer) {
+    case GateAnswer::worse:
+      return "worse";
+    case GateAnswer::incomplete:
+      return "incomplete";
+    case GateAnswer::pass:
+      break;
+  }
+  return "pass";
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <vector>
+
+#include "evaluation/comparison/score_comparison.h"
+
+namespace uniquadric {
+
+/// Corrects the p of all metrics and places for their number and gives every metric its verdict and reason.
+void decide(std::vector<MetricChange>& changes, const GateOptions& options);
+
+}  // namespace uniquadric

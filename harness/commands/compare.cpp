@@ -1,0 +1,73 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "core/base/apart.h"
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "evaluation/comparison/score_comparison.h"
+#include "harness/commands/commands.h"
+#include "harness/commands/options.h"
+
+namespace uniquadric {
+namespace {
+
+int exit_code_of(GateAnswer answer) {
+  switch (answer) {
+    case GateAnswer::pass:
+      return 0;
+    case GateAnswer::worse:
+      return 1;
+    case GateAnswer::incomplete:
+      break;
+  }
+  return kBadInput;
+}
+
+// Two variants go by one name, so that their runs are each other's pairs.
+ScoreComparison compare(const std::string& a, const std::string& b, ScoreSelection of_a, ScoreSelection of_b,
+                        const GateOptions& options) {
+  ScoreTable table_a = read_score_table(a, of_a), table_b = read_score_table(b, of_b);
+  if (of_a.variant) {
+    const std::string both =
+        *of_a.variant == *of_b.variant ? *of_a.variant : *of_a.variant + " -> " + *of_b.variant;
+    rename_variant(table_a, both);
+    rename_variant(table_b, both);
+  }
+  ScoreComparison comparison = compare_scores(table_a, table_b, options);
+  comparison.a = of_a.variant ? a + " (" + *of_a.variant + ")" : a;
+  comparison.b = of_b.variant ? b + " (" + *of_b.variant + ")" : b;
+  return comparison;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, Common& common) {
+  auto* sub = subcommand(
+      app, "compare", "is B worse than A? over sequences and seeds; exit 0 no, 1 yes, 2 incomplete", common);
+  static std::string a, b, variant_a, variant_b, markdown;
+  static std::vector<std::string> metrics;
+  static bool as_json = false;
+  static GateOptions options;
+  sub->add_option("A", a, "results folder of bench, or scores.csv: what was")->required();
+  sub->add_option("B", b, "the same: what is to be judged")->required();
+  auto* of_a =
+      sub->add_option("--variant-a", variant_a, "of A, with --variant-b; default: each with its like");
+  auto* of_b = sub->add_option("--variant-b", variant_b, "of B; A and B may then be the same");
+  of_a->needs(of_b);
+  of_b->needs(of_a);
+  sub->add_option("--metric", metrics, "this one alone; may stand several times")->allow_extra_args(false);
+  sub->add_flag("--time", options.gate_time, "computing time may fail, too");
+  sub->add_flag("--json", as_json, "as JSON instead of a table");
+  sub->add_option("--markdown", markdown, "file to write, for pasting into a pull request");
+  sub->callback([&common, of_a] {
+    require_apart(markdown, {a, b});
+    ScoreSelection of_a_side{std::nullopt, metrics}, of_b_side{std::nullopt, metrics};
+    if (of_a->count() > 0) of_a_side.variant = variant_a, of_b_side.variant = variant_b;
+    const ScoreComparison comparison = compare(a, b, of_a_side, of_b_side, options);
+    if (!markdown.empty()) write_text(markdown, comparison_markdown(comparison));
+    std::cout << (as_json ? comparison_json(comparison) : comparison_text(comparison));
+    common.exit_code = exit_code_of(comparison.answer);
+  });
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,113 @@
+#include "evaluation/comparison/significance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/base/random.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kRounding = 1e-12;
+
+TEST(SignFlip, HandComputed) {
+  const auto expect = [](const std::vector<double>& d, double above, double below) {
+    const SignFlip result = sign_flip(d, "test");
+    EXPECT_TRUE(result.exact);
+    EXPECT_DOUBLE_EQ(result.p_above, above);
+    EXPECT_DOUBLE_EQ(result.p_below, below);
+  };
+  expect({1, 1, 1}, 1.0 / 8, 1);
+  expect({-1, -1, -1}, 1, 1.0 / 8);
+  expect({1, 2, 3}, 1.0 / 8, 1);
+  expect({3, -1}, 2.0 / 4, 3.0 / 4);           // of 4, 2, -2, -4
+  expect({1, 1, -1}, 4.0 / 8, 7.0 / 8);        // of 3, 1 x 3, -1 x 3, -3
+  expect({0.1, 0.2, -0.3}, 5.0 / 8, 5.0 / 8);  // of 0 twice, which rounding tells apart
+  expect({1, 1, 1, 1, 1, 1, 1, 1}, 1.0 / 256, 1);
+  expect({2, 1, 1, 1, 1, 1, 1, 1, 1, -1}, 10.0 / 1024, 1023.0 / 1024);  // of 11, 9 x 9, less
+}
+
+TEST(SignFlip, ZerosSayNothing) {
+  const SignFlip none = sign_flip({0, 0, 0}, "test");
+  EXPECT_EQ(none.differing, 0u);
+  EXPECT_EQ(none.p_above, 1);
+  EXPECT_EQ(none.p_below, 1);
+  const SignFlip one = sign_flip(std::vector<double>{0, 0, 5, 0}, "test");
+  EXPECT_EQ(one.differing, 1u);
+  EXPECT_EQ(one.p_above, 0.5);
+  std::vector<double> many(40, 0.0);
+  many[7] = many[30] = 1;
+  EXPECT_TRUE(sign_flip(many, "test").exact);
+  EXPECT_EQ(sign_flip(many, "test").p_above, 0.25);
+}
+
+// All flips, one sum each.
+double counted_above(const std::vector<double>& d) {
+  double observed = 0, above = 0;
+  for (const double value : d) observed += value;
+  for (std::uint32_t flips = 0; flips < 1u << d.size(); ++flips) {
+    double sum = 0;
+    for (std::size_t i = 0; i < d.size(); ++i) sum += flips >> i & 1 ? -d[i] : d[i];
+    above += sum >= observed - 1e-9;
+  }
+  return above / std::exp2(d.size());
+}
+
+std::vector<double> normal_values(std::size_t n, double mean) {
+  RandomStream random(3, "values", n);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < n; ++i) values.push_back(mean + random.normal());
+  return values;
+}
+
+TEST(SignFlip, ExactAsCountedOneByOne) {
+  for (const std::size_t n : {1, 7, 8, 9, 13, 17}) {
+    const std::vector<double> d = normal_values(n, 0.3);
+    EXPECT_NEAR(sign_flip(d, "test").p_above, counted_above(d), kRounding) << n;
+  }
+}
+
+TEST(SignFlip, DrawnNearTheExact) {
+  const std::vector<double> d = normal_values(21, 0.4);
+  const SignFlip drawn = sign_flip(d, "test");
+  EXPECT_FALSE(drawn.exact);
+  const double exact = counted_above(d);
+  EXPECT_NEAR(drawn.p_above, exact, 4 * std::sqrt(exact * (1 - exact) / kSignFlipDraws));
+  EXPECT_NE(drawn.p_above, exact);
+  EXPECT_EQ(drawn.p_above, sign_flip(d, "test").p_above);
+  EXPECT_NE(drawn.p_above, sign_flip(d, "another").p_above);
+}
+
+TEST(SignFlip, DrawnIsNever0) {
+  const SignFlip result = sign_flip(std::vector<double>(70, 1.0), "test");  // three words a draw
+  EXPECT_DOUBLE_EQ(result.p_above, 1.0 / 100'001);
+  EXPECT_DOUBLE_EQ(result.p_below, 1);
+}
+
+TEST(TTest, ClosedFormsOfOneAndTwoDegreesOfFreedom) {
+  // of {1, 3}: t = 2; of {1, 2, 6}: mean 3, standard deviation sqrt(7), t = 3 / sqrt(7/3)
+  EXPECT_NEAR(t_test_above({1, 3}), 0.5 - std::atan(2.0) / std::numbers::pi, kRounding);
+  EXPECT_NEAR(t_test_above({-1, -3}), 0.5 + std::atan(2.0) / std::numbers::pi, kRounding);
+  const double t = 3 / std::sqrt(7.0 / 3);
+  EXPECT_NEAR(t_test_above({1, 2, 6}), 0.5 - t / (2 * std::sqrt(2 + t * t)), kRounding);
+}
+
+TEST(TTest, ValuesAllTheSame) {
+  EXPECT_EQ(t_test_above({0.3, 0.3, 0.3}), 0);
+  EXPECT_EQ(t_test_above({0, 0}), 1);
+  EXPECT_EQ(t_test_above({-0.3, -0.3}), 1);
+}
+
+TEST(Holm, HandComputed) {
+  EXPECT_EQ(holm({}), std::vector<double>{});
+  EXPECT_EQ(holm({0.7}), std::vector<double>{0.7});
+  const std::vector<double> corrected = holm({0.01, 0.04, 0.03, 0.005});
+  const std::vector<double> expected = {0.03, 0.06, 0.06, 0.02};
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(corrected[i], expected[i], kRounding) << i;
+  EXPECT_EQ(holm({0.6, 0.9}), (std::vector<double>{1, 1}));
+}
+
+}  // namespace
+}  // namespace uniquadric

@@ -1,0 +1,124 @@
+// `uniquadric compare` through the program: exit codes, forms of output, bad input.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/files.h"
+#include "tests/evaluation/fabricated_scores.h"
+#include "tests/harness/program.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+using nlohmann::json;
+
+class CompareCommand : public testing::Test {
+ protected:
+  CompareCommand() { write("a.csv", fabricated_scores(kNoise, 1)); }
+  std::string path(const std::string& name) const { return folder_.path() / name; }
+  void write(const std::string& name, const std::vector<FabricatedScore>& scores) const {
+    write_text(path(name), fabricated_csv(scores));
+  }
+  ProgramRun run(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"compare", path("a.csv"), path("b.csv")});
+    return run_program(options);
+  }
+  // Of B against A.
+  void expect_answer(const std::vector<FabricatedScore>& b, int exit_code, const std::string& what) const {
+    write("b.csv", b);
+    const ProgramRun result = run({});
+    EXPECT_EQ(result.exit_code, exit_code) << result.out;
+    EXPECT_EQ(result.err, "");
+    EXPECT_NE(result.out.find(what), std::string::npos) << "wanted: " << what << "\ngot: " << result.out;
+  }
+  void expect_refusal(const std::vector<std::string>& options, const std::string& what) const {
+    const ProgramRun result = run(options);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_NE(result.err.find(what), std::string::npos) << "wanted: " << what << "\ngot: " << result.err;
+  }
+  // Of the same scenes and seeds as A, with noise of its own.
+  static std::vector<FabricatedScore> another_run() { return fabricated_scores(kNoise, 2); }
+
+  static constexpr double kNoise = 0.03;
+
+ private:
+  TempFolder folder_;
+};
+
+TEST_F(CompareCommand, AnswersByItsExitCode) {
+  auto b = fabricated_scores(kNoise, 1);
+  expect_answer(b, 0, "pass: of 8 metrics 0 worse, 0 suspect, 0 better, 8 the same");
+  expect_answer(another_run(), 0, "pass: of 8 metrics 0 worse");
+  b = another_run();
+  scale(b, "d_shape_mean_m", 1.05);
+  expect_answer(b, 1, "worse    d_shape_mean_m");
+  b = another_run();
+  scale(b, "d_shape_mean_m", 1.3, "s2");
+  expect_answer(b, 1, "s2/cube +3");
+  b = fabricated_scores(kNoise, 1);
+  scale(b, "d_shape_mean_m", 1.008);
+  expect_answer(b, 0, "suspect  d_shape_mean_m");
+  b = fabricated_scores(kNoise, 1);
+  b[3].failed = true;
+  expect_answer(b, 1,
+                "new failures (with a figure in A, failed in B):\n  s1/cube v seed 1: d_shape_mean_m\n");
+  b = fabricated_scores(kNoise, 1);
+  b.resize(b.size() - 16);
+  expect_answer(b, 2, "missing in B:\n  s6 v seeds 7-8: the whole runs\n");
+}
+
+TEST_F(CompareCommand, WritesJsonAndMarkdown) {
+  auto b = another_run();
+  scale(b, "iou3d_mean", 0.9);
+  write("b.csv", b);
+  const ProgramRun result = run({"--json", "--markdown", path("out.md")});
+  EXPECT_EQ(result.exit_code, 1);
+  const json answer = json::parse(result.out);
+  EXPECT_EQ(answer["answer"], "worse");
+  EXPECT_EQ(answer["metrics"][0]["metric"], "iou3d_mean");
+  EXPECT_EQ(answer["counts"]["worse"], 1);
+  EXPECT_EQ(answer["a"], path("a.csv"));
+  EXPECT_EQ(result.out, run({"--json", "--threads", "1", "--quiet"}).out);
+  const std::string markdown = read_text(path("out.md"));
+  EXPECT_TRUE(markdown.starts_with("**worse: of 8 metrics 1 worse")) << markdown;
+  const std::string before = read_text(path("a.csv"));
+  expect_refusal({"--markdown", path("a.csv")}, "a.csv");
+  EXPECT_EQ(read_text(path("a.csv")), before);
+  EXPECT_EQ(
+      json::parse(run({"--json", "--metric", "coverage", "--metric", "iou2d_mean"}).out)["metrics"].size(),
+      2u);
+}
+
+TEST_F(CompareCommand, TwoVariantsOfOneFolder) {
+  auto both = fabricated_scores(kNoise, 1);
+  auto other = another_run();
+  scale(other, "iou3d_mean", 0.9);
+  for (FabricatedScore& score : other) score.variant = "w";
+  both.insert(both.end(), other.begin(), other.end());
+  write("scores.csv", both);
+  const std::string folder = std::filesystem::path(path("scores.csv")).parent_path();
+  EXPECT_EQ(run_program({"compare", folder, folder}).exit_code, 0);
+  const ProgramRun result =
+      run_program({"compare", folder, folder, "--variant-a", "v", "--variant-b", "w", "--json"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(json::parse(result.out)["metrics"][0]["variant"], "v -> w");
+  EXPECT_EQ(run_program({"compare", folder, folder, "--variant-a", "w", "--variant-b", "v"}).exit_code, 0);
+  const ProgramRun unknown = run_program({"compare", folder, folder, "--variant-a", "v", "--variant-b", "x"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("has no variant 'x', but v, w"), std::string::npos) << unknown.err;
+  EXPECT_EQ(run_program({"compare", folder, folder, "--variant-a", "v"}).exit_code, 2);
+}
+
+TEST_F(CompareCommand, RefusesBadInputByLine) {
+  expect_refusal({}, "b.csv: cannot be read");
+  write_text(path("b.csv"), read_text(path("a.csv")) + "s1,cube,v,1,iou3d_mean,half,higher,ok\n");
+  expect_refusal({"--json", "--markdown", path("out.md")}, "b.csv:386: value 'half' is no finite number");
+  EXPECT_FALSE(std::filesystem::exists(path("out.md")));
+  write("b.csv", another_run());
+  expect_refusal({"--metric", "mota"}, "has no metric 'mota'");
+}
+
+}  // namespace
+}  // namespace uniquadric
