@@ -98,7 +98,8 @@ bool is_done(const Run& run, const Cell& cell) {
   const fs::path folder = run.out / cell.folder;
   return is_current(folder / "estimate", cell.estimate_key) &&
          is_current(folder / "evaluation", evaluation_key(cell.estimate_key)) &&
-         is_current(folder / "overlays", overlay_key(cell.estimate_key, run.config.overlays));
+         (run.config.overlays == 0 ||
+          is_current(folder / "overlays", overlay_key(cell.estimate_key, run.config.overlays)));
 }
 
 // Variants that agree in their perception share its result; it goes with the sequence.
@@ -138,12 +139,17 @@ void run_cell(const Run& run, const Simulation& simulation, Cell& cell) {
   if (cell.perception_key)
     command.insert(command.end(), {"--perception", perception_folder(run, simulation, cell)});
   if (run.config.output) command.insert(command.end(), {"--output", to_string(*run.config.output)});
-  stage("estimate", cell.estimate_key, command) &&
-      stage("evaluation", evaluation_key(cell.estimate_key),
-            {"evaluate", data / "truth", estimate, folder / "evaluation"}) &&
-      stage("overlays", overlay_key(cell.estimate_key, run.config.overlays),
-            {"overlay", data / "sequence", estimate, folder / "overlays", "--truth", data / "truth",
-             "--count", std::to_string(run.config.overlays)});
+  const bool evaluated = stage("estimate", cell.estimate_key, command) &&
+                         stage("evaluation", evaluation_key(cell.estimate_key),
+                               {"evaluate", data / "truth", estimate, folder / "evaluation"});
+  if (run.config.overlays == 0) {
+    forget_key(folder / "overlays");
+    fs::remove_all(folder / "overlays");  // of a call that wanted some
+  } else if (evaluated) {
+    stage("overlays", overlay_key(cell.estimate_key, run.config.overlays),
+          {"overlay", data / "sequence", estimate, folder / "overlays", "--truth", data / "truth", "--count",
+           std::to_string(run.config.overlays)});
+  }
 }
 
 // Removes a sequence that nobody needs any more.

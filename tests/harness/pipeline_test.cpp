@@ -241,6 +241,19 @@ TEST_F(Pipeline, BenchSaysAsOfWhenStatesAre) {
   }
 }
 
+TEST_F(Pipeline, BenchWithoutOverlays) {
+  const fs::path out = folder() / "out", file = bench_file("small.yaml");
+  const fs::path overlays = out / "cells/small/single_frame_obb/seed_1/overlays";
+  ok({"bench", file, out, "--quiet"});
+  EXPECT_TRUE(fs::exists(overlays / "sheet.jpg"));
+  std::string config = read_text(file) + "output: causal\n";
+  config.replace(config.find("overlays: 2"), 11, "overlays: 0");
+  write_text(file, config);
+  ok({"bench", file, out, "--quiet"});
+  EXPECT_FALSE(fs::exists(overlays)) << "they are of another estimate";
+  EXPECT_NE(read_text(out / "cells.csv").find("small,single_frame_obb,1,ok,"), std::string::npos);
+}
+
 TEST_F(Pipeline, BenchTakesAScenesNoiseAndSeeds) {
   const fs::path out = folder() / "out";
   const std::string half = "{scene: small.yaml, noise_scale: 0.5, seeds: [4, 5], name: small_half_noise}";
