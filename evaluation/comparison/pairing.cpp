@@ -66,8 +66,8 @@ void add_cell(const ScoreKey& key, const Side& a, const Side& b, GapLists& gaps,
     gaps.missing_in_b.add(key, no_run_in_b);
   else if (in_b == Presence::ok || no_run_in_a)
     gaps.missing_in_a.add(key, no_run_in_a);
-  else  // nobody has a figure: no pair is lost
-    ++pairing.failed_in_both;
+  else  // nobody has a figure: no pair is lost; a row may stand for a failed run alone
+    pairing.failed_in_both += in_a == in_b;
 }
 
 void require_same_directions(const ScoreTable& a, const ScoreTable& b) {

@@ -21,7 +21,7 @@ struct Gap {
   auto operator<=>(const Gap&) const = default;
 };
 
-/// Two tables set against each other. Every cell of either is in one of the lists, or counted.
+/// Two tables set against each other. Every figure of either is in one of the lists.
 struct Pairing {
   std::vector<PairedScore> pairs;               ///< in order of their keys
   std::vector<Gap> new_failures;                ///< ok in A, failed in B

@@ -31,6 +31,10 @@ void correct_means(std::vector<MetricChange>& changes, const GateOptions& option
   }
 }
 
+bool has_lost(const PlaceChange& place, double margin, const GateOptions& options) {
+  return place.p && *place.p <= options.place_alpha && place.loss > margin;
+}
+
 void correct_places(std::vector<MetricChange>& changes, const GateOptions& options) {
   std::vector<std::pair<const MetricChange*, PlaceChange*>> tested;
   std::vector<double> p;
@@ -41,7 +45,7 @@ void correct_places(std::vector<MetricChange>& changes, const GateOptions& optio
   for (std::size_t i = 0; i < tested.size(); ++i) {
     const auto& [change, place] = tested[i];
     place->p = p[i];
-    place->worse = p[i] <= options.place_alpha && place->loss > change->rule.place_margin;
+    place->worse = has_lost(*place, change->rule.place_margin, options);
   }
 }
 
@@ -51,21 +55,35 @@ bool is_too_few(const MetricChange& change, const GateOptions& options) {
   return least_p > options.suspect_p && change.test.p_above <= least_p;
 }
 
+// A claim on one sequence needs as many seeds as one on a place.
+bool has_enough_seeds(const MetricChange& change, const GateOptions& options) {
+  return change.sequences > 1 || change.pairs >= options.place_seeds;
+}
+
+bool any_place_lost(const MetricChange& change, double margin, const GateOptions& options) {
+  return std::any_of(change.places.begin(), change.places.end(),
+                     [&](const PlaceChange& place) { return has_lost(place, margin, options); });
+}
+
+std::pair<Verdict, VerdictReason> judge_time(const MetricChange& change, const GateOptions& options) {
+  const bool grew = change.loss > change.rule.margin &&
+                    (change.test.p_above <= options.suspect_p || is_too_few(change, options));
+  return {grew ? Verdict::suspect : Verdict::same, grew ? VerdictReason::time_only : VerdictReason::none};
+}
+
 std::pair<Verdict, VerdictReason> judge(const MetricChange& change, const GateOptions& options) {
-  const bool large = change.loss > change.rule.margin;
-  const bool by_time = change.rule.is_time && !options.gate_time;
-  if (large && change.p_worse && *change.p_worse <= options.alpha)
-    return {Verdict::worse, VerdictReason::none};
-  if (std::any_of(change.places.begin(), change.places.end(), [](const PlaceChange& p) { return p.worse; }))
-    return {Verdict::worse, VerdictReason::one_place};
+  if (change.rule.is_time && !options.gate_time) return judge_time(change, options);
+  const double margin = change.rule.margin;
+  const bool large = change.loss > margin, enough = has_enough_seeds(change, options);
   const bool proven = change.p_worse && *change.p_worse <= options.alpha;
-  if (change.test.differing > 0 && (proven || change.test.p_above <= options.suspect_p)) {
-    if (by_time) return {large ? Verdict::suspect : Verdict::same, VerdictReason::time_only};
+  if (large && proven && enough) return {Verdict::worse, VerdictReason::none};
+  if (any_place_lost(change, change.rule.place_margin, options))
+    return {Verdict::worse, VerdictReason::one_place};
+  if (large && (proven || is_too_few(change, options))) return {Verdict::suspect, VerdictReason::few_pairs};
+  if (change.test.differing > 0 && (proven || change.test.p_above <= options.suspect_p))
     return {Verdict::suspect, large ? VerdictReason::not_proven : VerdictReason::below_margin};
-  }
-  if (large && is_too_few(change, options))
-    return {Verdict::suspect, by_time ? VerdictReason::time_only : VerdictReason::few_pairs};
-  if (-change.loss > change.rule.margin && change.p_better && *change.p_better <= options.alpha)
+  if (any_place_lost(change, margin, options)) return {Verdict::suspect, VerdictReason::one_place};
+  if (-change.loss > margin && enough && change.p_better && *change.p_better <= options.alpha)
     return {Verdict::better, VerdictReason::none};
   return {Verdict::same, VerdictReason::none};
 }
@@ -101,7 +119,7 @@ const char* to_string(VerdictReason reason) {
     case VerdictReason::not_proven:
       return "not proven";
     case VerdictReason::few_pairs:
-      return "too few pairs differ";
+      return "too few pairs";
     case VerdictReason::time_only:
       return "time fails nothing";
     case VerdictReason::none:

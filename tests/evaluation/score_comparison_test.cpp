@@ -43,6 +43,37 @@ TEST(ScoreComparison, MeansAreOverSequencesThenSeedsThenObjects) {
   EXPECT_EQ(change.places.front().sequence, "s2");
 }
 
+// Of five seeds each pair loses half: p = 1/32 either way.
+TEST(ScoreComparison, OneSequenceNeedsEightSeeds) {
+  for (const std::uint64_t seeds : {5, 8}) {
+    std::vector<FabricatedScore> a;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed)
+      a.push_back({"s1", "cube", "v", seed, "d_shape_mean_m", 0.1 * static_cast<double>(seed)});
+    auto b = a;
+    scale(b, "d_shape_mean_m", 1.5);
+    EXPECT_EQ(compare(a, b).metrics[0].verdict, seeds == 5 ? Verdict::suspect : Verdict::worse);
+    EXPECT_EQ(compare(b, a).metrics[0].verdict, seeds == 5 ? Verdict::same : Verdict::better);
+    for (const FabricatedScore& score : std::vector(b)) {  // of two sequences they are enough
+      b.push_back(score);
+      b.back().sequence = "s2";
+      a.push_back(b.back());
+      a.back().value /= 1.5;
+    }
+    EXPECT_EQ(compare(a, b).metrics[0].verdict, Verdict::worse);
+  }
+}
+
+TEST(ScoreComparison, SmallLossOfOnePlaceIsSuspect) {
+  const auto a = fabricated_scores(0, 1);
+  for (const auto& [factor, verdict] :
+       {std::pair(1.015, Verdict::same), std::pair(1.06, Verdict::suspect), std::pair(1.3, Verdict::worse)}) {
+    auto b = a;
+    scale(b, "d_shape_mean_m", 0.999);  // elsewhere it is better
+    scale(b, "d_shape_mean_m", factor, "s3");
+    EXPECT_EQ(find(compare(a, b), "d_shape_mean_m").verdict, verdict) << factor;
+  }
+}
+
 TEST(ScoreComparison, ZerosOfErrorsAndCounts) {
   const auto loss_of = [](const std::string& metric, double a, double b) {
     return loss(change_rule(metric, is_lower_better(metric)), a, b);
