@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -15,8 +16,10 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr double kRotationTolerance = 1e-3;           // of R^T R: files have 7 digits or more
-constexpr std::int64_t kMostSeconds = 9'000'000'000;  // what 64 bits of nanoseconds hold, and all dates
+constexpr double kRotationTolerance = 1e-3;  // of R^T R: files have 7 digits or more
+constexpr double kUnitTolerance = 1e-3;      // of a quaternion's norm, as in trajectories
+constexpr std::int64_t kMostSeconds =
+    4'000'000'000;  // the year 2096; nanoseconds of two of them fit into 64 bits
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 // Why these are no rows of a rigid transform, empty where they are.
@@ -97,6 +100,12 @@ void require_later(const fs::path& path, int line, std::optional<std::int64_t> b
     throw InputError(
         path, line,
         fmt::format("timestamp {} does not come after {}", format_stamp(stamp_ns), format_stamp(*before_ns)));
+}
+
+Eigen::Quaterniond read_unit(const fs::path& path, int line, const Eigen::Quaterniond& q) {
+  if (!(std::abs(q.norm() - 1) <= kUnitTolerance))
+    throw InputError(path, line, fmt::format("quaternion has norm {:.6g}, not 1", q.norm()));
+  return q.normalized();
 }
 
 std::optional<Pose> rigid_pose(const Eigen::Matrix<double, 3, 4>& matrix) {

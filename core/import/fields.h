@@ -41,6 +41,9 @@ std::vector<std::int64_t> read_times(const std::filesystem::path& path);
 void require_later(const std::filesystem::path& path, int line, std::optional<std::int64_t> before_ns,
                    std::int64_t stamp_ns);
 
+/// The rotation of a quaternion whose norm is within 1e-3 of 1.
+Eigen::Quaterniond read_unit(const std::filesystem::path& path, int line, const Eigen::Quaterniond& q);
+
 /// A rigid transform of its matrix [R t]; nothing where R is no rotation to 1e-3.
 std::optional<Pose> rigid_pose(const Eigen::Matrix<double, 3, 4>& matrix);
 /// The same of numbers row by row: 9 (no translation), 12, or 16 with the last row 0 0 0 1.

@@ -16,20 +16,27 @@ constexpr int kMaxImageSide = 16384;  // px: what OpenGL and 16-bit formats carr
 
 int image_side(const ConfigNode& node, const std::string& key) {
   const int side = node.get<int>(key);
-  if (side < 1 || side > kMaxImageSide)
-    node.at(key).fail(fmt::format("expected 1 to {} px, found {}", kMaxImageSide, side));
+  require_image_side(node.at(key), side);
   return side;
 }
 
-// In pixels; outside of a hundredth of the image's side (89 degrees to each side) and a thousand of it (a
-// minute of arc) it is in another unit.
 double focal_length(const ConfigNode& node, const std::string& key, int side_px) {
   const double focal = node.positive(key);
-  if (focal < 0.01 * side_px || focal > 1000.0 * side_px)
-    node.at(key).fail(fmt::format("expected {} to {} px, found {}", 0.01 * side_px, 1000 * side_px, focal));
+  require_focal_length(node.at(key), focal, side_px);
   return focal;
 }
 }  // namespace
+
+void require_image_side(const ConfigNode& node, int side_px) {
+  if (side_px < 1 || side_px > kMaxImageSide)
+    node.fail(fmt::format("expected 1 to {} px, found {}", kMaxImageSide, side_px));
+}
+
+// A hundredth of the image's side: 89 degrees to each side; a thousand of it: a minute of arc.
+void require_focal_length(const ConfigNode& node, double focal_px, int side_px) {
+  if (!(focal_px >= 0.01 * side_px && focal_px <= 1000.0 * side_px))
+    node.fail(fmt::format("expected {} to {} px, found {}", 0.01 * side_px, 1000 * side_px, focal_px));
+}
 
 Camera read_camera(const ConfigNode& node) {
   Camera camera;

@@ -1,29 +1,104 @@
-#include "harness/commands/commands.h"
-
 #include <CLI/CLI.hpp>
+#include <memory>
 
 #include "core/base/apart.h"
+#include "core/base/text.h"
+#include "core/import/euroc.h"
 #include "core/import/kitti.h"
+#include "core/import/omd.h"
 #include "core/import/tum.h"
+#include "harness/commands/commands.h"
 #include "harness/commands/options.h"
 
 namespace uniquadric {
 namespace {
 
-void add_import_kitti(CLI::App& app, Common& common) {
-  auto* sub = subcommand(app, "kitti-tracking", "a recording of KITTI's tracking benchmark", common);
-  static std::string source, out;
-  static ImportKittiOptions options;
-  sub->add_option("SRC", source, "folder with image_02/ or velodyne/, calib/, ...")->required();
-  sub->add_option("OUT", out, "folder for sequence/ and, of labels, truth/")->required();
-  sub->add_option("--drive", options.drive, "which recording (0000); default: the only one");
+constexpr double kMostOffset_s = 4e9;
+
+// A number of seconds between two clocks that both count from 1970 or from their start.
+const CLI::Validator kOffset(
+    [](const std::string& text) {
+      const auto value = parse_double(text);
+      return value && *value >= -kMostOffset_s && *value <= kMostOffset_s
+                 ? std::string()
+                 : "'" + text + "' is no number of seconds from -4e9 to 4e9";
+    },
+    "");
+
+// What all have: SRC, OUT, --force. `run` is called with them once they are known to lie apart.
+template <typename Options, typename Run>
+CLI::App* layout(CLI::App& app, const char* name, const char* what, const char* source_holds,
+                 const char* out_is, Options& options, Common& common, const Run& run) {
+  auto* sub = subcommand(app, name, what, common);
+  struct Paths {
+    std::string source, out;
+  };
+  auto paths = std::make_shared<Paths>();
+  sub->add_option("SRC", paths->source, source_holds)->required();
+  sub->add_option("OUT", paths->out, out_is)->required();
   add_force(sub, common);
-  sub->callback([&common] {
+  sub->callback([paths, run, &options, &common] {
     options.quiet = common.quiet;
     options.force = common.force;
-    require_apart(out, {source});
-    import_kitti_tracking(source, options, out);
+    require_apart(paths->out, {paths->source});
+    run(paths->source, paths->out);
   });
+  return sub;
+}
+
+void add_tum(CLI::App& app, Common& common) {
+  static ImportTumOptions options;
+  static std::string camera;
+  layout(app, "tum", "a TUM RGB-D recording", "folder with rgb.txt, depth.txt", "sequence folder", options,
+         common,
+         [](const std::string& source, const std::string& out) {
+           options.camera = camera;
+           require_apart(out, {camera});
+           import_tum(source, options, out);
+         })
+      ->add_option("--camera", camera, "calibration; default: SRC/camera.yaml");
+}
+
+void add_kitti(CLI::App& app, Common& common) {
+  static ImportKittiOptions options;
+  layout(
+      app, "kitti-tracking", "a recording of KITTI's tracking benchmark",
+      "folder with image_02/ or velodyne/, calib/, ...", "folder for sequence/ and, of labels, truth/",
+      options, common,
+      [](const std::string& source, const std::string& out) { import_kitti_tracking(source, options, out); })
+      ->add_option("--drive", options.drive, "which recording (0000); default: the only one");
+}
+
+void add_euroc(CLI::App& app, Common& common) {
+  static ImportEurocOptions options;
+  layout(app, "euroc", "a recording of the EuRoC MAV datasets", "folder with mav0/",
+         "folder for sequence/ and, of its states, truth/", options, common,
+         [](const std::string& source, const std::string& out) { import_euroc(source, options, out); })
+      ->add_option("--camera", options.camera, "which of the cameras; default: cam0")
+      ->check(CLI::IsMember({"cam0", "cam1"}));
+}
+
+void add_omd(CLI::App& app, Common& common) {
+  static ImportOmdOptions options;
+  static std::string calibration, objects, depth = "disparity";
+  auto* sub =
+      layout(app, "omd", "a recording of the Oxford Multimotion Dataset",
+             "folder with rgbd/ (raw) or image_0/ (processed)", "folder for sequence/ and, of poses, truth/",
+             options, common, [](const std::string& source, const std::string& out) {
+               options.calibration = calibration;
+               options.objects = objects;
+               options.metric_depth = depth == "metric";
+               require_apart(out, {calibration, objects});
+               import_omd(source, options, out);
+             });
+  sub->add_option(
+      "--calibration", calibration,
+      "raw: folder of kalibr*.yaml, vicon*.yaml; processed: settings; default: beside the images");
+  sub->add_option("--objects", objects, "sizes of the bodies, an objects.yaml; default: no objects' truth");
+  sub->add_option("--vicon-offset", options.vicon_offset_s, "raw: added to the Vicon's stamps [s]")
+      ->check(kOffset);
+  sub->add_option("--depth", depth, "processed: what depth/ holds; default: disparity")
+      ->check(CLI::IsMember({"disparity", "metric"}));
 }
 
 }  // namespace
@@ -31,21 +106,7 @@ void add_import_kitti(CLI::App& app, Common& common) {
 void add_import(CLI::App& app, Common& common) {
   auto* sub = app.add_subcommand("import", "a real recording -> sequence");
   sub->require_subcommand(1);
-  add_import_kitti(*sub, common);
-  auto* tum = subcommand(*sub, "tum", "a TUM RGB-D recording", common);
-  static std::string source, out, camera;
-  static ImportTumOptions options;
-  tum->add_option("SRC", source, "folder with rgb.txt, depth.txt")->required();
-  tum->add_option("OUT", out, "sequence folder")->required();
-  tum->add_option("--camera", camera, "calibration; default: SRC/camera.yaml");
-  add_force(tum, common);
-  tum->callback([&common] {
-    options.camera = camera;
-    options.quiet = common.quiet;
-    options.force = common.force;
-    require_apart(out, {source, camera});
-    import_tum(source, options, out);
-  });
+  for (const auto add : {add_kitti, add_tum, add_omd, add_euroc}) add(*sub, common);
 }
 
 }  // namespace uniquadric

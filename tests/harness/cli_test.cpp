@@ -56,7 +56,8 @@ class Cli : public testing::Test {
 TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
   for (const std::string command :
        {"simulate", "preview", "estimate", "evaluate", "bench", "report", "overlay", "info", "metric",
-        "trajectory", "compare", "import", "import tum", "import kitti-tracking", "export", "perceive"}) {
+        "trajectory", "compare", "import", "import tum", "import kitti-tracking", "import omd",
+        "import euroc", "export", "perceive"}) {
     std::vector<std::string> arguments{command, "--help"};
     if (command.starts_with("import ")) arguments = {"import", command.substr(7), "--help"};
     const ProgramRun run = run_program(arguments);

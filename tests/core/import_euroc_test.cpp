@@ -1,0 +1,127 @@
+#include "core/import/euroc.h"
+
+#include "core/sequence/sequence.h"
+#include "core/sequence/tracks.h"
+#include "tests/core/small_world.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr double kRounding = 1e-12;  // m and of R's elements, of 15 digits and a few products
+
+void import(const fs::path& source, const fs::path& out) {
+  ImportEurocOptions options;
+  options.quiet = true;
+  import_euroc(source, options, out);
+}
+
+class ImportEuroc : public testing::Test {
+ protected:
+  ImportEuroc() {
+    write_euroc_layout(world_, source());
+    import(source(), out());
+  }
+  fs::path source() const { return temp_.path() / "MH_01"; }
+  fs::path out() const { return temp_.path() / "out"; }
+
+  TempFolder temp_;
+  RecordedWorld world_ = small_world();
+};
+
+TEST_F(ImportEuroc, SensorsReadBackAsTheRecordingHasThem) {
+  const Sequence sequence = open_sequence(out());
+  EXPECT_EQ(sequence.name, "MH_01");
+  const Camera& camera = sequence.camera;
+  EXPECT_EQ(camera.width, 8);
+  EXPECT_EQ(camera.height, 6);
+  EXPECT_EQ(camera.fx, 10);
+  EXPECT_EQ(camera.fy, 11);
+  EXPECT_EQ(camera.cx, 3.5);
+  EXPECT_EQ(camera.cy, 2.5);
+  EXPECT_EQ(camera.distortion, (std::array<double, 5>{0.01, -0.002, 0.0003, 0.0004, 0}));
+  ASSERT_EQ(sequence.frames.size(), std::size_t{kWorldFrames});
+  EXPECT_NEAR(sequence.rate_hz, 30, 1e-4);
+  for (int i = 0; i < kWorldFrames; ++i) {
+    EXPECT_EQ(sequence.frames[i].stamp_ns, world_.stamps_ns[i]);
+    EXPECT_TRUE(sequence.frames[i].depth.empty());
+    const cv::Mat color = read_rgb(sequence, sequence.frames[i]);  // the grey value three times
+    EXPECT_EQ(color.at<cv::Vec3b>(4, 5), cv::Vec3b::all(static_cast<unsigned char>(20 + i)));
+  }
+  ASSERT_TRUE(sequence.imu);
+  const ImuCalibration& imu = *sequence.imu;
+  EXPECT_LT((imu.camera_from_imu.matrix() - world_.camera_from_imu).cwiseAbs().maxCoeff(), kRounding);
+  EXPECT_NEAR(imu.rate_hz, 200, 1e-9);
+  EXPECT_EQ(imu.gyroscope_noise_radps_rthz, 1.5e-4);
+  EXPECT_EQ(imu.gyroscope_walk_radps2_rthz, 2.5e-5);
+  EXPECT_EQ(imu.accelerometer_noise_mps2_rthz, 3.5e-3);
+  EXPECT_EQ(imu.accelerometer_walk_mps3_rthz, 4.5e-3);
+  const auto samples = read_imu_csv(out() / "sequence/imu.csv");
+  ASSERT_EQ(samples.size(), world_.imu.size());
+  EXPECT_EQ(samples[7].stamp_ns, world_.imu[7].stamp_ns);
+  EXPECT_LT((samples[7].angular_velocity_radps - world_.imu[7].gyro).norm(), kRounding);
+  EXPECT_LT((samples[7].specific_force_mps2 - world_.imu[7].accel).norm(), kRounding);
+}
+
+TEST_F(ImportEuroc, TheBodysStatesPlaceTheCamera) {
+  const Tracks truth = read_tracks(out() / "truth");
+  expect_poses(truth.camera, small_camera);
+  EXPECT_TRUE(truth.objects.empty());
+  ASSERT_TRUE(truth.calibration);
+  EXPECT_EQ(truth.calibration->distortion[1], -0.002);
+  expect_poses(*open_sequence(out()).given_camera, small_camera);
+}
+
+TEST_F(ImportEuroc, WhatARecordingLacksIsNotThere) {
+  fs::remove_all(source() / "mav0/imu0");
+  fs::remove_all(source() / "mav0/state_groundtruth_estimate0");
+  import(source() / "mav0", temp_.path() / "other");  // mav0 itself is a recording too
+  const Sequence sequence = open_sequence(temp_.path() / "other");
+  EXPECT_EQ(sequence.frames.size(), std::size_t{kWorldFrames});
+  EXPECT_FALSE(sequence.imu);
+  EXPECT_FALSE(sequence.given_camera);
+  EXPECT_FALSE(fs::exists(temp_.path() / "other/truth"));
+}
+
+TEST(ImportEurocRefusals, NameFileAndLine) {
+  const auto cam = [](const fs::path& r) { return r / "mav0/cam0"; };
+  const auto states = [](const fs::path& r) { return r / "mav0/state_groundtruth_estimate0/data.csv"; };
+  const auto image = [](int frame) { return std::to_string(kStart_ns + frame * kFrame_ns) + ".png"; };
+  expect_refusals(
+      {
+          {"recording: holds no recording: there is no mav0/cam0/", [&](auto r) { fs::remove_all(cam(r)); }},
+          {"cam0/sensor.yaml: cannot be read", [&](auto r) { fs::remove(cam(r) / "sensor.yaml"); }},
+          {"cam0/sensor.yaml:12: ",
+           [&](auto r) { edit(cam(r) / "sensor.yaml", "radial-tangential", "equidistant"); }},
+          {"cam0/sensor.yaml:11: intrinsics: expected fx, fy, cx, cy",
+           [&](auto r) { edit(cam(r) / "sensor.yaml", "10, 11, 3.5", "10, 11"); }},
+          {"cam0/sensor.yaml:7: T_BS.data: the matrix is no rotation",
+           [&](auto r) { edit(cam(r) / "sensor.yaml", "data: [0.", "data: [0.1"); }},
+          {"cam0/data.csv:4: file data/no.png is missing",
+           [&](auto r) { edit(cam(r) / "data.csv", "," + image(2), ",no.png"); }},
+          {"cam0/data.csv:3: '../1.png' is no name of an image",
+           [&](auto r) { edit(cam(r) / "data.csv", "," + image(1), ",../1.png"); }},
+          {"cam0/data.csv:3: timestamp 1.000000000 does not come after",
+           [&](auto r) {
+             edit(cam(r) / "data.csv", std::to_string(kStart_ns + kFrame_ns) + ",", "1000000000,");
+           }},
+          {image(3) + ": is 9x6, the camera says 8x6",
+           [&](auto r) { write_png(cam(r) / "data" / image(3), cv::Mat::zeros(6, 9, CV_8UC1)); }},
+          {image(3) + ": expected an 8-bit colour image",
+           [&](auto r) { write_png(cam(r) / "data" / image(3), cv::Mat::zeros(6, 8, CV_16UC1)); }},
+          {"imu0/data.csv:2: 'x' is not a finite number",
+           [&](auto r) { edit(r / "mav0/imu0/data.csv", ",0.1,", ",x,"); }},
+          {"imu0/data.csv:2: expected 7 columns, found 6",
+           [&](auto r) { edit(r / "mav0/imu0/data.csv", ",0.1,", ","); }},
+          {"imu0/sensor.yaml:1: missing key 'accelerometer_random_walk'",
+           [&](auto r) { edit(r / "mav0/imu0/sensor.yaml", "accelerometer_random_walk", "walk"); }},
+          {"state_groundtruth_estimate0/data.csv:2: expected 17 columns, found 16",
+           [&](auto r) { edit(states(r), ",0,0,0,0,0,0,0,0,0\n", ",0,0,0,0,0,0,0,0\n"); }},
+          {"state_groundtruth_estimate0/data.csv:2: quaternion has norm 2, not 1",
+           [&](auto r) { edit(states(r), "b_a\n", "b_a\n1,0,0,0,2,0,0,0,0,0,0,0,0,0,0,0,0\n"); }},
+      },
+      [](const fs::path& folder) { write_euroc_layout(small_world(), folder); }, import);
+}
+
+}  // namespace
+}  // namespace uniquadric
