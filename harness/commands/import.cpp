@@ -71,11 +71,16 @@ void add_kitti(CLI::App& app, Common& common) {
 
 void add_euroc(CLI::App& app, Common& common) {
   static ImportEurocOptions options;
+  static std::string depth = "stereo";
   layout(app, "euroc", "a recording of the EuRoC MAV datasets", "folder with mav0/",
          "folder for sequence/ and, of its states, truth/", options, common,
-         [](const std::string& source, const std::string& out) { import_euroc(source, options, out); })
-      ->add_option("--camera", options.camera, "which of the cameras; default: cam0")
-      ->check(CLI::IsMember({"cam0", "cam1"}));
+         [](const std::string& source, const std::string& out) {
+           options.stereo_depth = depth == "stereo";
+           import_euroc(source, options, out);
+         })
+      ->add_option("--depth", depth,
+                   "stereo: of cam0 and cam1, images rectified; none: cam0's as they are; default: stereo")
+      ->check(CLI::IsMember({"stereo", "none"}));
 }
 
 void add_omd(CLI::App& app, Common& common) {

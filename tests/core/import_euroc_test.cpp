@@ -13,6 +13,7 @@ constexpr double kRounding = 1e-12;  // m and of R's elements, of 15 digits and 
 void import(const fs::path& source, const fs::path& out) {
   ImportEurocOptions options;
   options.quiet = true;
+  options.stereo_depth = false;
   import_euroc(source, options, out);
 }
 
@@ -81,6 +82,109 @@ TEST_F(ImportEuroc, WhatARecordingLacksIsNotThere) {
   EXPECT_FALSE(sequence.imu);
   EXPECT_FALSE(sequence.given_camera);
   EXPECT_FALSE(fs::exists(temp_.path() / "other/truth"));
+}
+
+// A textured plane, tilted against the camera, in the world of that camera.
+const Eigen::Vector3d kNormal = Eigen::Vector3d(0.25, -0.1, -1).normalized();
+constexpr double kOffset_m = -1.8;
+
+Eigen::Vector3d on_plane(const Eigen::Matrix4d& world_from_camera, const Eigen::Vector3d& ray) {
+  const Eigen::Vector3d eye = world_from_camera.topRightCorner<3, 1>();
+  const Eigen::Vector3d d = world_from_camera.topLeftCorner<3, 3>() * ray;
+  return eye + (kOffset_m - kNormal.dot(eye)) / kNormal.dot(d) * d;
+}
+
+double grey_at(const Eigen::Vector3d& p) {  // waves of 0.09 to 0.5 m; a pixel is 0.014 m
+  return 128 + 30 * std::sin(31 * p.x() + 17 * p.y()) + 30 * std::sin(-23 * p.x() + 52 * p.y() + 1) +
+         30 * std::sin(66 * p.x() - 11 * p.y() + 2) + 20 * std::sin(8 * p.x() + 13 * p.y());
+}
+
+cv::Mat plane_image(const RecordedWorld& w, const Eigen::Matrix4d& world_from_camera) {
+  cv::Mat image(w.height, w.width, CV_8UC3);
+  for (int v = 0; v < w.height; ++v)
+    for (int u = 0; u < w.width; ++u) {
+      const Eigen::Vector3d p = on_plane(world_from_camera, {(u - w.cx) / w.fx, (v - w.cy) / w.fy, 1});
+      image.at<cv::Vec3b>(v, u) = cv::Vec3b::all(cv::saturate_cast<unsigned char>(grey_at(p)));
+    }
+  return image;
+}
+
+TEST(ImportEurocStereo, RectifiedImagesDepthAndPosesAgreeOnAPlane) {
+  const TempFolder temp;
+  RecordedWorld w;
+  w.width = 160, w.height = 120, w.fx = w.fy = 130, w.cx = 79.5, w.cy = 59.5;
+  w.camera_from_imu = rigid({3, 1, 2}, 0.8, {0.05, -0.06, 0.07});
+  w.right_from_left = rigid({0.3, 1, 0.5}, 0.1, {-0.12, 0.003, 0.002});
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Matrix4d world_from_camera = rigid({0, 1, 0}, 0.05 * i, {0.1 * i, 0, 0});
+    w.stamps_ns.push_back(kStart_ns + i * kFrame_ns);
+    w.camera.push_back({w.stamps_ns.back(), world_from_camera});
+    w.colors.push_back(plane_image(w, world_from_camera));
+    w.right_colors.push_back(plane_image(w, world_from_camera * w.right_from_left.inverse()));
+    w.imu.push_back({w.stamps_ns.back(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+  }
+  write_euroc_layout(w, temp.path() / "recording");
+  ImportEurocOptions options;
+  options.quiet = true;
+  import_euroc(temp.path() / "recording", options, temp.path() / "out");
+  const Sequence sequence = open_sequence(temp.path() / "out");
+  const Tracks truth = read_tracks(temp.path() / "out/truth");
+  ASSERT_EQ(truth.camera.size(), 2u);
+  EXPECT_GT((truth.camera[0].pose.matrix() - w.camera[0].matrix).norm(), 0.02);  // rectified is turned
+  // the body did not move for it
+  EXPECT_LT((truth.camera[1].pose.matrix() * sequence.imu->camera_from_imu.matrix() -
+             w.camera[1].matrix * w.camera_from_imu)
+                .norm(),
+            1e-9);
+  for (int i = 0; i < 2; ++i) {
+    const cv::Mat color = read_rgb(sequence, sequence.frames[i]),
+                  depth = read_depth(sequence, sequence.frames[i]);
+    const Eigen::Matrix4d world_from_camera = truth.camera[i].pose.matrix();
+    std::vector<double> depth_errors, grey_errors;
+    for (int v = 5; v < w.height - 5; ++v)
+      for (int u = 25; u < w.width - 5; ++u) {  // left of it the second camera does not see
+        const Eigen::Vector3d p = on_plane(world_from_camera, *sequence.camera.unproject({u, v}));
+        const double z = (world_from_camera.inverse() * p.homogeneous())[2];
+        grey_errors.push_back(std::abs(color.at<cv::Vec3b>(v, u)[1] - grey_at(p)));
+        if (depth.at<float>(v, u) > 0) depth_errors.push_back(std::abs(depth.at<float>(v, u) - z));
+      }
+    const auto quantile = [](std::vector<double>& values) {
+      std::nth_element(values.begin(), values.begin() + std::ssize(values) * 9 / 10, values.end());
+      return values[values.size() * 9 / 10];
+    };
+    ASSERT_GT(depth_errors.size(), grey_errors.size() * 8 / 10);
+    EXPECT_LT(quantile(depth_errors), 0.06);  // m: of a quarter of a pixel of disparity at 1.8 m
+    EXPECT_LT(quantile(grey_errors), 8);      // of 256: what linear interpolation takes off the waves
+  }
+}
+
+TEST(ImportEurocStereo, NeedsASecondCameraLikeTheFirstToItsRight) {
+  RecordedWorld world = small_world();
+  world.right_colors = world.colors;
+  const auto write = [&](const Eigen::Vector3d& left_in_right) {
+    return [&world, left_in_right](const fs::path& folder) {
+      world.right_from_left = rigid({1, 0, 0}, 0, left_in_right);
+      write_euroc_layout(world, folder);
+    };
+  };
+  const auto import_stereo = [](const fs::path& source, const fs::path& out) {
+    ImportEurocOptions options;
+    options.quiet = true;
+    import_euroc(source, options, out);
+  };
+  const auto nothing = [](const fs::path&) {};
+  expect_refusals({{"cam1/sensor.yaml: T_BS: cam1 does not lie to the right of cam0", nothing}},
+                  write({0.11, 0, 0}), import_stereo);
+  expect_refusals({{"recording: there is no mav0/cam1/, which depth needs",
+                    [](const fs::path& r) { fs::remove_all(r / "mav0/cam1"); }},
+                   {"cam1/sensor.yaml: resolution: is not that of cam0",
+                    [](const fs::path& r) { edit(r / "mav0/cam1/sensor.yaml", "[8, 6]", "[8, 7]"); }},
+                   {"cam1/data/" + std::to_string(kStart_ns) + ".png: is 9x6, the camera says 8x6",
+                    [](const fs::path& r) {
+                      write_png(r / "mav0/cam1/data" / (std::to_string(kStart_ns) + ".png"),
+                                cv::Mat::zeros(6, 9, CV_8UC1));
+                    }}},
+                  write({-0.11, 0, 0}), import_stereo);
 }
 
 TEST(ImportEurocRefusals, NameFileAndLine) {

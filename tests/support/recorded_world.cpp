@@ -97,6 +97,25 @@ std::string t_bs(const Matrix4d& body_from_sensor) {
   return "T_BS:\n  cols: 4\n  rows: 4\n  data: [" + numbers(body_from_sensor, ", ") + "]\n";
 }
 
+void write_euroc_camera(const RecordedWorld& w, const fs::path& folder, const std::vector<cv::Mat>& colors,
+                        const Matrix4d& body_from_camera) {
+  std::string list = "#timestamp [ns],filename\n";
+  for (std::size_t i = 0; i < w.stamps_ns.size(); ++i) {
+    list += fmt::format("{0},{0}.png\n", w.stamps_ns[i]);
+    cv::Mat grey;
+    cv::extractChannel(colors[i], grey, 1);
+    write(folder / fmt::format("data/{}.png", w.stamps_ns[i]), grey);
+  }
+  write(folder / "data.csv", list);
+  write(folder / "sensor.yaml",
+        "# General sensor definitions.\nsensor_type: camera\ncomment: VI-Sensor\n" + t_bs(body_from_camera) +
+            fmt::format("rate_hz: 20\nresolution: [{}, {}]\ncamera_model: pinhole\n"
+                        "intrinsics: [{}, {}, {}, {}]\ndistortion_model: radial-tangential\n"
+                        "distortion_coefficients: [{}, {}, {}, {}]\n",
+                        w.width, w.height, w.fx, w.fy, w.cx, w.cy, w.distortion[0], w.distortion[1],
+                        w.distortion[2], w.distortion[3]));
+}
+
 }  // namespace
 
 Matrix4d rigid(const Eigen::Vector3d& axis, double angle, const Eigen::Vector3d& translation) {
@@ -176,22 +195,10 @@ void write_omd_processed(const RecordedWorld& w, const fs::path& folder, double 
 
 void write_euroc_layout(const RecordedWorld& w, const fs::path& folder) {
   const fs::path mav = folder / "mav0";
-  std::string list = "#timestamp [ns],filename\n";
-  for (std::size_t i = 0; i < w.stamps_ns.size(); ++i) {
-    list += fmt::format("{0},{0}.png\n", w.stamps_ns[i]);
-    cv::Mat grey;
-    cv::extractChannel(w.colors[i], grey, 1);
-    write(mav / fmt::format("cam0/data/{}.png", w.stamps_ns[i]), grey);
-  }
-  write(mav / "cam0/data.csv", list);
-  write(mav / "cam0/sensor.yaml",
-        "# General sensor definitions.\nsensor_type: camera\ncomment: VI-Sensor cam0\n" +
-            t_bs(w.camera_from_imu.inverse()) +
-            fmt::format(
-                "rate_hz: 20\nresolution: [{}, {}]\ncamera_model: pinhole\nintrinsics: [{}, {}, {}, {}]\n"
-                "distortion_model: radial-tangential\ndistortion_coefficients: [{}, {}, {}, {}]\n",
-                w.width, w.height, w.fx, w.fy, w.cx, w.cy, w.distortion[0], w.distortion[1], w.distortion[2],
-                w.distortion[3]));
+  const Matrix4d body_from_left = w.camera_from_imu.inverse();
+  write_euroc_camera(w, mav / "cam0", w.colors, body_from_left);
+  if (!w.right_colors.empty())
+    write_euroc_camera(w, mav / "cam1", w.right_colors, body_from_left * w.right_from_left.inverse());
   write(mav / "imu0/sensor.yaml",
         "sensor_type: imu\n" + t_bs(Matrix4d::Identity()) +
             "rate_hz: 200\ngyroscope_noise_density: 1.5e-04\ngyroscope_random_walk: 2.5e-05\n"

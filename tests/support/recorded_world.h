@@ -33,6 +33,8 @@ struct RecordedWorld {
   };
   std::vector<Imu> imu;
   Eigen::Matrix4d camera_from_imu = Eigen::Matrix4d::Identity();
+  std::vector<cv::Mat> right_colors;  // of a second camera like the first, may be none
+  Eigen::Matrix4d right_from_left = Eigen::Matrix4d::Identity();
 };
 
 /// A rotation about an axis by an angle [rad], and a translation [m].
@@ -52,7 +54,8 @@ void write_omd_raw(const RecordedWorld& world, const std::filesystem::path& fold
 void write_omd_processed(const RecordedWorld& world, const std::filesystem::path& folder,
                          double metric_units = 0);
 
-/// EuRoC's layout, the IMU being the body: cam0, imu0, state_groundtruth_estimate0.
+/// EuRoC's layout, the IMU being the body: cam0, imu0, where there is a second camera cam1,
+/// state_groundtruth_estimate0.
 void write_euroc_layout(const RecordedWorld& world, const std::filesystem::path& folder);
 
 }  // namespace uniquadric
