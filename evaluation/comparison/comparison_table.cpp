@@ -41,13 +41,18 @@ std::string significance(const MetricChange& change) {
   return p ? format_p(*p) : "-";
 }
 
-// The place with the greatest loss, if there are several and it is worth a word.
-std::string worst_place(const MetricChange& change) {
-  const PlaceChange& worst = change.places.front();
-  if (change.places.size() < 2 || worst.loss <= change.rule.margin) return "";
+// The place with the greatest loss, of those that are proven where they decided; empty where there is nothing
+// to tell.
+std::string worst_place(const MetricChange& change, const GateOptions& options) {
+  const auto is_proven = [&](const PlaceChange& place) { return place.p && *place.p <= options.place_alpha; };
+  const auto& places = change.places;
+  const auto worst = change.reason == VerdictReason::one_place
+                         ? std::find_if(places.begin(), places.end(), is_proven)
+                         : places.begin();
+  if (places.size() < 2 || worst->loss <= change.rule.margin) return "";
   std::string text =
-      fmt::format("{}/{} {}", worst.sequence, worst.object, format_change(change.rule, worst.loss));
-  if (worst.worse) text += fmt::format(" (p {})", format_p(*worst.p));
+      fmt::format("{}/{} {}", worst->sequence, worst->object, format_change(change.rule, worst->loss));
+  if (is_proven(*worst)) text += fmt::format(" (p {})", format_p(*worst->p));
   return text;
 }
 
@@ -108,7 +113,7 @@ TableLines change_table(const ScoreComparison& comparison, bool all) {
     if (!all && change.verdict == Verdict::same) continue;
     lines.push_back({to_string(change.verdict), change.metric, change.subjects, format_figure(change.a),
                      format_figure(change.b), format_change(change.rule, change.loss), significance(change),
-                     to_string(change.reason), worst_place(change)});
+                     to_string(change.reason), worst_place(change, comparison.options)});
     if (with_variant) lines.back().insert(lines.back().begin() + 1, change.variant);
   }
   return lines;

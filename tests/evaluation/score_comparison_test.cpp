@@ -158,6 +158,19 @@ TEST(ScoreComparison, WorstComesFirstInEveryForm) {
   EXPECT_NE(markdown.find("| same | coverage | objects |"), std::string::npos) << markdown;
 }
 
+// Three seeds of s9 lose more than the eight of s3, which prove it.
+TEST(ScoreComparison, TableNamesThePlaceThatDecided) {
+  auto a = fabricated_scores(0, 1);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed)
+    a.push_back({"s9", "cube", "v", seed, "d_shape_mean_m", 0.1});
+  auto b = a;
+  scale(b, "d_shape_mean_m", 0.8);
+  scale(b, "d_shape_mean_m", 1.5, "s3");
+  scale(b, "d_shape_mean_m", 2, "s9");
+  const std::string text = comparison_text(compare(a, b));
+  EXPECT_NE(text.find("of one object  s3/cube +20 % (p 0)"), std::string::npos) << text;
+}
+
 TEST(ScoreComparison, JsonHasEveryMetricAndReadsBack) {
   const auto a = noisy(kNoise, 0), b = noisy(kNoise, 1);
   const ScoreComparison c = compare(a, b);
