@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/folder_hashes.h"
+#include "core/sequence/tracks.h"
 
 namespace uniquadric {
 namespace {
@@ -47,6 +48,10 @@ void check_rate(const fs::path& path, const std::vector<std::int64_t>& stamps_ns
         fmt::format("comes at {:.4g} Hz, sequence.yaml says {:.4g}", rate_hz / *middle, rate_hz));
   if (gaps > 0 && !may_have_gaps)
     add(problems, path, fmt::format("{} gaps of more than {} periods", gaps, kGap));
+}
+
+bool is_recording(const Sequence& sequence) {
+  return sequence.scene_hash.empty();  // whose sensors drop frames
 }
 
 void check_calibration(const Sequence& sequence, Problems& problems) {
@@ -116,16 +121,17 @@ void check_lidar(const Sequence& sequence, Problems& problems) {
       add(problems, list, "names no scan");
     return;
   }
-  const std::int64_t first_ns = sequence.frames.front().stamp_ns - period_ns;
-  const std::int64_t last_ns = sequence.frames.back().stamp_ns;
+  const bool has_frames = !sequence.frames.empty();  // a LiDAR may be alone
+  const std::int64_t first_ns = has_frames ? sequence.frames.front().stamp_ns - period_ns : 0;
+  const std::int64_t last_ns = has_frames ? sequence.frames.back().stamp_ns : 0;
   std::vector<std::int64_t> stamps_ns;
   for (const SequenceScan& scan : sequence.scans) {
     stamps_ns.push_back(scan.stamp_ns);
-    if (scan.stamp_ns < first_ns || scan.stamp_ns > last_ns)
+    if (has_frames && (scan.stamp_ns < first_ns || scan.stamp_ns > last_ns))
       add(problems, sequence.folder / scan.file, "was taken before the first frame or after the last");
     attempt(problems, [&] { check_scan(sequence, scan, problems); });
   }
-  check_rate(list, stamps_ns, sequence.lidar->rate_hz, false, problems);
+  check_rate(list, stamps_ns, sequence.lidar->rate_hz, is_recording(sequence), problems);
 }
 
 void check_imu(const Sequence& sequence, Problems& problems) {
@@ -135,7 +141,8 @@ void check_imu(const Sequence& sequence, Problems& problems) {
   if (samples.empty()) return add(problems, path, "has no sample");
   std::vector<std::int64_t> stamps_ns;
   for (const ImuSample& sample : samples) stamps_ns.push_back(sample.stamp_ns);
-  check_rate(path, stamps_ns, sequence.imu->rate_hz, false, problems);
+  check_rate(path, stamps_ns, sequence.imu->rate_hz, is_recording(sequence), problems);
+  if (sequence.frames.empty() || is_recording(sequence)) return;  // which start and end sensor by sensor
   if (stamps_ns.front() > sequence.frames.front().stamp_ns ||
       stamps_ns.back() < sequence.frames.back().stamp_ns)
     add(problems, path, "does not cover the frames");
@@ -144,8 +151,7 @@ void check_imu(const Sequence& sequence, Problems& problems) {
 void check_observations(const Sequence& sequence, Problems& problems) {
   std::vector<std::int64_t> stamps_ns;
   for (const SequenceFrame& frame : sequence.frames) stamps_ns.push_back(frame.stamp_ns);
-  const bool is_recording = sequence.scene_hash.empty();  // whose cameras drop frames
-  check_rate(sequence.folder / "rgb.txt", stamps_ns, sequence.rate_hz, is_recording, problems);
+  check_rate(sequence.folder / "rgb.txt", stamps_ns, sequence.rate_hz, is_recording(sequence), problems);
   check_calibration(sequence, problems);
   check_unlisted(sequence, problems);
   check_frames(sequence, problems);
@@ -156,9 +162,16 @@ void check_observations(const Sequence& sequence, Problems& problems) {
 }  // namespace
 
 std::vector<std::string> check_sequence(const fs::path& folder) {
+  const bool is_truth = !fs::exists(folder / "sequence.yaml") && fs::exists(folder / "objects.yaml");
+  const fs::path parent = fs::weakly_canonical(folder).parent_path();
   Problems problems;
+  if (is_truth && !fs::exists(parent / "sequence/sequence.yaml")) {
+    attempt(problems, [&] { read_tracks(folder); });
+    for (const std::string& problem : check_hashes(folder)) problems.push_back(problem);
+    return problems;
+  }
   attempt(problems, [&] {
-    const Sequence sequence = open_sequence(folder);
+    const Sequence sequence = open_sequence(is_truth ? parent / "sequence" : folder);
     const fs::path truth = fs::weakly_canonical(sequence.folder).parent_path() / "truth";
     check_observations(sequence, problems);
     if (fs::is_directory(truth)) attempt(problems, [&] { check_truth(sequence, truth, problems); });

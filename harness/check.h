@@ -9,12 +9,14 @@
 namespace uniquadric {
 
 /// Verifies a sequence folder (or the folder that holds it beside its truth) and, where there is a sibling
-/// `truth`, that too: a line for each thing that is wrong, naming the file; none when all is well.
+/// `truth`, that too; a truth folder with its sibling `sequence`, or alone as far as that goes: a line for
+/// each thing that is wrong, naming the file; none when all is well.
 /// - that it opens (schema, lists, stamps), frame rate, calibration, files that no list names
 /// - every image decodes and has the camera's type and size; depth is there and not cut off at 16 bits
 /// - LiDAR scans can be read, their points' times lie within the scan, their stamps within the sequence
 /// - the IMU's rate is regular and its samples cover the frames
-/// - truth and sequence have the same frames, calibration and objects; masks hold known ids only, exact masks
+/// - truth and sequence have the same frames (of a recording: the truth's are among them), calibration and
+///   objects; masks hold known ids only, exact masks
 ///   as many pixels as visibility.csv says
 /// - `hashes.txt` of either folder
 std::vector<std::string> check_sequence(const std::filesystem::path& folder);

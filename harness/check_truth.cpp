@@ -20,22 +20,23 @@ void add(Problems& problems, const fs::path& path, const std::string& what) {
   problems.push_back(path.string() + ": " + what);
 }
 
+// The frames of a simulation are the truth's; a recording's truth may know some of them alone.
 void check_stamps(const ExportSource& source, Problems& problems) {
-  const auto& frames = source.sequence.frames;
-  const auto differs = [&](std::size_t count, const auto& stamp_of) {
-    if (count != frames.size()) return true;
-    for (std::size_t i = 0; i < count; ++i)
-      if (stamp_of(i) != frames[i].stamp_ns) return true;
-    return false;
+  std::set<std::int64_t> frames;
+  for (const SequenceFrame& frame : source.sequence.frames) frames.insert(frame.stamp_ns);
+  if (frames.empty()) return;
+  const bool is_recording = source.sequence.scene_hash.empty();
+  const auto differs = [&](const auto& states) {
+    return (!is_recording && states.size() != frames.size()) ||
+           std::any_of(states.begin(), states.end(),
+                       [&](const auto& state) { return !frames.contains(state.stamp_ns); });
   };
+  const char* const what =
+      is_recording ? "has other frames than the sequence" : "does not have the sequence's frames";
   const ExportTruth& truth = *source.truth;
-  const Trajectory& camera = truth.tracks.camera;
-  if (differs(camera.size(), [&](std::size_t i) { return camera[i].stamp_ns; }))
-    add(problems, truth.folder / "camera.tum", "does not have the sequence's frames");
+  if (differs(truth.tracks.camera)) add(problems, truth.folder / "camera.tum", what);
   for (const ObjectTrack& track : truth.tracks.objects)
-    if (differs(track.states.size(), [&](std::size_t i) { return track.states[i].stamp_ns; }))
-      add(problems, truth.folder / fmt::format("objects/{}.tum", track.id),
-          "does not have the sequence's frames");
+    if (differs(track.states)) add(problems, truth.folder / fmt::format("objects/{}.tum", track.id), what);
 }
 
 void check_calibration(const ExportSource& source, Problems& problems) {

@@ -50,6 +50,19 @@ void check_mask(const fs::path& path, const Camera& camera, Problems& problems) 
     problems.push_back(path.string() + ": is no 16-bit grey image of the camera's size");
 }
 
+// camera.tum says again, for other tools, what the observations' index says.
+void check_poses(const fs::path& path, const std::vector<FrameInfo>& frames, Problems& problems) {
+  Trajectory kept;
+  for (const FrameInfo& frame : frames)
+    if (frame.world_from_camera) kept.push_back({frame.stamp_ns, *frame.world_from_camera});
+  const Trajectory written = read_tum(path);
+  const bool is_same =
+      std::equal(kept.begin(), kept.end(), written.begin(), written.end(), [](const auto& a, const auto& b) {
+        return a.stamp_ns == b.stamp_ns && a.pose.matrix() == b.pose.matrix();
+      });
+  if (!is_same) problems.push_back(path.string() + ": does not have the poses of the observations");
+}
+
 }  // namespace
 
 bool is_perception(const fs::path& folder) {
@@ -83,7 +96,7 @@ std::vector<std::string> check_perception(const fs::path& folder) {
     const Perception perception(folder);
     for (std::size_t i = 0; i < perception.frames().size(); ++i)
       attempt(problems, [&] { perception.read(i); });
-    attempt(problems, [&] { read_tum(folder / "camera.tum"); });
+    attempt(problems, [&] { check_poses(folder / "camera.tum", perception.frames(), problems); });
     if (!fs::is_directory(folder / "masks")) return;
     std::vector<fs::path> masks;
     for (const auto& entry : fs::directory_iterator(folder / "masks")) masks.push_back(entry.path());

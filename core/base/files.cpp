@@ -68,9 +68,6 @@ int lock_folder(const fs::path& folder, const fs::path& shown) {
   return lock;
 }
 
-// In a partial folder, so that nothing of anybody else is taken for one.
-constexpr const char* kMarker = ".uniquadric_partial";
-
 // A name beside `path` that nothing has.
 fs::path unused_beside(const fs::path& path) {
   for (int i = 0;; ++i)
@@ -93,7 +90,7 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
   if (fs::exists(final_) && !fs::is_directory(final_)) throw InputError(final_, "exists and is not a folder");
   if (!replace && fs::exists(final_) && !fs::is_empty(final_))
     throw InputError(final_, "exists and is not empty; give another folder or --force");
-  if (fs::exists(partial_) && !fs::exists(partial_ / kMarker) &&
+  if (fs::exists(partial_) && !fs::exists(partial_ / kPartialMarker) &&
       !(fs::is_directory(partial_) && fs::is_empty(partial_)))
     throw InputError(partial_, fmt::format("is in the way of {}, and nothing that was left behind; move it",
                                            final_.filename().string()));
@@ -105,7 +102,8 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
   fs::create_directories(partial_, error);
   if (error) throw InputError(final_, fmt::format("cannot be created: {}", error.message()));
   lock_ = lock_folder(partial_, final_);
-  if (!std::ofstream(partial_ / kMarker)) throw_unwritable(partial_);  // at once: it is empty or has it
+  if (!std::ofstream(partial_ / kPartialMarker))
+    throw_unwritable(partial_);  // at once: it is empty or has it
 }
 
 PendingFolder::~PendingFolder() {
@@ -117,7 +115,7 @@ PendingFolder::~PendingFolder() {
 
 void PendingFolder::clear() const {
   for (const auto& entry : fs::directory_iterator(partial_))
-    if (entry.path().filename() != kMarker) fs::remove_all(entry.path());
+    if (entry.path().filename() != kPartialMarker) fs::remove_all(entry.path());
 }
 
 void PendingFolder::commit() {
@@ -129,7 +127,7 @@ void PendingFolder::commit() {
   } else {
     fs::rename(partial_, final_);
   }
-  fs::remove(final_ / kMarker);
+  fs::remove(final_ / kPartialMarker);
   committed_ = true;
 }
 

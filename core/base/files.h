@@ -23,6 +23,9 @@ void duplicate_file(const std::filesystem::path& from, const std::filesystem::pa
 /// Throws InputError for a link to nothing: neither a place to write to nor a new one.
 void require_no_dangling_link(const std::filesystem::path& path);
 
+/// Name of the file in a PendingFolder's partial folder, so that nothing of anybody else is taken for one.
+inline constexpr const char* kPartialMarker = ".uniquadric_partial";
+
 /// A folder that appears under its final name only when complete: work goes to `path()` (a sibling named
 /// OUT.partial), `commit()` renames it to OUT. Left uncommitted, the partial folder is removed, unless
 /// `keep_partial` asks for it to stay for a later resume.

@@ -17,12 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kHashDigits = 16, kNameColumn = kHashDigits + 2;  // of a line: hash, two blanks, path
 
-// Paths below the folder of all files but the list of hashes itself.
+// Paths below the folder of all files but the list of hashes itself and the mark of a folder in the making.
 std::vector<std::string> list_files(const fs::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file()) names.push_back(entry.path().lexically_relative(folder).generic_string());
-  std::erase(names, kHashesFile);
+  for (const char* own : {kHashesFile, kPartialMarker}) std::erase(names, own);
   return names;
 }
 

@@ -258,8 +258,9 @@ void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_cam
   write_tum(folder_ / "camera.tum", camera);
   write_camera_yaml(folder_ / "camera.yaml", camera_);
   write_text(folder_ / "perception.yaml",
-             fmt::format("schema: {}\nprogram: {}\nkey: {}\nframes: {}\n", kSchema, yaml_quoted(kProgram),
-                         yaml_quoted(key_), frames_.size()));
+             fmt::format("schema: {}\nprogram: {}\nkey: {}\nframes: {}\ncamera_hash: \"{}\"\n", kSchema,
+                         yaml_quoted(kProgram), yaml_quoted(key_), frames_.size(),
+                         hex(hash_file(folder_ / "camera.yaml"))));
 }
 
 std::vector<fs::path> foreign_files(const fs::path& folder) {
@@ -304,6 +305,9 @@ Perception::Perception(const fs::path& folder)
   const ConfigNode root = ConfigNode::load(folder / "perception.yaml");
   if (root.get<std::int64_t>("frames") != std::ssize(frames_))
     root.at("frames").fail(fmt::format("expected {}, as observations.bin has", frames_.size()));
+  const std::string hash = hex(hash_file(folder / "camera.yaml"));
+  if (const auto made = root.get<std::string>("camera_hash"); made != hash)
+    throw InputError(folder / "camera.yaml", fmt::format("has changed: its hash is {}, was {}", hash, made));
 }
 
 PerceivedFrame Perception::read(std::size_t index) const {

@@ -19,8 +19,9 @@ void add_info(CLI::App& app, Common& common) {
   sub->add_option("PATH", path,
                   "sequence, truth, perception, estimate, results; scene, variant, bench or .tum file")
       ->required();
-  sub->add_flag("--check", check,
-                "verify a sequence (counts, stamps, images, calibration, hashes) or a kept perception");
+  sub->add_flag(
+      "--check", check,
+      "verify a sequence, a truth (counts, stamps, images, calibration, hashes) or a kept perception");
   sub->callback([&common] {
     std::cout << describe(path);
     if (!check) return;

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/sequence/calibration.h"
 #include "estimator/perception/perception_files.h"
 #include "synthetic_perception.h"
 #include "tests/support/temp_folder.h"
@@ -114,6 +115,18 @@ TEST(PerceptionFiles, ANumberOfFramesThatTheyAreNotIsRefused) {
   text.replace(text.find("frames: 2"), 9, "frames: 5");
   write_text(file, text);
   EXPECT_THROW(Perception(temp.path() / "kept"), InputError);
+}
+
+TEST(PerceptionFiles, AnotherCameraThanTheirsIsRefused) {
+  const TempFolder temp;
+  const SyntheticPerception perception = two_frames();
+  write(temp.path() / "kept", perception.frames, perception.camera);
+  const fs::path file = temp.path() / "kept/camera.yaml";
+  Camera other = read_camera_yaml(file);
+  other.fx *= 1.01;
+  write_camera_yaml(file, other);
+  EXPECT_NE(input_error([&] { Perception(temp.path() / "kept"); }).find("camera.yaml: has changed"),
+            std::string::npos);
 }
 
 TEST(PerceptionFiles, DamagedFilesAreRefusedWhereverTheyEndOrDiffer) {

@@ -4,6 +4,7 @@
 
 #include "core/base/files.h"
 #include "core/base/folder_hashes.h"
+#include "core/import/tum.h"
 #include "tests/export/exported_scene.h"
 
 namespace uniquadric {
@@ -121,6 +122,50 @@ TEST_F(Check, HashesTellWhatHasChanged) {
   EXPECT_NE(problems().find("camera_given.tum: is missing"), std::string::npos);
   write_text(sequence_.folder / "notes.txt", "");
   EXPECT_NE(problems().find("notes.txt: does not stand in hashes.txt"), std::string::npos);
+}
+
+TEST_F(Check, ATruthFolderIsCheckedWithItsSequenceOrAlone) {
+  const fs::path truth = data() / "truth", camera = truth / "camera.yaml";
+  const auto found = [](const fs::path& folder) {
+    std::string text;
+    for (const std::string& problem : check_sequence(folder)) text += problem + "\n";
+    return text;
+  };
+  EXPECT_EQ(found(truth), "");
+  write_text(camera, replaced(camera, "fx: 130", "fx: 131"));
+  EXPECT_NE(found(truth).find("camera.yaml: is not the sequence's calibration"), std::string::npos);
+  const fs::path alone = folder() / "alone";
+  fs::rename(truth, alone);
+  EXPECT_NE(found(alone).find("camera.yaml: has changed"), std::string::npos);
+  write_text(alone / "camera.yaml", replaced(alone / "camera.yaml", "fx: 131", "fx: 130"));
+  EXPECT_EQ(found(alone), "");
+  write_text(alone / "objects/2.tum", "0 0 0 0 0 0 0 2\n");
+  EXPECT_NE(found(alone).find("2.tum:1: quaternion has norm 2"), std::string::npos);
+}
+
+// An import has no second calibration to compare with: its hashes tell.
+TEST_F(Check, AnImportThatWasEditedIsSeen) {
+  ImportTumOptions options;
+  options.quiet = true;
+  const fs::path back = folder() / "back";
+  import_tum(run("tum"), options, back);
+  EXPECT_EQ(check_sequence(back), std::vector<std::string>());
+  write_text(back / "sequence.yaml", replaced(back / "sequence.yaml", "fx: 130", "fx: 131"));
+  const auto found = check_sequence(back);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].find("sequence.yaml: has changed"), std::string::npos);
+}
+
+TEST_F(Check, ARecordingsTruthMayKnowSomeFramesAlone) {
+  sequence_.scene_hash.clear();
+  rewrite_index();
+  const fs::path truth = data() / "truth/objects/2.tum";
+  write_text(truth, bytes_of(truth).substr(0, bytes_of(truth).find('\n') + 1));
+  fs::remove(data() / "truth" / kHashesFile);
+  fs::remove(sequence_.folder / kHashesFile);
+  EXPECT_EQ(problems(), "");
+  write_text(truth, "0.05 0 0 0 0 0 0 1\n");
+  EXPECT_NE(problems().find("2.tum: "), std::string::npos);
 }
 
 TEST_F(Check, AFolderThatIsNoSequenceIsOneProblem) {
