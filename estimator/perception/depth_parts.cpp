@@ -133,25 +133,28 @@ cv::Mat depth_parts(const cv::Mat& depth, const Camera& camera, const DepthParts
   return labels;
 }
 
+int label_near(const cv::Mat& labels, const PointPrompt& point) {
+  const cv::Rect image({0, 0}, labels.size());
+  const cv::Rect around(static_cast<int>(point.u) - kPointReach_px,
+                        static_cast<int>(point.v) - kPointReach_px, 2 * kPointReach_px + 1,
+                        2 * kPointReach_px + 1);
+  const cv::Rect window = around & image;
+  int nearest = 0;
+  double least = kPointReach_px + 0.5;
+  for (int v = window.y; v < window.br().y; ++v)
+    for (int u = window.x; u < window.br().x; ++u) {
+      const double distance = std::hypot(u - point.u, v - point.v);
+      if (labels.at<std::uint16_t>(v, u) == 0 || distance >= least) continue;
+      least = distance;
+      nearest = labels.at<std::uint16_t>(v, u);
+    }
+  return nearest;
+}
+
 cv::Mat parts_at_points(const cv::Mat& parts, const std::vector<PointPrompt>& points) {
   cv::Mat masks = cv::Mat::zeros(parts.size(), CV_16UC1);
-  const cv::Rect image({0, 0}, parts.size());
-  for (const PointPrompt& point : points) {
-    const cv::Rect around(static_cast<int>(point.u) - kPointReach_px,
-                          static_cast<int>(point.v) - kPointReach_px, 2 * kPointReach_px + 1,
-                          2 * kPointReach_px + 1);
-    const cv::Rect window = around & image;
-    int nearest = 0;
-    double least = kPointReach_px + 0.5;
-    for (int v = window.y; v < window.br().y; ++v)
-      for (int u = window.x; u < window.br().x; ++u) {
-        const double distance = std::hypot(u - point.u, v - point.v);
-        if (parts.at<std::uint16_t>(v, u) == 0 || distance >= least) continue;
-        least = distance;
-        nearest = parts.at<std::uint16_t>(v, u);
-      }
-    if (nearest != 0) masks.setTo(point.id, parts == nearest);
-  }
+  for (const PointPrompt& point : points)
+    if (const int part = label_near(parts, point); part != 0) masks.setTo(point.id, parts == part);
   return masks;
 }
 

@@ -28,6 +28,9 @@ struct DepthPartsOptions {
 cv::Mat depth_parts(const cv::Mat& depth, const Camera& camera, const DepthPartsOptions& options,
                     RandomStream& random);
 
+/// The label (CV_16UC1, 0 none) that a point lies on, or the nearest within a few pixels of it.
+int label_near(const cv::Mat& labels, const PointPrompt& point);
+
 /// The parts that points lie on (or within a few pixels of), CV_16UC1 by the points' ids: what a user meant.
 cv::Mat parts_at_points(const cv::Mat& parts, const std::vector<PointPrompt>& points);
 

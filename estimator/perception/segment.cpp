@@ -76,6 +76,14 @@ std::vector<PointPrompt> points_of(const Segmenter& segmenter, const SegmenterIn
   return points;
 }
 
+// The masks; says which of the user's points share one.
+cv::Mat checked(const Segmenter& segmenter, const SequenceFrame& frame, cv::Mat masks) {
+  if (segmenter.prompt_kind != PromptKind::points) return masks;
+  for (const auto& [first, second] : points_on_one_mask(masks, segmenter.points[frame.frame]))
+    segmenter.shared_masks->say({frame.stamp_ns, first}, {frame.stamp_ns, second});
+  return masks;
+}
+
 // Where two objects claim a pixel the smaller box has it: it is more likely the one in front.
 cv::Mat masks_of_boxes(std::vector<BoxPrompt> boxes, const GrabcutOptions& options, const Camera& camera,
                        const SegmenterInput& input, std::uint64_t seed) {
@@ -140,9 +148,9 @@ cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const Segm
     case MaskSource::grabcut_depth:
       return masks_of_boxes(boxes_of(segmenter, input), options.grabcut_depth, camera, input, seed);
     case MaskSource::depth_motion:
-      return masks_by_depth_and_motion(segmenter, sequence, input, seed);
+      return checked(segmenter, input.frame, masks_by_depth_and_motion(segmenter, sequence, input, seed));
     case MaskSource::sam:
-      return masks_by_sam(segmenter, input);
+      return checked(segmenter, input.frame, masks_by_sam(segmenter, input));
     case MaskSource::detector:
       return masks_of_boxes(detect_boxes(*segmenter.detector, input.rgb, options.detector),
                             options.grabcut_depth, camera, input, seed);

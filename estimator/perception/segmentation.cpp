@@ -62,16 +62,24 @@ void add_ids_of_boxes(const cv::Mat& masks, const std::vector<BoxPrompt>& prompt
   }
 }
 
-void add_ids_of_points(const cv::Mat& masks, const std::vector<PointPrompt>& prompts, std::set<int>& ids) {
+// The first point on each mask so far, by the mask's id.
+using FirstPoints = std::map<int, SharedMasks::Placed>;
+
+void add_ids_of_points(const cv::Mat& masks, std::int64_t stamp_ns, const std::vector<PointPrompt>& prompts,
+                       SharedMasks& shared, FirstPoints& first_on, std::set<int>& ids) {
   for (const auto& point : prompts) {
     const int id = masks.at<std::uint16_t>(static_cast<int>(std::lround(point.v)),
                                            static_cast<int>(std::lround(point.u)));
-    if (id != 0) ids.insert(id);
+    if (id == 0) continue;
+    ids.insert(id);
+    const auto& first = first_on.try_emplace(id, SharedMasks::Placed{stamp_ns, point}).first->second;
+    if (first.point.id != point.id) shared.say(first, {stamp_ns, point});
   }
 }
 
-std::set<int> ids_meant(const Sequence& sequence, const Segmenter& segmenter) {
+std::set<int> ids_meant(const Sequence& sequence, const Segmenter& segmenter, bool ids_last) {
   std::set<int> ids;
+  FirstPoints first_on;
   for (const auto& frame : sequence.frames) {
     if (frame.masks.empty()) continue;
     const bool has_boxes = !segmenter.boxes.empty() && !segmenter.boxes[frame.frame].empty();
@@ -79,7 +87,10 @@ std::set<int> ids_meant(const Sequence& sequence, const Segmenter& segmenter) {
     if (!has_boxes && !has_points) continue;
     const cv::Mat masks = read_masks(sequence, frame);
     if (has_boxes) add_ids_of_boxes(masks, segmenter.boxes[frame.frame], ids);
-    if (has_points) add_ids_of_points(masks, segmenter.points[frame.frame], ids);
+    if (!ids_last) first_on.clear();  // a point of another frame may be of the same object
+    if (has_points)
+      add_ids_of_points(masks, frame.stamp_ns, segmenter.points[frame.frame], *segmenter.shared_masks,
+                        first_on, ids);
   }
   return ids;
 }
@@ -89,9 +100,12 @@ void read_prompts(const Sequence& sequence, const Prompts& prompts, Segmenter& s
   if (prompts.kind == PromptKind::boxes) segmenter.boxes = read_box_prompts(prompts.path, sequence);
   if (prompts.kind == PromptKind::points) segmenter.points = read_point_prompts(prompts.path, sequence);
   if (prompts.empty()) return;
-  segmenter.names_bodies = segmenter.source != MaskSource::sequence && have_ids(prompts);
+  const bool ids_last = have_ids(prompts);
+  if (prompts.kind == PromptKind::points)
+    segmenter.shared_masks = std::make_shared<SharedMasks>(prompts.path, ids_last);
+  segmenter.names_bodies = segmenter.source != MaskSource::sequence && ids_last;
   if (segmenter.source != MaskSource::sequence) return;
-  segmenter.selected = ids_meant(sequence, segmenter);
+  segmenter.selected = ids_meant(sequence, segmenter, ids_last);
   if (segmenter.selected->empty())
     throw InputError(prompts.path, fmt::format("no {} fits a mask of the sequence",
                                                prompts.kind == PromptKind::boxes ? "box" : "point"));

@@ -14,6 +14,7 @@
 #include "estimator/perception/motion_split.h"
 #include "estimator/perception/prompts.h"
 #include "estimator/perception/sam_segmenter.h"
+#include "estimator/perception/shared_masks.h"
 
 namespace uniquadric {
 
@@ -44,12 +45,14 @@ struct Segmenter {
   std::vector<std::vector<BoxPrompt>> boxes;     ///< of each frame; empty without box prompts
   std::vector<std::vector<PointPrompt>> points;  ///< of each frame; empty without point prompts
   std::optional<std::set<int>> selected;  ///< ids of the sequence's masks that a prompt means; nothing: all
+  std::shared_ptr<SharedMasks> shared_masks;  ///< of point prompts
   std::shared_ptr<const SamSegmenter> sam;
   std::optional<OnnxModel> detector;
 };
 
 /// Resolves the source, reads the prompts and loads the networks. With the sequence's masks, boxes select the
-/// ids whose masks they fit in any frame, points those that they lie on. Throws InputError for sources that
+/// ids whose masks they fit in any frame, points those that they lie on (two that lie on one are said on
+/// stderr, here and by segment()). Throws InputError for sources that
 /// the sequence does not have, for prompts that a source does not take, for prompts that fit no mask, and for
 /// networks that OpenCV refuses.
 Segmenter make_segmenter(const Sequence& sequence, const SegmentationOptions& options,

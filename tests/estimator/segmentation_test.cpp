@@ -1,13 +1,16 @@
 #include "estimator/perception/segmentation.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 
 #include "box_scene.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "drawn_world.h"
+#include "estimator/perception/outline.h"
 #include "estimator/perception/support_planes.h"
 #include "tests/support/temp_folder.h"
 
@@ -135,6 +138,44 @@ TEST(Segmentation, PointsSelectAmongTheSequencesMasks) {
   EXPECT_EQ(make_segmenter(sequence, {}, points).selected, std::set<int>{4});
   write_text(folder / "points.txt", "1.0 3 3\n");
   EXPECT_NE(input_error([&] { make_segmenter(sequence, {}, points); }).find("no point fits a mask"),
+            std::string::npos);
+}
+
+// One of two prompts finds nothing where both lie on one mask: that is said, naming both.
+TEST(Segmentation, PointsOfTwoObjectsOnOneMaskAreSaid) {
+  const TempFolder temp;
+  const fs::path& folder = temp.path();
+  const Sequence sequence = write_box_sequence(folder, 2, false);
+  const cv::Mat masks = read_masks(sequence, sequence.frames[0]);
+  const auto [id, box] = *id_boxes(masks).begin();
+  const int u = box.x + box.width / 2, v = box.y + box.height / 2;
+  const auto said = [&](MaskSource source, const std::string& points) {
+    write_text(folder / "points.txt", points);
+    testing::internal::CaptureStderr();
+    const Segmenter segmenter =
+        make_segmenter(sequence, from(source), {PromptKind::points, folder / "points.txt"});
+    for (const SequenceFrame& frame : sequence.frames)
+      segment(segmenter, sequence, frame, read_depth(sequence, frame), 0);
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string first = fmt::format("({}, {}) at {} s", u, v, format_stamp(sequence.frames[0].stamp_ns));
+  const auto line = [&](std::size_t frame, int du, const char* id_text) {
+    return fmt::format("{} {} {}{}\n", format_stamp(sequence.frames[frame].stamp_ns), u + du, v, id_text);
+  };
+  for (const MaskSource source : {MaskSource::sequence, MaskSource::depth_motion}) {
+    const std::string unnamed = said(source, line(0, 0, "") + line(0, 2, ""));
+    EXPECT_NE(unnamed.find(fmt::format("points.txt: the points {} and ({}, {}) at", first, u + 2, v)),
+              std::string::npos)
+        << unnamed;
+    const std::string named =
+        said(source, line(0, 0, " 7") + line(0, 2, " 9") + line(1, 0, " 7") + line(1, 2, " 9"));
+    EXPECT_NE(named.find(first + " of object 7 and "), std::string::npos) << named;
+    EXPECT_EQ(std::count(named.begin(), named.end(), '\n'), 1) << named;  // once a pair
+    EXPECT_EQ(said(source, line(0, 0, " 7") + line(0, 2, " 7")), "");
+    EXPECT_EQ(said(source, line(0, 0, "") + line(1, 0, "")), "");  // each frame's may be the same object
+  }
+  // over the frames too, where ids say who is who
+  EXPECT_NE(said(MaskSource::sequence, line(0, 0, " 7") + line(1, 2, " 9")).find("of object 9"),
             std::string::npos);
 }
 
