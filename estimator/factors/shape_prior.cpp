@@ -36,23 +36,34 @@ class AxisPrior final : public ceres::SizedCostFunction<3, 3> {
   AxisScale scale_;
 };
 
+constexpr int residuals_of(int exponents) {
+  return 2 * exponents + (exponents == 3 ? 1 : 0);
+}
+
 template <int Exponents>
-class ExponentPrior final : public ceres::SizedCostFunction<2 * Exponents, Exponents> {
+class ExponentPrior final : public ceres::SizedCostFunction<residuals_of(Exponents), Exponents> {
  public:
   explicit ExponentPrior(const ExponentPriorOptions& options) : options_(options) {}
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    constexpr int kResiduals = residuals_of(Exponents);
+    Eigen::Matrix<double, kResiduals, Exponents> slopes = decltype(slopes)::Zero();
     for (int i = 0; i < Exponents; ++i) {
       const double s = blocks[0][i];
       residuals[2 * i] = (exponent_from_block(s) - 2) / options_.sigma;
       residuals[2 * i + 1] = s / options_.block_sigma;
+      slopes(2 * i, i) = exponent_slope(s) / options_.sigma;
+      slopes(2 * i + 1, i) = 1 / options_.block_sigma;
     }
-    if (!jacobians || !jacobians[0]) return true;
-    std::fill_n(jacobians[0], 2 * Exponents * Exponents, 0.0);
-    for (int i = 0; i < Exponents; ++i) {
-      jacobians[0][2 * i * Exponents + i] = exponent_slope(blocks[0][i]) / options_.sigma;
-      jacobians[0][(2 * i + 1) * Exponents + i] = 1 / options_.block_sigma;
+    if constexpr (Exponents == 3) {
+      const double upper = blocks[0][1], lower = blocks[0][2];
+      residuals[6] = (exponent_from_block(upper) - exponent_from_block(lower)) / options_.profile_sigma;
+      slopes(6, 1) = exponent_slope(upper) / options_.profile_sigma;
+      slopes(6, 2) = -exponent_slope(lower) / options_.profile_sigma;
     }
+    if (jacobians && jacobians[0])
+      for (int row = 0; row < kResiduals; ++row)
+        for (int i = 0; i < Exponents; ++i) jacobians[0][row * Exponents + i] = slopes(row, i);
     return true;
   }
 

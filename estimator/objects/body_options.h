@@ -111,6 +111,7 @@ void visit(Io& io, LongWindowOptions& o) {
                 {"none", RigidPrior::none}, {"soft", RigidPrior::soft}, {"hard", RigidPrior::hard}});
   io.positive("rigid_sigma_m", o.rigid_sigmas.translation_m);
   io.positive("rigid_sigma_rad", o.rigid_sigmas.rotation_rad);
+  io.positive("profile_sigma", o.profile_sigma);
   io.flag("surface_points", o.surface_points);
   io.positive("surface_sigma_m", o.surface_sigma_m);
   io.flag("extents", o.extents);

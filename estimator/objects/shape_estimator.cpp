@@ -16,7 +16,9 @@ namespace {
 constexpr double kSphereDepth = 0.6;    // centre of a sphere behind the median of its visible depth, in radii
 constexpr int kMostAxes = 100;          // single-frame estimates that are fused: bounds memory and time
 constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
-constexpr double kClearlyBetter = 0.9;  // share of the cost below which another start is taken
+constexpr double kClearlyBetter = 0.8;  // share of the cost below which another start is taken
+constexpr double kCloser = 0.9;         // share of the points off a box below which another is closer
+constexpr double kNearSide = 0.05;      // radii that a point may be off a side
 constexpr double kTurnGain = 4;         // of the cost, for which the axes turn: 8 of chi-square for 3 numbers
 constexpr PoseSigmas kBoxSigmas{0.01, 0.02};  // of the box that most of Alg. 1's agree with
 constexpr int kEnoughSegmented = 3;           // views, without which carried outlines count
@@ -101,9 +103,10 @@ std::optional<Eigen::Vector3d> ShapeEstimator::start(const PerceivedFrame& frame
                                                      const BodyObservation& body) {
   if (!body.silhouette || body.points.cols() == 0) return std::nullopt;
   const Ellipse& box = body.silhouette->rot_bbox;
-  radius_m_ = median_depth(body.points) * std::sqrt(box.semi_major * box.semi_minor) / camera_.fx;
+  const double m_per_px = median_depth(body.points) / camera_.fx;
+  radius_m_ = std::sqrt(box.semi_major * box.semi_minor) * m_per_px;
   shape_.semi_axes_m.setConstant(radius_m_);
-  surface_.reset(radius_m_);
+  surface_.reset(radius_m_, box.semi_major * m_per_px);
   return center_of(frame, body);
 }
 
@@ -132,7 +135,8 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
   if (fuses(options_.long_window.axis_prior) || keyframes_ <= options_.search_keyframes)
     box = box_of(keyframe, body.points);
   if (keyframes_ == 1 && box) shape_ = *box;
-  solve(keyframes_ <= options_.search_keyframes ? box : std::nullopt);
+  const bool searches = keyframes_ <= options_.search_keyframes;
+  solve(searches ? box : std::nullopt, searches ? turned_starts() : std::vector<Shape>{});
 }
 
 void ShapeEstimator::receive(std::int64_t frame) {
@@ -147,7 +151,7 @@ void ShapeEstimator::receive(std::int64_t frame) {
     views_.insert(next, std::move(*late));
   }
   waiting_.erase(first, waiting_.end());
-  solve(std::nullopt);
+  solve(std::nullopt, {});
 }
 
 void ShapeEstimator::follow(const std::deque<BodyKeyframe>& window) {
@@ -224,7 +228,45 @@ std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<Accumul
   return beliefs;
 }
 
-void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
+// With a profile of its own along z, any of the three axes may be it.
+std::vector<Shape> ShapeEstimator::turned_starts() const {
+  std::vector<Shape> starts;
+  if (options_.long_window.exponents != 3) return starts;
+  Eigen::Matrix3d next;  // x becomes y, y z, z x
+  next << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  Shape turned = shape_;
+  turned.exponents = {};
+  for (int i = 0; i < 2; ++i) {
+    turned.body_from_object.rotation *= Eigen::Quaterniond(next);
+    turned.semi_axes_m = next.transpose() * turned.semi_axes_m;
+    starts.push_back(turned);
+  }
+  return starts;
+}
+
+// Share of the surface's points that lie on no side of the shape's box.
+double ShapeEstimator::share_off_box(const Shape& shape) const {
+  const Shape box = with_seen_extents(shape);
+  const Pose box_from_body = box.body_from_object.inverse();
+  const double near_m = kNearSide * radius_m_;
+  const Eigen::Matrix3Xd points = surface_.sample();
+  double off = 0;
+  for (const auto& point : points.colwise()) {
+    const Eigen::Vector3d x = box_from_body * Eigen::Vector3d(point);
+    const double ratio = (x.cwiseAbs() - box.semi_axes_m).cwiseAbs().minCoeff() / near_m;
+    off += ratio * ratio / (1 + ratio * ratio);
+  }
+  return off / std::max(1.0, static_cast<double>(points.cols()));
+}
+
+// No family of shapes holds every body: of two that fit alike, the one whose sides are the body's has its
+// axes.
+bool ShapeEstimator::has_closer_sides(const ShapeSolution& other, const ShapeSolution& best) const {
+  return kClearlyBetter * other.cost < best.cost + kClearGain &&
+         share_off_box(other.shape) < kCloser * share_off_box(best.shape);
+}
+
+void ShapeEstimator::solve(const std::optional<Shape>& box_start, const std::vector<Shape>& turned) {
   if (views_.empty()) return;
   if (options_.long_window.segmented_outlines) drop_carried(views_);
   thin_views(views_, options_.long_window.keyframes);
@@ -262,9 +304,14 @@ void ShapeEstimator::solve(const std::optional<Shape>& other_start) {
     return solution;
   };
   ShapeSolution best = solve_from(shape_);
-  if (other_start) {
-    ShapeSolution other = solve_from(*other_start);
-    if (other.cost < kClearlyBetter * best.cost - kClearGain) best = std::move(other);
+  const auto is_clearly_better = [](const ShapeSolution& other, const ShapeSolution& before) {
+    return other.cost < kClearlyBetter * before.cost - kClearGain;
+  };
+  for (const Shape& start : turned)
+    if (ShapeSolution other = solve_from(start); is_clearly_better(other, best)) best = std::move(other);
+  if (box_start) {
+    ShapeSolution other = solve_from(*box_start);
+    if (is_clearly_better(other, best) || has_closer_sides(other, best)) best = std::move(other);
   } else if (keyframes_ > options_.search_keyframes) {
     // axes that the evidence hardly tells apart, as a ball's, would wander from solve to solve
     ShapeSolution held = solve_from(shape_, false);

@@ -70,7 +70,10 @@ class ShapeEstimator {
   std::vector<AxisBelief> axis_beliefs(const std::optional<AccumulatedBox>& box) const;
   std::optional<Shape> box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points);
   Shape with_seen_extents(Shape shape) const;
-  void solve(const std::optional<Shape>& other_start);
+  void solve(const std::optional<Shape>& box_start, const std::vector<Shape>& turned);
+  std::vector<Shape> turned_starts() const;
+  double share_off_box(const Shape& shape) const;
+  bool has_closer_sides(const ShapeSolution& other, const ShapeSolution& best) const;
 
   int id_;
   Camera camera_;

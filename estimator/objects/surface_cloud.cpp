@@ -13,11 +13,11 @@ constexpr std::ptrdiff_t kFewVoxels = 300;
 
 }  // namespace
 
-void SurfaceCloud::reset(double radius_m) {
+void SurfaceCloud::reset(double radius_m, double reach_m) {
   voxels_.clear();
   is_colored_ = true;
   voxel_m_ = options_.voxel_share * radius_m;
-  reach_m_ = 3 * radius_m;
+  reach_m_ = 3 * reach_m;
 }
 
 SurfaceCloud::Cell SurfaceCloud::cell_of(const Eigen::Vector3d& point) const {

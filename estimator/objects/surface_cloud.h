@@ -17,13 +17,13 @@ struct SurfaceCloudOptions {
 };
 
 /// Depth points of a body over its keyframes, averaged in voxels of the body's frame. Bounded: voxels beyond
-/// three radii are refused.
+/// three times its reach are refused.
 class SurfaceCloud {
  public:
   explicit SurfaceCloud(const SurfaceCloudOptions& options) : options_(options) {}
 
-  /// Forgets everything and takes voxels for a body of this radius.
-  void reset(double radius_m);
+  /// Forgets everything and takes voxels for a body of this mean radius that reaches so far from its middle.
+  void reset(double radius_m, double reach_m);
   /// Points of one view, with their normals and colours where it has them.
   void add(const BodyObservation& body, const Pose& body_from_camera);
   /// At most max_points means of voxels with enough hits, spread evenly (3 x n).

@@ -197,7 +197,9 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   if (options.exponents == 0)
     problem.SetParameterBlockConstant(blocks.exponents.data());
   else
-    problem.AddResidualBlock(exponent_prior_factor(exponents).release(), nullptr, blocks.exponents.data());
+    problem.AddResidualBlock(
+        exponent_prior_factor(exponents, {.profile_sigma = options.profile_sigma}).release(), nullptr,
+        blocks.exponents.data());
   if (options.rigid_prior == RigidPrior::none)
     problem.SetParameterBlockConstant(blocks.offset.data());  // the poses are free: they carry it
   else

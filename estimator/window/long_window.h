@@ -52,8 +52,10 @@ struct LongWindowOptions {
   int keyframes = 25;  // paper: 20-25
   SemanticFactor semantic = SemanticFactor::tangent;
   Outline outline = Outline::hull;
-  int exponents =
-      1;  // ours: 0 is the ellipsoid (q = 2), 1 the superellipsoid, 3 the one with a top of its own
+  // ours: 0 is the ellipsoid (q = 2), 1 the superellipsoid, 3 the one whose outline and profiles along z have
+  // exponents of their own
+  int exponents = 3;
+  double profile_sigma = 0.02;    // ours: of three, by which the profiles above and below z = 0 differ
   double outline_sigma_px = 1.0;  // ours: of one tangent, README.md
   OutlineNoise outline_noise = OutlineNoise::given;
   // ours: outlines that a mask tracker carried no longer count once segmented ones have come: without depth

@@ -97,6 +97,21 @@ SyntheticBody box_body(const Eigen::Vector3d& a, std::function<Pose(double)> mot
   return body;
 }
 
+SyntheticBody cylinder_body(double r, double h, std::function<Pose(double)> motion) {
+  SyntheticBody body{Eigen::Matrix3Xd(3, 4000), Eigen::Matrix3Xd(3, 4000), {r, r, h}, std::move(motion)};
+  RandomStream random(7, "cylinder_body");
+  for (int i = 0; i < 4000; ++i) {
+    const double turn = random.uniform(-std::numbers::pi, std::numbers::pi);
+    const Eigen::Vector3d out(std::cos(turn), std::sin(turn), 0);
+    const bool on_side = random.uniform() * (r + 2 * h) < 2 * h, up = random.uniform() < 0.5;
+    const Eigen::Vector3d top = Eigen::Vector3d::UnitZ() * (up ? 1 : -1);
+    const double z = on_side ? random.uniform(-1, 1) : 1;
+    body.points.col(i) = (on_side ? r : r * std::sqrt(random.uniform())) * out + z * h * top;
+    body.normals.col(i) = on_side ? out : top;
+  }
+  return body;
+}
+
 SyntheticBody ellipsoid_body(const Eigen::Vector3d& a, std::function<Pose(double)> motion) {
   SyntheticBody body{Eigen::Matrix3Xd(3, 4000), Eigen::Matrix3Xd(3, 4000), a, std::move(motion)};
   for (int i = 0; i < 4000; ++i) {  // Fibonacci's spiral

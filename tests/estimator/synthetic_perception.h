@@ -18,6 +18,8 @@ struct SyntheticBody {
 };
 
 SyntheticBody box_body(const Eigen::Vector3d& semi_axes_m, std::function<Pose(double)> motion);
+/// About z.
+SyntheticBody cylinder_body(double radius_m, double half_height_m, std::function<Pose(double)> motion);
 SyntheticBody ellipsoid_body(const Eigen::Vector3d& semi_axes_m, std::function<Pose(double)> motion);
 
 struct SyntheticOptions {

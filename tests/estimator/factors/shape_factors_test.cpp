@@ -61,6 +61,17 @@ TEST(ExponentPrior, DrawsToTheQuadricAndKeepsTheBlockDetermined) {
   EXPECT_LT(cost(1.5), cost(1.1));
 }
 
+TEST(ExponentPrior, HoldsBothProfilesTogetherAndLeavesTheOutline) {
+  const auto cost = exponent_prior_factor(3, {.profile_sigma = 0.1});
+  expect_jacobians(*cost, {{0.4, -1.2, 2.5}});
+  const auto residual = [&](double outline, double upper, double lower) {
+    return residuals_of(*cost, {{exponent_block(outline), exponent_block(upper), exponent_block(lower)}})[6];
+  };
+  EXPECT_NEAR(residual(1.9, 1.3, 1.3), 0, 1e-12);
+  EXPECT_NEAR(residual(1.9, 1.5, 1.3), 2, 1e-9);
+  EXPECT_EQ(residual(1.9, 1.5, 1.3), residual(1.2, 1.5, 1.3));
+}
+
 TEST(SurfacePoint, IsTheDistanceFromABallAndFromABoxsFace) {
   const Pose at{exp_so3({0.2, 0.5, -0.1}), {0.1, 0.2, 0.3}};
   const auto residual = [&](const Eigen::Vector3d& in_shape, const Eigen::Vector3d& axes, double q) {
