@@ -131,11 +131,12 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
                    body.normals};
     (view.silhouette.known_at_frame <= keyframe.frame ? views_ : waiting_).push_back(std::move(view));
   }
+  // at first often, then now and then: what told the axes apart may only have come into view
+  const int few = options_.search_keyframes;
+  const bool searches = keyframes_ <= few || (few > 0 && keyframes_ % few == 0);
   std::optional<Shape> box;
-  if (fuses(options_.long_window.axis_prior) || keyframes_ <= options_.search_keyframes)
-    box = box_of(keyframe, body.points);
+  if (fuses(options_.long_window.axis_prior) || searches) box = box_of(keyframe, body.points);
   if (keyframes_ == 1 && box) shape_ = *box;
-  const bool searches = keyframes_ <= options_.search_keyframes;
   solve(searches ? box : std::nullopt, searches ? turned_starts() : std::vector<Shape>{});
 }
 

@@ -28,7 +28,8 @@ struct ShapeOptions {
   // ours: of each semi-axis about the sphere's radius, relative: a face seen head-on says nothing of the
   // depth behind it; a centimetre of evidence outweighs it
   double sphere_sigma = 0.5;
-  int search_keyframes = 12;  // ours: for so many keyframes Alg. 1's new orientation is tried as a start too
+  int search_keyframes =
+      12;  // ours: for so many, and each so manyth, other starts are tried: Alg. 1's axes, turned ones
 };
 
 /// The shape of one body: Alg. 1 on each keyframe's points, their fusion (Alg. 2) or the accumulated cloud's
