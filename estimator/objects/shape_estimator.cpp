@@ -25,9 +25,10 @@ constexpr int kEnoughSegmented = 3;           // views, without which carried ou
 constexpr double kBestViews = 0.5;            // quantile of the views that show most of a side
 constexpr double kRimSpacings = 0.75;         // between points, that they end inside the outline at most
 constexpr double kLeastRim =
-    0.8;                        // share of a semi-axis that an ellipsoid would show: below, points say little
-constexpr double kHeld = 1e-4;  // [rad]
-constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
+    0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
+constexpr double kEndSigma = 0.003;  // [m] of an end read off points, at best
+constexpr double kHeld = 1e-4;       // [rad]
+constexpr double kClearGain = 10;    // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
   std::vector<double> z(points.row(2).begin(), points.row(2).end());
@@ -344,6 +345,8 @@ Shape ShapeEstimator::with_seen_extents(Shape shape) const {
         ends[side] = std::min(ends[side], std::max(end, (end + kRimSpacings * spacing) / seen_share));
     }
     if (!(ends[0] + ends[1] > 0)) continue;
+    for (double* variance : {&shape.variances[axis], &shape.variances[3 + axis]})
+      *variance = std::max(*variance, kEndSigma * kEndSigma / 2);
     shape.semi_axes_m[axis] = (ends[0] + ends[1]) / 2;
     shift[axis] = (ends[0] - ends[1]) / 2;
   }

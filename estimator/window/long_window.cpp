@@ -218,7 +218,10 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   solution.shape.body_from_object = pose_from_block(blocks.offset);
   solution.shape.semi_axes_m = axes_from_block(blocks.axes.data());
   solution.shape.exponents = exponents_from_block(blocks.exponents.data(), exponents);
-  solution.shape.variances = variances_of(problem, blocks);
+  // what fits worse than its sigmas say is known worse (Birge's ratio)
+  const int freedom = summary.num_residuals_reduced - summary.num_effective_parameters_reduced;
+  const double misfit = freedom > 0 ? std::max(1.0, 2 * summary.final_cost / freedom) : 1;
+  solution.shape.variances = misfit * variances_of(problem, blocks);
   for (const PoseBlock& body : blocks.bodies) solution.world_from_body.push_back(pose_from_block(body));
   return solution;
 }

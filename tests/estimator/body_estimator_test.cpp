@@ -101,6 +101,22 @@ TEST(BodyEstimator, AndOfARod) {
   EXPECT_LT(errors.axes_m, 0.01);
 }
 
+// Its axes come out a tenth to a half too long.
+TEST(BodyEstimator, AnEllipsoidAboutABoxIsKnownToFitBadly) {
+  const SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
+  const auto sigma_m = [&](int exponents) {
+    BodyOptions options;
+    options.shape.long_window.exponents = exponents;
+    options.shape.long_window.extents = false;
+    BodyEstimator estimator(1, perception.camera, options, 1);
+    std::optional<BodyState> state;
+    for (const PerceivedFrame& frame : perception.frames) state = estimator.step(frame, &frame.bodies[0]);
+    return state->shape.variances.head<3>().cwiseSqrt().eval();
+  };
+  const Eigen::Vector3d fits = sigma_m(3), does_not = sigma_m(0);
+  EXPECT_GT((does_not.cwiseQuotient(fits)).minCoeff(), 1.5);
+}
+
 // configs/variants/rotbbox_rigid_axis.yaml
 BodyOptions paper() {
   BodyOptions options;
