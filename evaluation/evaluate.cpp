@@ -112,6 +112,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   PendingFolder pending(out, options.force);
   write_text(pending.path() / "evaluation.json", evaluation_json(evaluation, options, run_config));
   write_text(pending.path() / "frames.csv", frames_csv(evaluation.objects));
+  write_text(pending.path() / "poses.csv", poses_csv(truth, estimate, evaluation));
   pending.commit();
 }
 

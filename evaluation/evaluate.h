@@ -21,7 +21,8 @@ struct EvaluateOptions {
 };
 
 /// Compares an estimate with the truth and writes `evaluation.json` (CLI contract: keys sorted, units in
-/// names) and `frames.csv` (one row per frame and object) to `out`.
+/// names), `frames.csv` (one row per frame and object) and `poses.csv` (both sides' poses and semi-axes, in
+/// the truth's world) to `out`.
 void evaluate(const std::filesystem::path& truth, const std::filesystem::path& estimate,
               const EvaluateOptions& options, const std::filesystem::path& out);
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sequence/tracks.h"
 #include "evaluation/association/tracking_scores.h"
 #include "evaluation/camera_evaluation.h"
 #include "evaluation/evaluate.h"
@@ -31,5 +32,10 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
 
 /// frames.csv: one row a truth frame and object, cells empty where there is no figure.
 std::string frames_csv(const std::vector<ObjectEvaluation>& objects);
+
+/// poses.csv: what was compared, a row a pose of `truth` and of `estimate`, both in the truth's world: the
+/// cameras (world_from_camera, no semi-axes) and the objects. A track that was matched stands under the true
+/// object's id; the others, `unmatched`, under their own. Nine digits.
+std::string poses_csv(const Tracks& truth, const Tracks& estimate, const Evaluation& evaluation);
 
 }  // namespace uniquadric

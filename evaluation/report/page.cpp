@@ -52,7 +52,8 @@ std::string arc_section(const std::string& svg) {
 std::string page_html(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options) {
   std::string scripts;
-  for (const char* name : {"data.js", "table.js", "charts.js", "lidar.js", "frames.js", "main.js"})
+  for (const char* name : {"data.js", "table.js", "charts.js", "lidar.js", "frames.js", "space.js",
+                           "paint3d.js", "view3d.js", "orbit.js", "main.js"})
     scripts += page_asset(name);
   const std::string arcs = arc_section(arc_svg(results, false));
   return fill(page_asset("page.html"),
@@ -62,6 +63,7 @@ std::string page_html(const Results& results, const std::vector<SummaryRow>& sum
                {"style", std::string(page_asset("page.css"))},
                {"data", inside_script(page_data(results, summary, options))},
                {"images", inside_script(page_images(results, options))},
+               {"motion", inside_script(page_motion(results, options))},
                {"chart_js", std::string(page_asset("chart.min.js"))},
                {"script", scripts}});
 }

@@ -11,7 +11,9 @@ namespace uniquadric {
 
 struct PageOptions {
   std::size_t image_bytes =
-      9'000'000;          ///< ours: of all pictures together; a third more in base64, under 15 MB a page
+      9'000'000;  ///< ours: of all pictures together; a third more in base64, under 15 MB a page
+  std::size_t motion_frames =
+      150;                ///< ours: of a run in the 3D view; 10 kB an object, and no path looks angular
   int series_digits = 4;  ///< ours: finer than a pixel of a plot, half the page of full doubles
 };
 
@@ -28,6 +30,13 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
 /// "jpeg" (base64)}]}], for each scene and variant those of its first good seed. When they exceed
 /// `options.image_bytes`, every run keeps the same smaller number of evenly spaced frames.
 std::string page_images(const Results& results, const PageOptions& options);
+
+/// Trajectories and ellipsoids for the 3D view as JSON text, all in the truth's world, for each scene and
+/// variant those of its first good seed that has poses.csv, `options.motion_frames` evenly spaced times each:
+/// {"truths": [{"stamps_ns", TRACKS}], "runs": [{"scene", "variant", "seed", "truth" (index), TRACKS,
+/// "unmatched": [TRACK]}]}; TRACKS: "camera": [POSE], "objects": [TRACK]; TRACK: "object", "poses",
+/// "semi_axes_m" (one where constant); POSE: [x, y, z, qx, qy, qz, qw] or null.
+std::string page_motion(const Results& results, const PageOptions& options);
 
 /// The report as Markdown: the summary, the failures, how it was made.
 std::string page_markdown(const Results& results, const std::vector<SummaryRow>& summary);

@@ -22,6 +22,7 @@ struct ObjectSeries {
   std::string subject;
   std::vector<std::int64_t> frames, stamps_ns;
   std::map<std::string, std::vector<std::optional<double>>> columns;  ///< by header name, units in it
+  std::int64_t id = 0;                                                ///< of the true object
 };
 
 /// What `evaluate` wrote for one run.

@@ -25,7 +25,7 @@ class FramesReader {
  public:
   FramesReader(fs::path file, const std::vector<NamedObject>& objects)
       : file_(std::move(file)), objects_(objects) {
-    for (const NamedObject& object : objects) series_.push_back({object.subject, {}, {}, {}});
+    for (const NamedObject& object : objects) series_.push_back({object.subject, {}, {}, {}, object.id});
   }
 
   std::vector<ObjectSeries> read() {

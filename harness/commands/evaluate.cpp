@@ -9,7 +9,8 @@
 namespace uniquadric {
 
 void add_evaluate(CLI::App& app, Common& common) {
-  auto* sub = subcommand(app, "evaluate", "truth and estimate -> evaluation.json, frames.csv", common);
+  auto* sub =
+      subcommand(app, "evaluate", "truth and estimate -> evaluation.json, frames.csv, poses.csv", common);
   static std::string truth, estimate_folder, out;
   static EvaluateOptions options;
   sub->add_option("TRUTH", truth, "truth folder")->required();

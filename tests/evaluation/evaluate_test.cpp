@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "evaluation/report/poses.h"
 #include "tests/evaluation/evaluate_fixture.h"
 
 namespace uniquadric {
@@ -52,6 +53,46 @@ TEST_F(Evaluate, SameInputSameBytes) {
   run(truth(), truth());
   EXPECT_EQ(first, read_text(root_ / "out" / "evaluation.json"));
   EXPECT_EQ(csv, read_text(root_ / "out" / "frames.csv"));
+}
+
+// The estimate's world is turned and moved, its ids are others, and a fourth track is nobody's.
+TEST_F(Evaluate, PosesOfBothSidesStandInTheTruthsWorld) {
+  const Pose other{exp_so3({0.2, -0.3, 1}), Eigen::Vector3d(3, -2, 1)};
+  write_changed([&](Tracks& tracks) {
+    for (auto& pose : tracks.camera) pose.pose = other * pose.pose;
+    ObjectTrack stray = tracks.objects[0];
+    stray.id = 77;
+    for (auto& state : stray.states)
+      state.ellipsoid.world_from_object.translation += Eigen::Vector3d(50, 0, 0);
+    tracks.objects.push_back(stray);
+    for (auto& object : tracks.objects)
+      for (auto& state : object.states)
+        state.ellipsoid.world_from_object = other * state.ellipsoid.world_from_object;
+  });
+  run();
+  const ComparedPoses poses = read_poses(root_ / "out" / "poses.csv");
+  const Tracks expected = read_tracks(truth());
+  constexpr double kNineDigits = 1e-7;
+  ASSERT_EQ(poses.truth.camera.size(), expected.camera.size());
+  ASSERT_EQ(poses.estimate.camera.size(), expected.camera.size());
+  ASSERT_EQ(poses.estimate.objects.size(), expected.objects.size());
+  for (std::size_t k = 0; k < expected.camera.size(); ++k) {
+    EXPECT_LT(log_se3(expected.camera[k].pose.inverse() * poses.truth.camera[k].pose).norm(), kNineDigits);
+    EXPECT_LT(log_se3(expected.camera[k].pose.inverse() * poses.estimate.camera[k].pose).norm(), kNineDigits);
+  }
+  for (std::size_t i = 0; i < expected.objects.size(); ++i) {
+    const ObjectTrack& object = poses.estimate.objects[i];
+    EXPECT_EQ(object.id, expected.objects[i].id);
+    ASSERT_EQ(object.states.size(), expected.objects[i].states.size());
+    for (std::size_t k = 0; k < object.states.size(); ++k) {
+      const Ellipsoid &a = expected.objects[i].states[k].ellipsoid, &b = object.states[k].ellipsoid;
+      EXPECT_LT(log_se3(a.world_from_object.inverse() * b.world_from_object).norm(), kNineDigits);
+      EXPECT_LT((a.semi_axes_m - b.semi_axes_m).norm(), kNineDigits);
+      EXPECT_EQ(object.states[k].stamp_ns, expected.objects[i].states[k].stamp_ns);
+    }
+  }
+  ASSERT_EQ(poses.unmatched.objects.size(), 1u);
+  EXPECT_EQ(poses.unmatched.objects[0].id, 77);
 }
 
 TEST_F(Evaluate, OffsetsAndOtherIdsAreFound) {

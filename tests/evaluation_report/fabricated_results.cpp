@@ -81,6 +81,32 @@ std::string frames_csv(const FabricatedScene& scene, double error_m, std::uint64
   return text;
 }
 
+std::string pose_row(const char* source, const char* subject, int id, int frame, double x_m, double y_m,
+                     double turn_rad, const std::string& axes_m) {
+  return fmt::format("{},{},{},{},{},{},0.5,0,0,{},{},{}\n", source, subject, id,
+                     1'000'000'000 + frame * 33'333'333LL, x_m, y_m, std::sin(turn_rad / 2),
+                     std::cos(turn_rad / 2), axes_m);
+}
+
+// Objects on two lines, estimated `error_m` to the side and as much too large; the camera behind them.
+std::string poses_csv(double error_m, int frames) {
+  std::string text =
+      "source,subject,id,timestamp_ns,x_m,y_m,z_m,qx,qy,qz,qw,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m\n";
+  for (int frame = 0; frame < frames; ++frame)
+    for (const char* source : {"truth", "estimate"}) {
+      const bool estimated = source[0] == 'e';
+      const double off_m = estimated ? error_m : 0;
+      text += fmt::format("{},camera,0,{},{},-2,0.8,-0.7071067811865476,0,0,0.7071067811865476,,,\n", source,
+                          1'000'000'000 + frame * 33'333'333LL, 0.001 * frame);
+      for (int id = 1; id <= 2; ++id)
+        if (!estimated || id == 2 || frame < 120 || frame >= 130)
+          text += pose_row(source, "object", id, frame, 0.01 * frame - 1, 0.8 * id + off_m, 0.01 * frame,
+                           fmt::format("{},0.15,0.1", 0.2 + off_m));
+      if (estimated && frame < 10) text += pose_row(source, "unmatched", 7, frame, 1, 1, 0, "0.1,0.1,0.1");
+    }
+  return text;
+}
+
 void write_picture(const fs::path& path, int frame, int width) {
   cv::Mat image(width * 3 / 4, width, CV_8UC3, cv::Scalar(70, 80, 90));
   const cv::Point center(width / 4 + frame * width / 600, width * 3 / 8);
@@ -102,6 +128,7 @@ void write_cell(const fs::path& folder, const FabricatedScene& scene, double err
   root["timing_ms"] = {{"frame", stats(12.5)}};
   write(folder / "evaluation/evaluation.json", root.dump(1));
   write(folder / "evaluation/frames.csv", frames_csv(scene, error_m, seed, options.frames));
+  write(folder / "evaluation/poses.csv", poses_csv(error_m, options.frames));
   for (int i = 0; i < options.overlays; ++i) {
     const int frame = i * (options.frames - 1) / std::max(1, options.overlays - 1);
     write_picture(folder / "overlays" / fmt::format("{:06}.jpg", frame), frame, options.image_width_px);

@@ -12,6 +12,9 @@ namespace fs = std::filesystem;
 
 const char* const kEvaluation = "cells/s/a/seed_1/evaluation/evaluation.json";
 const char* const kFrames = "cells/s/a/seed_1/evaluation/frames.csv";
+const char* const kPoses = "cells/s/a/seed_1/evaluation/poses.csv";
+const std::string kPosesHeader =
+    "source,subject,id,timestamp_ns,x_m,y_m,z_m,qx,qy,qz,qw,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m\n";
 const std::string kCellsHeader = "scene,variant,seed,status,folder,message\n";
 
 // A file of the small results folder with other content, and what the message must hold.
@@ -51,6 +54,19 @@ const BadFile kBadFiles[] = {
     {kFrames, "frame,timestamp_ns,object_id\n0,5,7\n", "frames.csv:2: object 7 is not in evaluation.json"},
     {kFrames, "frame,timestamp_ns,object_id\n0,5,1\n1,5,1\n",
      "frames.csv:3: timestamp 5 does not come after 5"},
+    {kPoses, "", "poses.csv: is empty"},
+    {kPoses, "source,id\n", "poses.csv:1: expected the header"},
+    {kPoses, kPosesHeader + "truth,camera,0,5\n", "poses.csv:2: expected 14 columns, found 4"},
+    {kPoses, kPosesHeader + "guess,camera,0,5,0,0,0,0,0,0,1,,,\n", "poses.csv:2: column source: 'guess'"},
+    {kPoses, kPosesHeader + "truth,unmatched,1,5,0,0,0,0,0,0,1,1,1,1\n",
+     "poses.csv:2: column subject: 'unmatched'"},
+    {kPoses, kPosesHeader + "truth,camera,0,5,0,0,0,0,0,0,2,,,\n",
+     "poses.csv:2: column qx: '0' is of a quaternion"},
+    {kPoses, kPosesHeader + "truth,camera,0,5,0,nan,0,0,0,0,1,,,\n", "poses.csv:2: column y_m: 'nan'"},
+    {kPoses, kPosesHeader + "truth,camera,0,5,0,0,0,0,0,0,1,,,\ntruth,camera,0,5,0,0,0,0,0,0,1,,,\n",
+     "poses.csv:3: column timestamp_ns: '5' is not after"},
+    {kPoses, kPosesHeader + "estimate,object,1,5,0,0,0,0,0,0,1,1,0,1\n",
+     "poses.csv:2: column semi_axis_x_m: '1' is of semi-axes"},
 };
 
 TEST(ReportInput, NamesFileAndLineOrFieldAndWritesNothing) {
@@ -66,7 +82,7 @@ TEST(ReportInput, NamesFileAndLineOrFieldAndWritesNothing) {
       EXPECT_FALSE(fs::exists(folder.path() / file));
     ++cases;
   }
-  EXPECT_EQ(cases, 24);
+  EXPECT_EQ(cases, 33);
 }
 
 TEST(ReportInput, FolderThatIsNoResultsFolder) {

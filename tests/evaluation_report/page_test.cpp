@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
@@ -142,6 +143,41 @@ TEST(Page, PicturesAreTheFilesAndFitTheirBudget) {
     EXPECT_EQ(gallery.at("available"), 5);
   }
   EXPECT_EQ(json::parse(page_images(results, {.image_bytes = 10}))[0].at("frames").size(), 0u);
+}
+
+// The fabricated poses are known (fabricated_results.h).
+TEST(Page, MotionIsThinnedAndKeepsTheTruthOnce) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 150, .overlays = 0});
+  const json motion = json::parse(page_motion(read_results(folder.path()), {.motion_frames = 150}));
+  ASSERT_EQ(motion.at("runs").size(), 4u);    // the first good seed of each scene and variant
+  ASSERT_EQ(motion.at("truths").size(), 2u);  // variants share it; scenes differ in their objects' names
+  constexpr double kRounding = 0.5e-3 + 1e-12;
+  int checked = 0;
+  for (const json& run : motion["runs"]) {
+    const double error_m = run.at("variant") == "single_frame_obb" ? 0.5 : 0.01;  // of seed 1
+    EXPECT_EQ(run.at("seed"), 1);
+    const json& truth = motion["truths"][run.at("truth").get<std::size_t>()];
+    EXPECT_EQ(truth.at("stamps_ns")[149], 1'000'000'000 + 149 * 33'333'333LL);
+    const json &lost = run.at("objects")[0], &kept = run["objects"][1];
+    for (std::size_t k = 0; k < 150; ++k, ++checked) {
+      EXPECT_EQ(lost.at("poses")[k].is_null(), k >= 120 && k < 130) << k;
+      const json &a = truth.at("objects")[1].at("poses")[k], &b = kept.at("poses")[k];
+      EXPECT_NEAR(a[0], 0.01 * static_cast<double>(k) - 1, kRounding);
+      EXPECT_NEAR(b[1], 1.6 + error_m, kRounding);
+      EXPECT_NEAR(b[5], std::sin(0.005 * static_cast<double>(k)), kRounding);
+      EXPECT_EQ(run.at("unmatched")[0].at("poses")[k].is_null(), k >= 10) << k;
+    }
+    EXPECT_EQ(kept.at("semi_axes_m").size(), 1u);  // constant
+    EXPECT_NEAR(kept["semi_axes_m"][0][0], 0.2 + error_m, kRounding);
+    EXPECT_EQ(run["unmatched"][0].at("object"), "track 7");
+  }
+  EXPECT_EQ(checked, 4 * 150);
+  EXPECT_EQ(motion["runs"][0]["objects"][1].at("object"), "cube");
+  const json thin = json::parse(page_motion(read_results(folder.path()), {.motion_frames = 3}));
+  EXPECT_EQ(thin["truths"][0]["stamps_ns"],
+            json({1'000'000'000, 1'000'000'000 + 75 * 33'333'333LL, 1'000'000'000 + 149 * 33'333'333LL}));
+  EXPECT_EQ(thin["runs"][0]["camera"].size(), 3u);
 }
 
 TEST(Page, SaysHowWorldsWereAligned) {

@@ -75,6 +75,7 @@ const crosshair = {
     if (time === chart_state.time) return;
     chart_state.time = time;
     for (const other of charts) other.draw();
+    if (time !== null) show_motion_time(chart_state.scene, time);
   },
 };
 

@@ -60,6 +60,7 @@ function show_object({ scene, object }) {
   Object.assign(chart_state, { scene, object, time: null });
   draw_object_chips();
   draw_charts();
+  show_motion(scene);
   show_scene(scene);
 }
 
@@ -91,7 +92,9 @@ function start() {
   by_id("log-errors").addEventListener("change", (e) => { chart_state.log = e.target.checked; draw_charts(); });
   by_id("frames").hidden = galleries.length === 0;
   by_id("objects").hidden = subjects.length === 0;
+  document.querySelector('nav a[href="#motion-scene"]').hidden = motion.runs.length === 0;
   start_viewer();
+  start_motion();
   if (subjects.length > 0) {
     draw_filter_chips();
     show_object(subjects[0]);
@@ -101,6 +104,7 @@ function start() {
     if (subjects.length === 0) return;
     draw_filter_chips();
     draw_charts();
+    if (motion_state.scene) (draw_motion_chips(), show_motion_index(motion_state.index));
   });
   window.addEventListener("hashchange", follow_address);
   follow_address();

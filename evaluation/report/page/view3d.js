@@ -1,0 +1,173 @@
+// The 3D view: trajectories, ellipsoids at the slider's time, an orbit by dragging, a zoom by wheel or pinch.
+const motion = JSON.parse(document.getElementById("motion").textContent);
+const motion_state = { scene: null, variants: new Set(), index: 0, follow: "", orbit: null, touched: false, playing: null, drawn: [] };
+const motion_canvas = by_id("space");
+
+const motion_runs = () => motion.runs.filter((run) => run.scene === motion_state.scene && motion_state.variants.has(run.variant));
+const motion_truths = () => distinct(motion.runs.filter((run) => run.scene === motion_state.scene).map((run) => run.truth)).map((i) => motion.truths[i]);
+const motion_stamps = () => motion_truths()[0].stamps_ns;
+const motion_time = (index) => (motion_stamps()[index] - scene_start_ns(motion_state.scene)) / 1e9;
+const axes_at = (track, index) => track.semi_axes_m[track.semi_axes_m.length === 1 ? 0 : index];
+const places = (poses) => poses.map((pose) => pose && pose.slice(0, 3));
+
+// What is painted of one truth or run. `label` is empty for the truth.
+function tracks_look(tracks, color, label) {
+  const truth = label === "", dash = truth ? [5, 4] : undefined, index = motion_state.index;
+  const all = [...tracks.objects, ...(tracks.unmatched ?? [])];
+  return {
+    paths: [{ points: places(tracks.camera), color, dash, width: 1.2 }, ...all.map((t) => ({ points: places(t.poses), color, dash, width: 2 }))],
+    cameras: tracks.camera[index] ? [{ pose: tracks.camera[index], color, dash, size: motion_state.size / 16 }] : [],
+    bodies: all.filter((t) => t.poses[index]).map((t) => ({ object: t.object, label, truth, color, dash, fill: truth ? 0.1 : 0.16,
+      ellipsoid: ellipsoid_of(t.poses[index], axes_at(t, index)) })),
+  };
+}
+
+function motion_look() {
+  const parts = [...motion_runs().map((run) => tracks_look(run, variant_color(run.variant), run.variant)),
+    ...motion_truths().map((truth) => tracks_look(truth, css("--ink"), ""))]; // dashed over what lies along it
+  const all = (name) => parts.flatMap((part) => part[name]);
+  return { paths: all("paths"), cameras: all("cameras"), bodies: all("bodies"), floor: motion_state.floor, index: motion_state.index,
+    colors: { ink: css("--ink"), soft: css("--soft"), line: css("--line"), paper: css("--raised") } };
+}
+
+// All places of the truth: what the first view must hold.
+const motion_places = () => motion_truths().flatMap((t) => [t.camera, ...t.objects.map((o) => o.poses)]).flatMap(places).filter(Boolean);
+
+// The box of all places with the objects around them, its size, and a floor under it in squares of a round length.
+function measure_scene() {
+  const all = motion_places(), bodies = motion_truths().flatMap((t) => t.objects);
+  const margin = Math.max(0, ...bodies.flatMap((o) => o.semi_axes_m.filter(Boolean).flat())); // of the largest body
+  const range = (i) => [Math.min(...all.map((p) => p[i])) - margin, Math.max(...all.map((p) => p[i])) + margin];
+  const [x, y, z] = [0, 1, 2].map(range), size = Math.max(x[1] - x[0], y[1] - y[0], z[1] - z[0], 1e-3), step = round_length(size / 14);
+  const on_grid = (r) => [Math.floor(r[0] / step) * step, Math.ceil(r[1] / step) * step];
+  const floor = Math.min(...bodies.flatMap((o) => o.poses.map((pose, i) => (pose ? pose[2] - Math.max(...axes_at(o, i)) : Infinity))));
+  Object.assign(motion_state, { size, center: [x, y, z].map((r) => (r[0] + r[1]) / 2),
+    floor: { x: on_grid(x), y: on_grid(y), z: Number.isFinite(floor) ? floor : z[0], step } });
+}
+
+// The first view: from behind the camera, to its side and from above; in the middle, as near as everything fits.
+function reset_orbit() {
+  const pose = motion_truths()[0].camera.find(Boolean), forward = pose ? pose_axes(pose)[2] : [0, 1, 0];
+  const orbit = { target: motion_state.center, yaw: Math.atan2(-forward[1], -forward[0]) + 0.7, pitch: 0.5, distance: 2 * motion_state.size };
+  const { clientWidth: width, clientHeight: height } = motion_canvas, all = motion_places();
+  for (let round = 0; round < 12; ++round) { // the perspective changes with the place
+    const view = orbit_view(orbit, width, height);
+    const shown = all.map((p) => in_view(view, p)).filter((p) => p[2] > view.near).map((p) => on_canvas(view, p));
+    const [x, y] = [0, 1].map((i) => ({ from: Math.min(...shown.map((p) => p[i])), to: Math.max(...shown.map((p) => p[i])) }));
+    const scale = orbit.distance / view.focal, off = (range, middle) => ((range.from + range.to) / 2 - middle) * scale;
+    orbit.target = v_add(orbit.target, v_add(v_scale(view.right, off(x, view.cx)), v_scale(view.down, off(y, view.cy))));
+    const filled = Math.max((x.to - x.from) / width, (y.to - y.from) / height) / 0.78;
+    orbit.distance = Math.min(Math.max(orbit.distance * filled, 0.3 * motion_state.size), 4 * motion_state.size);
+  }
+  Object.assign(motion_state, { orbit, touched: false });
+}
+
+// Where the followed thing is; the scene's middle for none, and as long as it has no place.
+function follow_target() {
+  const truth = motion_truths()[0];
+  const poses = motion_state.follow === "camera" ? truth.camera : truth.objects.find((o) => `object ${o.object}` === motion_state.follow)?.poses;
+  return poses?.[motion_state.index]?.slice(0, 3);
+}
+
+function draw_motion() {
+  if (!motion_state.scene || motion_canvas.clientWidth === 0) return;
+  const ratio = window.devicePixelRatio || 1, { clientWidth: width, clientHeight: height } = motion_canvas;
+  if (motion_canvas.width !== Math.round(width * ratio) || motion_canvas.height !== Math.round(height * ratio))
+    Object.assign(motion_canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
+  const target = follow_target();
+  if (target) motion_state.orbit.target = target;
+  const context = motion_canvas.getContext("2d"), view = orbit_view(motion_state.orbit, width, height);
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  motion_state.drawn = paint_scene(context, view, { ...motion_look(), width, height });
+}
+
+// The figures of frames.csv at a time of a run: from its series, by the nearest stamp.
+function figures_at(run, object) {
+  const cell = data.cells.find((c) => c.scene === run.scene && c.variant === run.variant && c.seed === run.seed);
+  const series = cell?.series.find((s) => s.object === object);
+  if (!series) return () => null;
+  const stamp = motion_stamps()[motion_state.index];
+  const at = series.stamps_ns.reduce((best, s, i) => (Math.abs(s - stamp) < Math.abs(series.stamps_ns[best] - stamp) ? i : best), 0);
+  return (column) => { const values = series.columns[column]; return values ? values[values.length === 1 ? 0 : at] : null; };
+}
+
+function draw_readout() {
+  const shown = (value) => (value === null || value === undefined ? "–" : format_figure(value));
+  const number = (value) => el("td", { class: "number" }, shown(value));
+  const rows = motion_truths()[0].objects.flatMap((o) => motion_runs().map((run) => {
+    const figure = figures_at(run, o.object);
+    return el("tr", {}, el("td", {}, el("i", { class: "dot", style: `background:${variant_color(run.variant)}` }), o.object, el("small", {}, run.variant)),
+      number(figure("iou3d")), number(figure("ape_translation_m")), number(figure("ape_rotation_rad")));
+  }));
+  by_id("space-figures").tBodies[0].replaceChildren(...rows);
+}
+
+// Shows one of the kept times, and marks it in the plots.
+function show_motion_index(index, mark = true) {
+  motion_state.index = Math.max(0, Math.min(motion_stamps().length - 1, index));
+  const time = motion_time(motion_state.index), slider = by_id("space-time");
+  slider.value = String(motion_state.index);
+  slider.setAttribute("aria-valuetext", `${time.toFixed(2)} seconds`);
+  by_id("space-clock").textContent = `${time.toFixed(2)} s`;
+  draw_motion();
+  draw_readout();
+  if (!mark || chart_state.scene !== motion_state.scene) return;
+  chart_state.time = time;
+  for (const chart of charts) chart.draw();
+}
+
+// The kept time nearest to one that was pointed at in a plot.
+function show_motion_time(scene, time) {
+  if (scene !== motion_state.scene || motion_state.playing) return;
+  const off = (i) => Math.abs(motion_time(i) - time);
+  show_motion_index(motion_stamps().reduce((best, _, i) => (off(i) < off(best) ? i : best), 0), false);
+}
+
+function pause_motion() {
+  cancelAnimationFrame(motion_state.playing);
+  motion_state.playing = null;
+  Object.assign(by_id("space-play"), { textContent: "▶", ariaLabel: "Play" });
+}
+
+// In the time of the recording; from the start when it is at its end.
+function play_motion() {
+  const last = motion_stamps().length - 1;
+  if (motion_state.index === last) show_motion_index(0);
+  const begin_s = motion_time(motion_state.index);
+  let begin_ms = null;
+  const step = (now_ms) => {
+    begin_ms ??= now_ms;
+    const time = begin_s + (now_ms - begin_ms) / 1000;
+    let index = motion_state.index;
+    while (index < last && motion_time(index + 1) <= time) ++index;
+    if (index !== motion_state.index) show_motion_index(index);
+    if (index === last) pause_motion();
+    else motion_state.playing = requestAnimationFrame(step);
+  };
+  Object.assign(by_id("space-play"), { textContent: "❚❚", ariaLabel: "Pause" });
+  motion_state.playing = requestAnimationFrame(step);
+}
+
+// The variant that is the best in most of the scene's figures.
+function leading_variant(scene, shown) {
+  const marks = (variant) => data.summary.filter((row) => row.scene === scene && row.variant === variant)
+    .reduce((sum, row) => sum + Object.values(row.spread).filter((s) => s.best).length, 0);
+  return shown.reduce((best, variant) => (marks(variant) > marks(best) ? variant : best));
+}
+
+function show_motion(scene) {
+  by_id("motion-scene").hidden = !motion.runs.some((run) => run.scene === scene);
+  if (by_id("motion-scene").hidden || scene === motion_state.scene) return;
+  pause_motion();
+  const shown = distinct(motion.runs.filter((run) => run.scene === scene).map((run) => run.variant));
+  Object.assign(motion_state, { scene, variants: new Set([leading_variant(scene, shown)]), index: 0, follow: "" });
+  draw_motion_chips();
+  const names = motion_truths()[0].objects.map((o) => o.object);
+  by_id("space-follow").replaceChildren(el("option", { value: "" }, "the whole scene"),
+    ...names.map((name) => el("option", { value: `object ${name}` }, name)), el("option", { value: "camera" }, "the camera"));
+  by_id("space-time").max = String(motion_stamps().length - 1);
+  measure_scene();
+  by_id("space-scale").textContent = `squares of ${Number(motion_state.floor.step.toPrecision(1))} m`;
+  reset_orbit();
+  show_motion_index(Math.floor(motion_stamps().length / 2), false); // where most is seen
+}

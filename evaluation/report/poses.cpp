@@ -1,0 +1,115 @@
+#include "evaluation/report/poses.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/text.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr const char* kColumns[] = {
+    "source", "subject", "id", "timestamp_ns", "x_m",           "y_m",           "z_m",
+    "qx",     "qy",      "qz", "qw",           "semi_axis_x_m", "semi_axis_y_m", "semi_axis_z_m"};
+constexpr std::size_t kCount = std::size(kColumns);
+
+// One line of the file, being read.
+struct Line {
+  const fs::path& file;
+  int number;
+  const std::vector<std::string_view>& fields;
+
+  [[noreturn]] void fail(std::size_t column, const char* expected) const {
+    throw InputError(file, number,
+                     fmt::format("column {}: '{}' is {}", kColumns[column], fields[column], expected));
+  }
+  std::int64_t integer(std::size_t column) const {
+    const auto value = parse_integer(fields[column]);
+    if (!value) fail(column, "no integer");
+    return *value;
+  }
+  double real(std::size_t column) const {
+    const auto value = parse_double(fields[column]);
+    if (!value) fail(column, "not a finite number");
+    return *value;
+  }
+  Pose pose() const {
+    Pose pose;
+    pose.translation = {real(4), real(5), real(6)};
+    pose.rotation = Eigen::Quaterniond(real(10), real(7), real(8), real(9));
+    if (!(std::abs(pose.rotation.norm() - 1) < 1e-3)) fail(7, "of a quaternion that is not of unit length");
+    return pose;
+  }
+};
+
+void check_header(const fs::path& file, int number, const std::vector<std::string_view>& fields) {
+  if (!std::equal(fields.begin(), fields.end(), std::begin(kColumns), std::end(kColumns)))
+    throw InputError(file, number, "expected the header source,subject,id,timestamp_ns,...");
+}
+
+ObjectTrack& track_of(Tracks& tracks, int id) {
+  for (ObjectTrack& track : tracks.objects)
+    if (track.id == id) return track;
+  return tracks.objects.emplace_back(ObjectTrack{id, {}, {}});
+}
+
+// Stamps must increase within a trajectory: what is shown is looked up by them.
+void check_order(const Line& line, std::optional<std::int64_t> last, std::int64_t stamp_ns) {
+  if (last && stamp_ns <= *last) line.fail(3, "not after the one before");
+}
+
+void add_camera(const Line& line, Trajectory& camera) {
+  const std::int64_t stamp_ns = line.integer(3);
+  check_order(line, camera.empty() ? std::nullopt : std::optional(camera.back().stamp_ns), stamp_ns);
+  camera.push_back({stamp_ns, line.pose()});
+}
+
+void add_state(const Line& line, Tracks& tracks) {
+  ObjectTrack& track = track_of(tracks, static_cast<int>(line.integer(2)));
+  ObjectState state;
+  state.stamp_ns = line.integer(3);
+  check_order(line, track.states.empty() ? std::nullopt : std::optional(track.states.back().stamp_ns),
+              state.stamp_ns);
+  state.ellipsoid = {line.pose(), {line.real(11), line.real(12), line.real(13)}};
+  if (!(state.ellipsoid.semi_axes_m.minCoeff() > 0)) line.fail(11, "of semi-axes that are not positive");
+  track.states.push_back(state);
+}
+
+void add_row(const Line& line, ComparedPoses& poses) {
+  if (line.fields.size() != kCount)
+    throw InputError(line.file, line.number,
+                     fmt::format("expected {} columns, found {}", kCount, line.fields.size()));
+  const std::string_view source = line.fields[0], subject = line.fields[1];
+  if (source != "truth" && source != "estimate") line.fail(0, "neither truth nor estimate");
+  Tracks& tracks = source == "truth" ? poses.truth : poses.estimate;
+  if (subject == "camera")
+    add_camera(line, tracks.camera);
+  else if (subject == "object")
+    add_state(line, tracks);
+  else if (subject == "unmatched" && source == "estimate")
+    add_state(line, poses.unmatched);
+  else
+    line.fail(1, "no subject of this source");
+}
+
+}  // namespace
+
+ComparedPoses read_poses(const fs::path& file) {
+  ComparedPoses poses;
+  bool has_header = false;
+  for_each_line(
+      file,
+      [&](int number, const std::vector<std::string_view>& fields) {
+        has_header ? add_row({file, number, fields}, poses) : check_header(file, number, fields);
+        has_header = true;
+      },
+      ',');
+  if (!has_header) throw InputError(file, "is empty, expected a header");
+  return poses;
+}
+
+}  // namespace uniquadric

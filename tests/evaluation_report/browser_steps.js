@@ -1,0 +1,72 @@
+// What browser_test.cpp does in a report: appended to its scripts, whose names it sees. It leaves what it saw in
+// <pre id="seen"> as JSON; the test judges it.
+(async () => {
+  const seen = {};
+  const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+  const column = (index) => [...by_id("summary-table").tBodies[0].rows].map((row) => row.cells[index].firstChild?.textContent ?? "");
+  const header = (name) => document.querySelector(`#summary-table [data-sort="${name}"]`);
+
+  // The view as numbers: where the eye is, and what outlines were painted.
+  const painted = () => ({ index: motion_state.index, orbit: structuredClone(motion_state.orbit),
+    width: motion_canvas.clientWidth, height: motion_canvas.clientHeight, picture: motion_canvas.toDataURL(),
+    figures: by_id("space-figures").tBodies[0].textContent,
+    bodies: motion_state.drawn.map(({ object, label, outline }) => ({ object, label, outline })) });
+  const slide = (index) => {
+    by_id("space-time").value = String(index);
+    by_id("space-time").dispatchEvent(new Event("input"));
+    return painted();
+  };
+  const pointer = (type, x, y, id = 1, more = {}) =>
+    motion_canvas.dispatchEvent(new PointerEvent(type, { clientX: x, clientY: y, pointerId: id, buttons: 1, bubbles: true, ...more }));
+  motion_canvas.setPointerCapture = () => {}; // made-up pointers cannot be captured
+
+  seen.page = { width: innerWidth, overflow: document.documentElement.scrollWidth - innerWidth,
+    background: getComputedStyle(document.body).backgroundColor, charts: charts.length };
+
+  const ape = [...document.querySelectorAll("#summary-table [data-sort]")].findIndex((b) => b.dataset.sort === "ape_translation_rmse_m");
+  seen.table = { original: column(ape) };
+  header("ape_translation_rmse_m").click();
+  seen.table.best_first = column(ape);
+  header("ape_translation_rmse_m").click();
+  seen.table.worst_first = column(ape);
+  header("object").click();
+  seen.table.objects = column(1);
+  by_id("original-order").click();
+  seen.table.again = column(ape);
+
+  seen.space = { start: painted(), early: slide(5), late: slide(125), mark_s: chart_state.time };
+  document.querySelector('#space-variants button[aria-pressed="false"]').click();
+  seen.space.both = painted();
+  by_id("space-follow").value = "object cube";
+  by_id("space-follow").dispatchEvent(new Event("change"));
+  seen.space.followed = painted();
+  by_id("space-reset").click();
+
+  const box = motion_canvas.getBoundingClientRect(), x = box.left + 100, y = box.top + 100;
+  seen.space.before_drag = painted();
+  pointer("pointerdown", x, y);
+  pointer("pointermove", x + 50, y + 25);
+  pointer("pointerup", x + 50, y + 25);
+  seen.space.dragged = painted();
+  const wheel = new WheelEvent("wheel", { deltaY: -100, cancelable: true });
+  motion_canvas.dispatchEvent(wheel);
+  seen.space.wheeled = { ...painted(), stays: wheel.defaultPrevented };
+  pointer("pointerdown", x, y, 1);
+  pointer("pointerdown", x + 100, y, 2);
+  pointer("pointermove", x + 200, y, 2); // twice as far apart
+  pointer("pointerup", x, y, 1);
+  pointer("pointerup", x + 200, y, 2);
+  seen.space.pinched = painted();
+
+  slide(0);
+  by_id("space-play").click();
+  for (let wait = 0; wait < 50 && motion_state.index < 3; ++wait) await sleep(100); // frames come as the machine can
+  by_id("space-play").click();
+  seen.space.played = motion_state.index;
+  await sleep(500);
+  seen.space.paused = motion_state.index;
+  show_motion_time(motion_state.scene, motion_time(70)); // as a pointer on a plot does
+  seen.space.pointed = motion_state.index;
+
+  document.body.append(el("pre", { id: "seen" }, JSON.stringify(seen)));
+})();

@@ -1,0 +1,207 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <regex>
+
+#include "core/base/files.h"
+#include "core/base/text.h"
+#include "core/geometry/ellipsoid.h"
+#include "evaluation/report/page.h"
+#include "evaluation/report/report.h"
+#include "tests/evaluation_report/browser.h"
+#include "tests/evaluation_report/fabricated_results.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// The text of <pre id="seen">, entities undone.
+json seen_in(const std::string& document) {
+  const std::string open = "<pre id=\"seen\">";
+  const std::size_t begin = document.rfind(open);  // the script that made it names it too
+  if (begin == document.npos) return nullptr;
+  std::string text =
+      document.substr(begin + open.size(), document.find("</pre>", begin) - begin - open.size());
+  for (const auto& [entity, sign] : {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&amp;", "&"}})
+    text = std::regex_replace(text, std::regex(entity), sign);
+  return json::parse(text);
+}
+
+// A report of fabricated results in Chromium, with browser_steps.js behind its scripts.
+class Browser : public testing::Test {
+ protected:
+  void SetUp() override {
+    chromium_ = find_chromium();
+    if (!chromium_) GTEST_SKIP() << "no Chromium here";
+    fabricate_results(folder_.path(), {.frames = 150});
+    write_report(folder_.path());
+  }
+
+  json open(int width_px, int height_px, bool dark) {
+    const std::string steps =
+        read_text(fs::path(UNIQUADRIC_SOURCE_DIR) / "tests/evaluation_report/browser_steps.js");
+    write_text(folder_.path() / "steps.html",
+               read_text(folder_.path() / "report.html") + "<script>" + steps + "</script>");
+    const BrowserRun run =
+        run_in_browser(*chromium_, folder_.path() / "steps.html", width_px, height_px, dark);
+    EXPECT_EQ(run.exit_code, 0);
+    for (const std::string& line : run.console) ADD_FAILURE() << line;
+    return seen_in(run.document);
+  }
+
+  TempFolder folder_;
+  std::optional<fs::path> chromium_;
+};
+
+std::vector<double> figures(const json& column) {
+  std::vector<double> values;
+  for (const json& text : column)
+    if (const auto value = parse_double(text.get<std::string>())) values.push_back(*value);
+  return values;
+}
+
+// Where the view must paint an ellipsoid: by core's projection (Eq. 11), from the eye that the page says.
+EllipseProjection projected(const json& painted, const json& pose, const json& axes_m) {
+  const json& orbit = painted.at("orbit");
+  const double yaw = orbit.at("yaw"), pitch = orbit.at("pitch"), distance = orbit.at("distance");
+  const auto vector = [](const json& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+  const Eigen::Vector3d back(std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw),
+                             std::sin(pitch));
+  Eigen::Matrix3d world_from_eye;
+  world_from_eye.col(2) = -back;
+  world_from_eye.col(0) = (-back).cross(Eigen::Vector3d::UnitZ()).normalized();
+  world_from_eye.col(1) = world_from_eye.col(2).cross(world_from_eye.col(0));
+  const Pose eye{Eigen::Quaterniond(world_from_eye), vector(orbit.at("target")) + distance * back};
+  const Pose object{Eigen::Quaterniond(pose[6], pose[3], pose[4], pose[5]).normalized(), vector(pose)};
+  const double width = painted.at("width"), height = painted.at("height");
+  Camera camera;
+  camera.fx = camera.fy = std::min(width, height) / 2 / std::tan(20 * std::numbers::pi / 180);
+  camera.cx = width / 2, camera.cy = height / 2;
+  return project(camera, eye.inverse() * object, vector(axes_m));
+}
+
+// All that a view shows is where it belongs; the number of bodies that were compared.
+int expect_painted(const json& painted, const json& motion, const std::string& scene) {
+  constexpr double kPixels = 1e-3;  // both in doubles
+  const auto index = painted.at("index").get<std::size_t>();
+  int compared = 0;
+  for (const json& body : painted.at("bodies"))
+    for (const json& run : motion.at("runs")) {
+      const std::string label = body.at("label");
+      if (run.at("scene") != scene || (label.empty() ? run.at("seed") != 1 : run.at("variant") != label))
+        continue;
+      const json& tracks = label.empty() ? motion.at("truths")[run.at("truth").get<std::size_t>()] : run;
+      for (const json& track : tracks.at("objects")) {
+        if (track.at("object") != body.at("object")) continue;
+        const auto expected = projected(painted, track.at("poses")[index], track.at("semi_axes_m")[0]);
+        EXPECT_EQ(expected.status, ProjectionStatus::ok);
+        const json& outline = body.at("outline");
+        EXPECT_NEAR(outline.at("x"), expected.ellipse.center.x(), kPixels);
+        EXPECT_NEAR(outline.at("y"), expected.ellipse.center.y(), kPixels);
+        EXPECT_NEAR(outline.at("a"), expected.ellipse.semi_major, kPixels);
+        EXPECT_NEAR(outline.at("b"), expected.ellipse.semi_minor, kPixels);
+        const double turned = outline.at("angle").get<double>() - expected.ellipse.angle_rad;
+        EXPECT_NEAR(std::sin(turned), 0, kPixels);
+        ++compared;
+      }
+      if (label.empty()) break;  // the truth is one for all variants
+    }
+  return compared;
+}
+
+void expect_sorted(const json& table) {
+  auto values = figures(table.at("original"));
+  ASSERT_GE(values.size(), 12u);
+  EXPECT_FALSE(std::is_sorted(values.begin(), values.end()));
+  EXPECT_EQ(table["again"], table["original"]);
+  std::sort(values.begin(), values.end());
+  EXPECT_EQ(figures(table["best_first"]), values);
+  std::reverse(values.begin(), values.end());
+  EXPECT_EQ(figures(table["worst_first"]), values);
+  const auto objects = table.at("objects").get<std::vector<std::string>>();
+  EXPECT_TRUE(std::is_sorted(objects.begin(), objects.end()));
+  EXPECT_EQ(objects.size(), table["original"].size());
+}
+
+void expect_slider_moves_ellipsoids(const json& space, const json& motion) {
+  const json &early = space.at("early"), &late = space.at("late");
+  EXPECT_EQ(early.at("index"), 5);
+  EXPECT_EQ(late.at("index"), 125);
+  EXPECT_NE(early.at("picture"), late.at("picture"));
+  EXPECT_NE(early.at("figures"), late.at("figures"));
+  EXPECT_NEAR(space.at("mark_s"), 125 / 30., 1e-6);  // the mark in the plots went along
+  // Two true bodies and two estimates; from frame 120 the first is lost.
+  EXPECT_EQ(early.at("bodies").size(), 4u + 1u);  // and the stray track, in frames 0 to 9
+  EXPECT_EQ(expect_painted(early, motion, "cube_cuboid"), 4);
+  EXPECT_EQ(expect_painted(late, motion, "cube_cuboid"), 3);
+  EXPECT_EQ(expect_painted(space.at("both"), motion, "cube_cuboid"), 4);
+  EXPECT_EQ(expect_painted(space.at("dragged"), motion, "cube_cuboid"), 4);
+  for (const char* painted : {"start", "early", "late"})  // all in the picture
+    for (const json& body : space[painted].at("bodies")) {
+      EXPECT_GT(body.at("outline").at("x"), 0);
+      EXPECT_LT(body.at("outline").at("x"), space[painted].at("width"));
+      EXPECT_GT(body.at("outline").at("y"), 0);
+      EXPECT_LT(body.at("outline").at("y"), space[painted].at("height"));
+    }
+}
+
+void expect_turns_zooms_follows_and_plays(const json& space) {
+  const json &before = space.at("before_drag").at("orbit"), &dragged = space.at("dragged").at("orbit");
+  EXPECT_LT(dragged.at("yaw"), before.at("yaw"));
+  EXPECT_GT(dragged.at("pitch"), before.at("pitch"));
+  EXPECT_EQ(dragged.at("distance"), before.at("distance"));
+  const json &wheeled = space.at("wheeled").at("orbit"), &pinched = space.at("pinched").at("orbit");
+  EXPECT_LT(wheeled.at("distance"), dragged.at("distance"));
+  EXPECT_EQ(space["wheeled"].at("stays"), true);
+  EXPECT_NEAR(pinched.at("distance").get<double>(), wheeled.at("distance").get<double>() / 2, 1e-9);
+  for (const json& body : space.at("followed").at("bodies"))
+    if (body.at("object") == "cube" && body.at("label") == "") {
+      EXPECT_NEAR(body.at("outline").at("x"), space["followed"].at("width").get<double>() / 2, 30);
+      EXPECT_NEAR(body.at("outline").at("y"), space["followed"].at("height").get<double>() / 2, 30);
+    }
+  EXPECT_GT(space.at("played"), 0);
+  EXPECT_LT(space.at("played"), 149);  // it did not run to the end at once
+  EXPECT_EQ(space.at("paused"), space.at("played"));
+  EXPECT_EQ(space.at("pointed"), 70);
+}
+
+TEST_F(Browser, TablesSortAndTheSliderMovesTheEllipsoids) {
+  const json seen = open(1280, 900, false);
+  ASSERT_TRUE(seen.is_object());
+  expect_sorted(seen.at("table"));
+  expect_slider_moves_ellipsoids(seen.at("space"),
+                                 json::parse(page_motion(read_results(folder_.path()), {})));
+  expect_turns_zooms_follows_and_plays(seen.at("space"));
+}
+
+TEST_F(Browser, FitsAPhoneInTheDark) {
+  const json phone = open(390, 844, true), wide = open(1900, 1000, false);
+  ASSERT_TRUE(phone.is_object());
+  ASSERT_TRUE(wide.is_object());
+  EXPECT_LT(phone.at("page").at("width"), 600);
+  EXPECT_LE(phone["page"].at("overflow"), 0);
+  EXPECT_LE(wide.at("page").at("overflow"), 0);
+  EXPECT_GT(wide["page"].at("charts"), 4);
+  EXPECT_EQ(phone["page"].at("background"), "rgb(20, 23, 26)");
+  EXPECT_EQ(wide["page"].at("background"), "rgb(251, 250, 248)");
+  const json motion = json::parse(page_motion(read_results(folder_.path()), {}));
+  EXPECT_EQ(expect_painted(phone.at("space").at("early"), motion, "cube_cuboid"), 4);
+}
+
+// Or the tests above would be glad of a page that does nothing.
+TEST_F(Browser, ErrorsOfAPageAreSeen) {
+  write_text(folder_.path() / "bad.html",
+             "<script>console.error('loud')</script><script>nothing.here()</script>");
+  const BrowserRun run = run_in_browser(*chromium_, folder_.path() / "bad.html", 800, 600, false);
+  ASSERT_EQ(run.console.size(), 2u);
+  EXPECT_NE(run.console[0].find("loud"), std::string::npos);
+  EXPECT_NE(run.console[1].find("ReferenceError"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace uniquadric
