@@ -46,17 +46,25 @@ json figures_json(const PaperFigures& figures) {
   return values;
 }
 
-json row_json(const SummaryRow& row) {
-  json spread = json::object();
-  for (const auto& [metric, s] : row.spread)
-    spread[metric] = {{"median", s.median}, {"min", s.min}, {"max", s.max}, {"n", s.n}, {"best", s.best}};
-  return {{"scene", row.scene}, {"object", row.object}, {"variant", row.variant},
-          {"runs", row.runs},   {"good", row.good},     {"spread", spread}};
-}
-
 // Rounded to what a plot shows: the page stays small. Figures in tables keep all their digits.
 json rounded(const std::optional<double>& value, int digits) {
   return value ? json(*parse_double(fmt::format("{:.{}g}", *value, digits))) : json(nullptr);
+}
+
+json spread_json(const Spread& s, int digits) {
+  json values = json::array();
+  for (const double value : s.values) values.push_back(rounded(value, digits));
+  return {{"median", s.median}, {"min", s.min},
+          {"max", s.max},       {"n", s.n},
+          {"best", s.best},     {"mean", rounded(s.mean, digits)},
+          {"values", values},   {"interval", rounded(s.interval, digits)}};
+}
+
+json row_json(const SummaryRow& row, int digits) {
+  json spread = json::object();
+  for (const auto& [metric, s] : row.spread) spread[metric] = spread_json(s, digits);
+  return {{"scene", row.scene}, {"object", row.object}, {"variant", row.variant},
+          {"runs", row.runs},   {"good", row.good},     {"spread", spread}};
 }
 
 // A list, or its one value where all are the same (true semi-axes).
@@ -143,7 +151,7 @@ json lidar_json(const LidarRoutes& r) {
 std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options) {
   json rows = json::array(), paper = json::object(), cells = json::array(), lidar = json::array();
-  for (const SummaryRow& row : summary) rows.push_back(row_json(row));
+  for (const SummaryRow& row : summary) rows.push_back(row_json(row, options.series_digits));
   for (const PaperRow& row : paper_rows())
     paper[row.object] = {{"single_frame_obb", figures_json(row.single_frame_obb)},
                          {"proposed", figures_json(row.proposed)}};

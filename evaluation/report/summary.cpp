@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "evaluation/report/markup.h"
 #include "evaluation/report/metrics.h"
@@ -14,7 +16,10 @@ namespace {
 
 Spread spread_of(const std::vector<double>& values) {
   const auto [min, max] = std::minmax_element(values.begin(), values.end());
-  return {median(values), *min, *max, static_cast<int>(values.size())};
+  const double mean = std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
+  return {
+      median(values), *min, *max, static_cast<int>(values.size()), false, mean, confidence_interval(values),
+      values};
 }
 
 SummaryRow summarize_row(const Results& results, const std::string& scene, const std::string& object,
@@ -77,6 +82,16 @@ double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+std::optional<double> confidence_interval(const std::vector<double>& values) {
+  const auto n = static_cast<double>(values.size());
+  if (values.size() < 2) return std::nullopt;
+  const double mean = std::accumulate(values.begin(), values.end(), 0.) / n;
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
+  return t * std::sqrt(squares / (n - 1) / n);
 }
 
 std::string format_figure(double value) {

@@ -15,6 +15,9 @@ struct Spread {
   double median = 0, min = 0, max = 0;
   int n = 0;
   bool best = false;  ///< no variant of the same scene and object has a better median, and one has a worse
+  double mean = 0;
+  std::optional<double> interval;  ///< half the mean's 95 % confidence interval; nothing of a single run
+  std::vector<double> values;      ///< in order of the runs
 };
 
 /// A row of the summary.
@@ -38,6 +41,10 @@ std::string summary_text(const std::vector<SummaryRow>& rows);
 
 /// The median of values (of an even number the mean of the middle two); asserts that there are any.
 double median(std::vector<double> values);
+
+/// Half the width of the mean's 95 % confidence interval: Student's t times the standard error (ddof 1).
+/// Nothing of fewer than two values.
+std::optional<double> confidence_interval(const std::vector<double>& values);
 
 /// Digits for people: two to four significant ones, no exponent for ordinary sizes.
 std::string format_figure(double value);

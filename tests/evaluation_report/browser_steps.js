@@ -34,6 +34,12 @@
   by_id("original-order").click();
   seen.table.again = column(ape);
 
+  by_id("ablation-metrics").querySelector("button").click(); // APE.t
+  const percent = (node, side) => Number.parseFloat(node.style[side]);
+  seen.ablation = [...by_id("ablation-plots").children].map((figure) => [...figure.querySelectorAll(".ablation-row:has(.mean)")].map((row) => ({
+    title: row.title, mean: percent(row.querySelector(".mean"), "left"), seeds: [...row.querySelectorAll(".seed")].map((dot) => percent(dot, "left")),
+    interval: row.querySelector(".interval") && [percent(row.querySelector(".interval"), "left"), percent(row.querySelector(".interval"), "width")] })));
+
   seen.space = { start: painted(), early: slide(5), late: slide(125), mark_s: chart_state.time };
   document.querySelector('#space-variants button[aria-pressed="false"]').click();
   seen.space.both = painted();

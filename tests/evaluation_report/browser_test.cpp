@@ -128,6 +128,29 @@ void expect_sorted(const json& table) {
   EXPECT_EQ(objects.size(), table["original"].size());
 }
 
+// APE.t of the fabricated runs: 0.5 and 1 m against 0.01 and 0.02 m, on a logarithmic axis; one run of the
+// last failed.
+void expect_variants_side_by_side(const json& figures_seen) {
+  ASSERT_EQ(figures_seen.size(), 6u);  // two objects and the camera of two scenes
+  const json &coarse = figures_seen[0][0], &fine = figures_seen[0][1];
+  EXPECT_EQ(coarse.at("title"), "single_frame_obb: mean 0.750 ± 3.2 (95 %) of 2 runs");  // 12.706 * 0.25
+  EXPECT_EQ(fine.at("title"), "rotbbox: mean 0.0150 ± 0.064 (95 %) of 2 runs");
+  const double decade = (coarse.at("mean").get<double>() - fine.at("mean").get<double>()) / std::log10(50);
+  EXPECT_GT(decade, 10);  // per cent of the axis
+  for (const json& row : {coarse, fine}) {
+    const json& seeds = row.at("seeds");
+    ASSERT_EQ(seeds.size(), 2u);
+    EXPECT_NEAR(seeds[1].get<double>() - seeds[0].get<double>(), decade * std::log10(2), 0.01);
+    EXPECT_NEAR(row.at("mean").get<double>() - seeds[0].get<double>(), decade * std::log10(1.5), 0.01);
+    const double from = row.at("interval")[0], to = from + row.at("interval")[1].get<double>();
+    EXPECT_LT(from, seeds[0]);
+    EXPECT_GT(to, seeds[1]);
+    EXPECT_LE(to, 100);
+  }
+  EXPECT_TRUE(figures_seen[3][1].at("interval").is_null());
+  EXPECT_EQ(figures_seen[3][1].at("title"), "rotbbox: mean 0.0100 of one run");
+}
+
 void expect_slider_moves_ellipsoids(const json& space, const json& motion) {
   const json &early = space.at("early"), &late = space.at("late");
   EXPECT_EQ(early.at("index"), 5);
@@ -174,6 +197,7 @@ TEST_F(Browser, TablesSortAndTheSliderMovesTheEllipsoids) {
   const json seen = open(1280, 900, false);
   ASSERT_TRUE(seen.is_object());
   expect_sorted(seen.at("table"));
+  expect_variants_side_by_side(seen.at("ablation"));
   expect_slider_moves_ellipsoids(seen.at("space"),
                                  json::parse(page_motion(read_results(folder_.path()), {})));
   expect_turns_zooms_follows_and_plays(seen.at("space"));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/base/text.h"
 #include "evaluation/report/report.h"
 #include "tests/evaluation_report/fabricated_results.h"
@@ -45,6 +47,14 @@ TEST(Summary, MedianOfOddAndEvenCounts) {
   EXPECT_EQ(median({3, 1, 2}), 2);
   EXPECT_EQ(median({4, 1, 2, 3}), 2.5);
   EXPECT_EQ(median({7}), 7);
+}
+
+TEST(Summary, ConfidenceIntervalOfTheMean) {
+  constexpr double kT2 = 4.302652730, kT7 = 2.364624252;  // Student's t for 0.975, from tables
+  EXPECT_NEAR(*confidence_interval({1, 2, 3}), kT2 / std::sqrt(3.), 1e-8);
+  EXPECT_NEAR(*confidence_interval({1, -1, 1, -1, 1, -1, 1, -1}), kT7 / std::sqrt(7.), 1e-8);
+  EXPECT_EQ(*confidence_interval({4, 4}), 0);
+  EXPECT_FALSE(confidence_interval({4}));
 }
 
 TEST(Summary, MediansOverSeedsAndTheBestVariant) {

@@ -49,16 +49,23 @@ function draw_object_chips() {
   });
 }
 
+// Of the variants and seeds that the scene has; the others stay as they were pressed.
 function draw_filter_chips() {
-  chips(by_id("variant-chips"), "variants", variants, chart_state.variants, { many: true, color: variant_color,
-    change: (chosen) => { chart_state.variants = new Set(chosen); draw_charts(); } });
-  chips(by_id("seed-chips"), "seeds", data.seeds, chart_state.seeds, { many: true,
-    change: (chosen) => { chart_state.seeds = new Set(chosen); draw_charts(); } });
+  const cells = data.cells.filter((cell) => cell.scene === chart_state.scene && cell.series.length > 0);
+  const filter = (id, label, state, values, extra) => chips(by_id(id), label, values, values.filter((v) => chart_state[state].has(v)), {
+    many: true, ...extra, change: (chosen) => {
+      const others = [...chart_state[state]].filter((v) => !values.includes(v));
+      chart_state[state] = new Set([...others, ...chosen]);
+      draw_charts();
+    } });
+  filter("variant-chips", "variants", "variants", distinct(cells.map((cell) => cell.variant)), { color: variant_color });
+  filter("seed-chips", "seeds", "seeds", distinct(cells.map((cell) => cell.seed)));
 }
 
 function show_object({ scene, object }) {
   Object.assign(chart_state, { scene, object, time: null });
   draw_object_chips();
+  draw_filter_chips();
   draw_charts();
   show_motion(scene);
   show_scene(scene);
@@ -83,6 +90,7 @@ function start() {
   draw_facts();
   draw_failures();
   draw_table();
+  start_ablation();
   draw_definitions();
   draw_made();
   draw_lidar();
@@ -95,12 +103,11 @@ function start() {
   document.querySelector('nav a[href="#motion-scene"]').hidden = motion.runs.length === 0;
   start_viewer();
   start_motion();
-  if (subjects.length > 0) {
-    draw_filter_chips();
-    show_object(subjects[0]);
-  } else if (galleries.length > 0) show_scene(galleries[0].scene);
+  if (subjects.length > 0) show_object(subjects[0]);
+  else if (galleries.length > 0) show_scene(galleries[0].scene);
   dark_mode.addEventListener("change", () => {
     draw_lidar();
+    draw_ablation();
     if (subjects.length === 0) return;
     draw_filter_chips();
     draw_charts();

@@ -1,0 +1,62 @@
+// Variants side by side: of each object the runs' figures, their mean and its 95 % confidence interval.
+const ablation_state = { metric: null };
+const kLogarithmicFrom = 20; // times between the greatest and the least
+
+// Objects with two variants or more that have the metric: [{scene, object, rows}].
+function ablation_groups(metric) {
+  const groups = new Map();
+  for (const row of data.summary.filter((r) => metric in r.spread)) {
+    const key = JSON.stringify([row.scene, row.object]);
+    groups.set(key, [...(groups.get(key) ?? []), row]);
+  }
+  return [...groups.values()].filter((rows) => rows.length > 1).map((rows) => ({ scene: rows[0].scene, object: rows[0].object, rows }));
+}
+
+// Where a value lies on an axis, in per cent, and the axis' round marks.
+function ablation_axis(spreads, lower_is_better) {
+  const values = spreads.flatMap((s) => s.values), least = Math.min(...values), greatest = Math.max(...values);
+  if (lower_is_better && least > 0 && greatest / least > kLogarithmicFrom) {
+    const from = Math.log10(least) - 0.1, to = Math.log10(Math.max(greatest, ...spreads.map((s) => s.mean + (s.interval ?? 0)))) + 0.1;
+    const powers = Array.from({ length: Math.floor(to) - Math.ceil(from) + 1 }, (_, i) => 10 ** (Math.ceil(from) + i));
+    return { at: (v) => (100 * ((v > 0 ? Math.max(from, Math.log10(v)) : from) - from)) / (to - from), marks: powers };
+  }
+  const ends = spreads.flatMap((s) => [s.mean - (s.interval ?? 0), s.mean + (s.interval ?? 0), ...s.values]);
+  const low = Math.min(...ends), high = Math.max(...ends), margin = 0.05 * (high - low) || 0.05 * Math.abs(high) || 1;
+  const from = low - margin, to = high + margin, step = round_length((to - from) / 3), marks = [];
+  for (let k = Math.ceil(from / step); k * step <= to; ++k) marks.push(k * step);
+  return { at: (v) => (100 * (v - from)) / (to - from), marks };
+}
+
+function ablation_row({ variant, spread }, metric, axis_of) {
+  const s = spread[metric.name], { at, marks } = axis_of, mark = (name, left, extra = "") => el("i", { class: name, style: `left:${left}%;${extra}` });
+  const half = s.interval, range = half === null ? "of one run" : `± ${format_short(half)} (95 %) of ${s.n} runs`;
+  return el("div", { class: "ablation-row", style: `--color:${variant_color(variant)}`, title: `${variant}: mean ${format_figure(s.mean)} ${range}` },
+    el("span", {}, variant.replaceAll("_", "_\u200b")), // a long name breaks after an underscore
+    el("div", { class: "track" }, ...marks.map((m) => mark("tick", at(m))),
+      half === null ? null : mark("interval", at(s.mean - half), `width:${at(s.mean + half) - at(s.mean - half)}%`),
+      ...s.values.map((v) => mark("seed", at(v))), mark("mean", at(s.mean))),
+    el("span", {}, format_figure(s.mean)));
+}
+
+function ablation_figure({ scene, object, rows }, metric) {
+  const axis_of = ablation_axis(rows.map((row) => row.spread[metric.name]), metric.better === "lower");
+  const labels = axis_of.marks.map((m) => el("span", { style: `left:${axis_of.at(m)}%` }, String(Number(m.toPrecision(3)))));
+  return el("figure", {}, el("figcaption", {}, object, " ", el("small", {}, scene)), ...rows.map((row) => ablation_row(row, metric, axis_of)),
+    el("div", { class: "ablation-row" }, el("span", {}), el("div", { class: "scale" }, ...labels), el("span", {})));
+}
+
+function draw_ablation() {
+  if (ablation_state.metric) // camera and tracking last, as in the table
+    by_id("ablation-plots").replaceChildren(...ablation_groups(ablation_state.metric.name).map((group) => ablation_figure(group, ablation_state.metric)));
+}
+
+function start_ablation() {
+  const shown = data.metrics.filter((m) => data.summary_metrics.includes(m.name) && ablation_groups(m.name).length > 0);
+  by_id("ablation").hidden = shown.length === 0;
+  document.querySelector('nav a[href="#ablation"]').hidden = shown.length === 0;
+  if (shown.length === 0) return;
+  ablation_state.metric = shown.find((m) => m.name === "iou3d_mean") ?? shown[0];
+  chips(by_id("ablation-metrics"), "", shown, [ablation_state.metric], { text: (m) => (m.unit ? `${m.label} [${m.unit}]` : m.label),
+    change: ([metric]) => { ablation_state.metric = metric; draw_ablation(); } });
+  draw_ablation();
+}
