@@ -54,9 +54,10 @@
   pointer("pointermove", x + 50, y + 25);
   pointer("pointerup", x + 50, y + 25);
   seen.space.dragged = painted();
-  const wheel = new WheelEvent("wheel", { deltaY: -100, cancelable: true });
+  const aim = motion_state.drawn[0].outline; // what is pointed at stays under the pointer
+  const wheel = new WheelEvent("wheel", { deltaY: -100, cancelable: true, clientX: box.left + aim.x, clientY: box.top + aim.y });
   motion_canvas.dispatchEvent(wheel);
-  seen.space.wheeled = { ...painted(), stays: wheel.defaultPrevented };
+  seen.space.wheeled = { ...painted(), stays: wheel.defaultPrevented, aim };
   pointer("pointerdown", x, y, 1);
   pointer("pointerdown", x + 100, y, 2);
   pointer("pointermove", x + 200, y, 2); // twice as far apart

@@ -181,6 +181,10 @@ void expect_turns_zooms_follows_and_plays(const json& space) {
   const json &wheeled = space.at("wheeled").at("orbit"), &pinched = space.at("pinched").at("orbit");
   EXPECT_LT(wheeled.at("distance"), dragged.at("distance"));
   EXPECT_EQ(space["wheeled"].at("stays"), true);
+  // It lies near the depth that the zoom is about, and pointers have whole pixels.
+  const json &aim = space["wheeled"].at("aim"), &aimed = space["wheeled"].at("bodies")[0].at("outline");
+  EXPECT_NEAR(aimed.at("x").get<double>(), aim.at("x").get<double>(), 8);
+  EXPECT_NEAR(aimed.at("y").get<double>(), aim.at("y").get<double>(), 8);
   EXPECT_NEAR(pinched.at("distance").get<double>(), wheeled.at("distance").get<double>() / 2, 1e-9);
   for (const json& body : space.at("followed").at("bodies"))
     if (body.at("object") == "cube" && body.at("label") == "") {

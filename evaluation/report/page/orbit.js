@@ -19,6 +19,14 @@ function shift_by(dx, dy) {
   orbit.target = v_add(orbit.target, v_add(v_scale(view.right, dx * scale), v_scale(view.down, dy * scale)));
 }
 
+// Zooms so that what is pointed at stays there, unless something is followed.
+function zoom_at(event, factor) {
+  const before = motion_state.orbit.distance;
+  zoom_by(factor);
+  const rest = 1 - before / motion_state.orbit.distance;
+  if (motion_state.follow === "") shift_by((event.offsetX - motion_canvas.clientWidth / 2) * rest, (event.offsetY - motion_canvas.clientHeight / 2) * rest);
+}
+
 // One pointer turns (shifts with shift or another button), two pinch and shift together.
 function drag(pointers, event) {
   const before = pointers.get(event.pointerId), other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
@@ -70,7 +78,7 @@ function start_orbit() {
   motion_canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     const pixels = event.deltaY * [1, 16, 400][event.deltaMode];
-    zoom_by(Math.exp(Math.min(Math.max(pixels, -240), 240) * 0.0012));
+    zoom_at(event, Math.exp(Math.min(Math.max(pixels, -240), 240) * 0.0012));
     motion_state.touched = true;
     draw_motion();
   }, { passive: false });
