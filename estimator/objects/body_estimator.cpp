@@ -171,7 +171,8 @@ BodyPose BodyEstimator::stand_still(const PerceivedFrame& frame) const {
   BodyPose pose;
   pose.world_from_body = recent_.back().world_from_body;
   pose.covariance.setZero();
-  pose.keyframe = frame.frame % options_.short_window.keyframe_gap == 0;
+  const auto gap_ns = static_cast<std::int64_t>(1e9 * options_.short_window.keyframe_gap_s);
+  pose.keyframe = frame.stamp_ns / gap_ns != recent_.back().stamp_ns / gap_ns;
   return pose;
 }
 
@@ -192,7 +193,7 @@ PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) cons
 std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
   Pose predicted = predict(frame, &body);
   const bool stale = is_stale(frame);
-  const Eigen::Vector3d& center_in_body = shape_.shape().body_from_object.translation;
+  const Eigen::Vector3d center_in_body = shape_.shape().body_from_object.translation;
   if (stale)
     if (const auto center = shape_.center_of(frame, body))
       predicted.translation = *center - predicted.rotation * center_in_body;
@@ -234,7 +235,7 @@ Pose BodyEstimator::predict(const PerceivedFrame& frame, const BodyObservation* 
   const double faded = kRest * -std::expm1(-ahead_s / kRest) / base_s;
   pose.rotation = (exp_so3(faded * turn) * last.world_from_body.rotation).normalized();
   // what moves steadily is the centre, not the origin of the window's frame
-  const Eigen::Vector3d& c = shape_.shape().body_from_object.translation;
+  const Eigen::Vector3d c = shape_.shape().body_from_object.translation;
   const Eigen::Vector3d center =
       (1 + share) * (last.world_from_body * c) - share * (first.world_from_body * c);
   pose.translation = center - pose.rotation * c;

@@ -68,7 +68,7 @@ void visit(Io& io, ShortWindowOptions& o) {
   io.number("keyframes", o.keyframes, 3, 100);
   io.positive("keyframe_turn_deg", o.keyframe_turn_deg);
   io.number("keyframe_share", o.keyframe_share, 0.0, 1.0);
-  io.number("keyframe_gap", o.keyframe_gap, 1, 1000);
+  io.positive("keyframe_gap_s", o.keyframe_gap_s);
   io.flag("motion_model", o.motion_model);
   io.positive("acceleration_noise", o.motion_noise.acceleration);
   io.positive("angular_acceleration_noise", o.motion_noise.angular_acceleration);
@@ -92,7 +92,7 @@ void visit(Io& io, LongWindowOptions& o) {
   io.choice(
       "outline", o.outline,
       Choices<Outline>{{"bbox", Outline::bbox}, {"rot_bbox", Outline::rot_bbox}, {"hull", Outline::hull}});
-  io.number("exponents", o.exponents, 0, 3);
+  io.choice("exponents", o.exponents, Choices<int>{{"0", 0}, {"1", 1}, {"3", 3}});
   io.positive("outline_sigma_px", o.outline_sigma_px);
   io.choice("outline_noise", o.outline_noise,
             Choices<OutlineNoise>{{"given", OutlineNoise::given}, {"measured", OutlineNoise::measured}});

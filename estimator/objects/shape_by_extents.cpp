@@ -22,6 +22,8 @@ constexpr double kFreeCenterSigma = 0.1;  // [m] of an ellipsoid that the outlin
 constexpr double kFreeTurnSigma = 0.1;    // [rad] of the same
 constexpr double kRoundGain = 3;          // of log-likelihood: twenty times as likely
 constexpr double kCenterSigma = 0.004;    // [m] of the centre that extents give
+constexpr double kShortPx = 8,
+                 kShort = 0.2;  // by which points end inside the outline at most; of its half width
 constexpr Eigen::Index kFewPoints = 30;
 constexpr int kNoiseRounds =
     2;  // of the outlines' noise, each with the last one's shape; a third changes little
@@ -59,7 +61,7 @@ std::vector<PointView> point_views(const ExtentEvidence& evidence) {
   for (const ShapeView& view : evidence.views) {
     const Rim rim = rim_of(evidence.camera, view);
     const double m_per_px = view.points.cols() > 0 ? view.points.row(2).mean() / evidence.camera.fx : 0;
-    PointView& seen = views.emplace_back(point_view(view));
+    PointView& seen = views.emplace_back(point_view(evidence.camera, view));
     seen.rim_m = m_per_px * rim.least_px;
     seen.horizon_rad = rim.horizon_rad;
   }
@@ -117,13 +119,19 @@ Shape ellipsoid_of_outlines(const ExtentEvidence& evidence, const Shape& start) 
 
 }  // namespace
 
-PointView point_view(const ShapeView& view) {
+PointView point_view(const Camera& camera, const ShapeView& view) {
   PointView seen;
   seen.body_from_camera = view.world_from_body.inverse() * view.world_from_camera;
   seen.points = &view.points;
   seen.normals = &view.normals;
-  for (const SupportLine& line : view.silhouette.support)
-    if (!line.free) seen.cut.push_back(line.normal);
+  const Eigen::Matrix3Xd pixels =
+      camera.matrix() * view.points.cwiseQuotient(view.points.row(2).replicate<3, 1>());
+  if (view.points.cols() == 0) return seen;
+  const double inside_px = std::max(kShortPx, kShort * view.silhouette.rot_bbox.semi_minor);
+  for (const SupportLine& line : view.silhouette.support) {
+    const double reach_px = (line.normal.transpose() * pixels.topRows<2>()).maxCoeff();
+    if (!line.free || reach_px < line.offset_px - inside_px) seen.cut.push_back(line.normal);
+  }
   return seen;
 }
 

@@ -75,13 +75,26 @@ double rim_share(const Shape& shape, const std::vector<PointView>& views, int ax
     const Eigen::Vector3d camera = shape.body_from_object.inverse() * view.body_from_camera.translation;
     const Eigen::Vector3d normal = camera.cwiseQuotient(shape.semi_axes_m).normalized();
     const double away = std::min(0.0, sign * normal[axis]);
-    shares.push_back(std::sqrt(1 - away * away));
+    shares.push_back(std::sqrt(std::max(0.0, 1 - away * away)));
   }
   if (shares.empty()) return 0;
   const auto at =
       shares.begin() + static_cast<std::ptrdiff_t>(kBestViews * static_cast<double>(shares.size() - 1));
   std::nth_element(shares.begin(), at, shares.end());
   return *at;
+}
+
+// The same shape, x named z, y x, z y, so many times.
+Shape with_axes_turned(Shape shape, int times) {
+  Eigen::Matrix3d next;  // its columns: the new axes in the old ones
+  next << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  for (int i = 0; i < times; ++i) {
+    shape.body_from_object.rotation *= Eigen::Quaterniond(next);
+    shape.semi_axes_m = next.transpose() * shape.semi_axes_m;
+    for (int block = 0; block < 9; block += 3)
+      shape.variances.segment<3>(block) = next.transpose() * shape.variances.segment<3>(block).eval();
+  }
+  return shape;
 }
 
 void drop_carried(std::vector<ShapeView>& views) {
@@ -234,14 +247,9 @@ std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<Accumul
 std::vector<Shape> ShapeEstimator::turned_starts() const {
   std::vector<Shape> starts;
   if (options_.long_window.exponents != 3) return starts;
-  Eigen::Matrix3d next;  // x becomes y, y z, z x
-  next << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-  Shape turned = shape_;
-  turned.exponents = {};
-  for (int i = 0; i < 2; ++i) {
-    turned.body_from_object.rotation *= Eigen::Quaterniond(next);
-    turned.semi_axes_m = next.transpose() * turned.semi_axes_m;
-    starts.push_back(turned);
+  for (int turns = 1; turns < 3; ++turns) {
+    starts.push_back(with_axes_turned(shape_, turns));
+    starts.back().exponents = {};
   }
   return starts;
 }
@@ -266,6 +274,11 @@ double ShapeEstimator::share_off_box(const Shape& shape) const {
 bool ShapeEstimator::has_closer_sides(const ShapeSolution& other, const ShapeSolution& best) const {
   return kClearlyBetter * other.cost < best.cost + kClearGain &&
          share_off_box(other.shape) < kCloser * share_off_box(best.shape);
+}
+
+// Names stay when another axis becomes the profile's.
+Shape ShapeEstimator::shape() const {
+  return with_axes_turned(shape_, (3 - turns_) % 3);
 }
 
 void ShapeEstimator::solve(const std::optional<Shape>& box_start, const std::vector<Shape>& turned) {
@@ -309,16 +322,25 @@ void ShapeEstimator::solve(const std::optional<Shape>& box_start, const std::vec
   const auto is_clearly_better = [](const ShapeSolution& other, const ShapeSolution& before) {
     return other.cost < kClearlyBetter * before.cost - kClearGain;
   };
-  for (const Shape& start : turned)
-    if (ShapeSolution other = solve_from(start); is_clearly_better(other, best)) best = std::move(other);
+  int turns = 0;
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    ShapeSolution other = solve_from(turned[i]);
+    if (!is_clearly_better(other, best)) continue;
+    best = std::move(other);
+    turns = static_cast<int>(i) + 1;
+  }
   if (box_start) {
     ShapeSolution other = solve_from(*box_start);
-    if (is_clearly_better(other, best) || has_closer_sides(other, best)) best = std::move(other);
+    if (is_clearly_better(other, best) || has_closer_sides(other, best)) {
+      best = std::move(other);
+      turns = 0;
+    }
   } else if (keyframes_ > options_.search_keyframes) {
     // axes that the evidence hardly tells apart, as a ball's, would wander from solve to solve
     ShapeSolution held = solve_from(shape_, false);
     if (held.cost < best.cost + kTurnGain) best = std::move(held);
   }
+  turns_ = (turns_ + turns) % 3;
   shape_ = options_.long_window.extents ? with_seen_extents(best.shape) : best.shape;
 }
 
@@ -326,7 +348,7 @@ void ShapeEstimator::solve(const std::optional<Shape>& box_start, const std::vec
 // count.
 Shape ShapeEstimator::with_seen_extents(Shape shape) const {
   std::vector<PointView> views;
-  for (const ShapeView& view : views_) views.push_back(point_view(view));
+  for (const ShapeView& view : views_) views.push_back(point_view(camera_, view));
   const double spacing = point_spacing(shape, views);
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {

@@ -62,7 +62,7 @@ class ShapeEstimator {
     times_ = times;
   }
 
-  const Shape& shape() const { return shape_; }
+  Shape shape() const;
   SurfaceModel surface() const { return surface_.model(); }
 
  private:
@@ -80,7 +80,8 @@ class ShapeEstimator {
   Camera camera_;
   ShapeOptions options_;
   std::uint64_t seed_;
-  Shape shape_;
+  Shape shape_;          // z is the profile's axis
+  int turns_ = 0;        // of the axes' names since the start
   double radius_m_ = 0;  // of the first sphere
   int keyframes_ = 0;
   std::vector<ShapeView> views_, waiting_;

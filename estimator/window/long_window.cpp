@@ -214,7 +214,7 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   ceres::Solve(solver, &problem, &summary);
 
   ShapeSolution solution;
-  solution.cost = summary.final_cost;
+  solution.cost = summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
   solution.shape.body_from_object = pose_from_block(blocks.offset);
   solution.shape.semi_axes_m = axes_from_block(blocks.axes.data());
   solution.shape.exponents = exponents_from_block(blocks.exponents.data(), exponents);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "core/base/seconds.h"
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/pose_prior.h"
 #include "estimator/factors/reprojection.h"
@@ -55,6 +56,10 @@ void add_rest(ceres::Problem& problem, std::vector<PoseBlock>& poses, const Pose
                              poses[i].data());
 }
 
+bool shows_whole(const BodyObservation& body) {
+  return body.silhouette && is_whole(*body.silhouette);
+}
+
 }  // namespace
 
 void ShortWindow::start(const PerceivedFrame& frame, const BodyObservation& body,
@@ -66,7 +71,7 @@ void ShortWindow::start(const PerceivedFrame& frame, const BodyObservation& body
     landmarks_.erase(feature.track);  // it was no help where the body is now
     features.push_back(feature);
   }
-  add_keyframe(frame, std::move(features), world_from_body);
+  add_keyframe(frame, std::move(features), world_from_body, shows_whole(body));
 }
 
 std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const BodyObservation& body,
@@ -97,7 +102,8 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
   result.sighted = result.world_from_body;
   result.covariance = solution->information.inverse();
   result.inliers = solution->inlier_count;
-  result.keyframe = keyframe_is_due(frame, solution->camera_from_body, solution->inlier_count);
+  result.keyframe =
+      keyframe_is_due(frame, shows_whole(body), solution->camera_from_body, solution->inlier_count);
   std::vector<Feature> kept;
   for (std::size_t i = 0; i < features.size(); ++i) {
     BodyPoint& landmark = landmarks_.at(features[i]->track);
@@ -111,7 +117,7 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
   std::erase_if(landmarks_, [](const auto& entry) { return entry.second.misses >= kMaxMisses; });
   for (const Feature& feature : body.features)
     if (feature.depth_m > 0 && !landmarks_.contains(feature.track)) kept.push_back(feature);
-  add_keyframe(frame, std::move(kept), result.world_from_body);
+  add_keyframe(frame, std::move(kept), result.world_from_body, shows_whole(body));
   optimise();
   drop_outliers();
   if (std::ssize(keyframes_) > options_.keyframes) marginalise_oldest();
@@ -120,17 +126,18 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
   return result;
 }
 
-bool ShortWindow::keyframe_is_due(const PerceivedFrame& frame, const Pose& camera_from_body, int seen) const {
+bool ShortWindow::keyframe_is_due(const PerceivedFrame& frame, bool whole, const Pose& camera_from_body,
+                                  int seen) const {
   const BodyKeyframe& last = keyframes_.back();
   const Pose last_camera_from_body = last.world_from_camera.inverse() * last.world_from_body;
   const double turn = camera_from_body.rotation.angularDistance(last_camera_from_body.rotation);
-  return frame.frame - last.frame >= options_.keyframe_gap ||
+  return seconds(last.stamp_ns, frame.stamp_ns) >= options_.keyframe_gap_s || (whole && !last.whole) ||
          turn > options_.keyframe_turn_deg * EIGEN_PI / 180 ||
          seen < options_.keyframe_share * static_cast<double>(last.features.size());
 }
 
 void ShortWindow::add_keyframe(const PerceivedFrame& frame, std::vector<Feature> features,
-                               const Pose& world_from_body) {
+                               const Pose& world_from_body, bool whole) {
   const Pose body_from_camera = world_from_body.inverse() * *frame.world_from_camera;
   for (const Feature& feature : features) {
     if (landmarks_.contains(feature.track)) continue;
@@ -141,7 +148,7 @@ void ShortWindow::add_keyframe(const PerceivedFrame& frame, std::vector<Feature>
     landmarks_.emplace(feature.track, landmark);
   }
   keyframes_.push_back(
-      {frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, std::move(features)});
+      {frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, std::move(features), whole});
 }
 
 void ShortWindow::optimise() {

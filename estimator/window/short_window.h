@@ -19,7 +19,7 @@ struct ShortWindowOptions {
   int keyframes = 10;            // paper: 8-10
   double keyframe_turn_deg = 5;  // ours: new faces come into view by less than their corners' spacing
   double keyframe_share = 0.7;   // ours: a keyframe is due when fewer of the last one's points are left
-  int keyframe_gap = 10;         // ours: frames; a third of a second bounds the motion model's reach
+  double keyframe_gap_s = 0.33;  // ours: bounds the motion model's reach
   bool motion_model = true;      // paper: Eq. 7
   MotionNoise motion_noise;
   bool rest_factor = true;     // ours: what stands still is held there in the place of Eq. 7
@@ -43,6 +43,7 @@ struct BodyKeyframe {
   std::int64_t frame = 0, stamp_ns = 0;
   Pose world_from_camera, world_from_body;
   std::vector<Feature> features;  ///< inliers alone
+  bool whole = true;              ///< nothing hid a part of it
 };
 
 struct BodyPose {
@@ -77,8 +78,9 @@ class ShortWindow {
   const std::map<std::int64_t, BodyPoint>& landmarks() const { return landmarks_; }
 
  private:
-  bool keyframe_is_due(const PerceivedFrame& frame, const Pose& camera_from_body, int seen) const;
-  void add_keyframe(const PerceivedFrame& frame, std::vector<Feature> features, const Pose& world_from_body);
+  bool keyframe_is_due(const PerceivedFrame& frame, bool whole, const Pose& camera_from_body, int seen) const;
+  void add_keyframe(const PerceivedFrame& frame, std::vector<Feature> features, const Pose& world_from_body,
+                    bool whole);
   void optimise();
   void drop_outliers();
   void marginalise_oldest();

@@ -94,6 +94,7 @@ TEST(VariantFile, BadFilesAreRefusedByLine) {
       {"schema: 1\nshape: {obb: {inlier_threshold_m: -1}}\n", "expected a number greater than 0"},
       {"schema: 1\nshape: {obb: {fit: convex}}\n",
        "'convex' is none of: surface, tight_surface, minimum_volume, pca"},
+      {"schema: 1\nlong_window: {exponents: 2}\n", ":2: long_window.exponents: '2' is none of: 0, 1, 3"},
       {"schema: 1\nego: {source: slam}\n", ":2: ego.source: 'slam' is none of: given"},
       {"schema: 1\nbackend: dual_window\n", ":2: backend: 'dual_window' is none of: single_frame, windows"},
       {"schema: 1\npoints: {voxel_m: .nan}\n", "points.voxel_m: expected a finite number"},
@@ -112,17 +113,14 @@ TEST(VariantFile, BadFilesAreRefusedByLine) {
       {"schema: 1\nshape: [1]\n", ":2: shape: expected a map"},
       {"schema: 1\nname: [\n", "malformed YAML"},
   };
-  int refused = 0;
   for (const auto& [text, what] : cases) {
     try {
       load_text(text);
       ADD_FAILURE() << "accepted: " << text;
     } catch (const InputError& e) {
       EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
-      ++refused;
     }
   }
-  EXPECT_EQ(refused, 22);
 }
 
 TEST(VariantFile, ThoseOfTheProjectLoadUnderTheirOwnNames) {
