@@ -59,6 +59,7 @@ void run(int argc, char** argv) {
     off += report.rms_m;
   }
   const double n = double(reports.size());
+  if (reports.empty()) return fmt::print("{}: no start\n", sequence.name);
   const double length_s = double(reports.back().end_ns - reports.front().end_ns) * 1e-9;
   fmt::print(
       "{}: {} sweeps of {:.0f} points, {:.0f} on planes within {:.1f} mm, {:.0f} on bodies; {:.1f} ms a "

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +39,10 @@ class OptionReader {
 
   /// A length or another number greater than 0.
   void positive(const char* key, double& value) { value = node_.positive(key, value); }
+  /// The same, where nothing is said otherwise.
+  void positive(const char* key, std::optional<double>& value) {
+    if (node_.find(key)) value = node_.positive(key);
+  }
 
   template <typename E>
   void choice(const char* key, E& value, const Choices<E>& choices) {
@@ -71,6 +76,9 @@ class OptionWriter {
     line(key, fmt::format("{}", value));
   }
   void positive(const char* key, double value) { line(key, fmt::format("{}", value)); }
+  void positive(const char* key, const std::optional<double>& value) {
+    if (value) positive(key, *value);
+  }
   template <typename E>
   void choice(const char* key, E value, const Choices<E>& choices) {
     for (const auto& [name, meaning] : choices)

@@ -57,7 +57,8 @@ void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t f
   for (std::int64_t frame = 0; frame < frames; ++frame) sequence.frames.push_back(list_frame(scene, frame));
   if (scene.imu) sequence.imu = scene.imu->calibration;
   if (const auto rig = lidar_of(scene)) {
-    sequence.lidar = LidarCalibration{rig->pattern_name, rig->rate_hz, rig->camera_from_lidar};
+    sequence.lidar =
+        LidarCalibration{rig->pattern_name, rig->rate_hz, rig->camera_from_lidar, rig->data_sheet};
     sequence.scans = lidar_scans(scene, *rig, frames);
   }
   if (scene.given_camera) sequence.given_camera = sample(scene, scene.camera_motion, frames);

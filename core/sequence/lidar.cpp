@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "core/base/config.h"
 #include "core/base/text.h"
 #include "core/sequence/calibration.h"
@@ -9,18 +12,46 @@
 
 namespace uniquadric {
 
+namespace {
+
+double at_least_0(const ConfigNode& node, const char* key) {
+  const double value = node.get<double>(key);
+  if (!(value >= 0)) node.at(key).fail(fmt::format("expected at least 0, found {}", value));
+  return value;
+}
+
+LidarDataSheet read_data_sheet(const ConfigNode& node) {
+  const LidarDataSheet sheet{at_least_0(node, "range_sigma_m"), at_least_0(node, "divergence_deg"),
+                             at_least_0(node, "angle_sigma_deg")};
+  node.refuse_unknown_keys();
+  return sheet;
+}
+
+}  // namespace
+
+// A surface anywhere in the width of the beam, evenly: a twelfth of its square.
+double LidarDataSheet::beam_sigma_rad() const {
+  return std::hypot(angle_sigma_deg, divergence_deg / std::sqrt(12.0)) * (std::numbers::pi / 180);
+}
+
 LidarCalibration read_lidar_calibration(const ConfigNode& node) {
   LidarCalibration lidar;
   lidar.pattern = node.get<std::string>("pattern");
   lidar.rate_hz = node.positive("rate_hz");
   lidar.camera_from_lidar = read_extrinsics(node.at("camera_from_lidar"));
+  if (const auto noise = node.find("noise")) lidar.noise = read_data_sheet(*noise);
   node.refuse_unknown_keys();
   return lidar;
 }
 
 std::string lidar_yaml(const LidarCalibration& calibration) {
-  return fmt::format("pattern: {}, rate_hz: {}, camera_from_lidar: {}", yaml_quoted(calibration.pattern),
-                     calibration.rate_hz, extrinsics_yaml(calibration.camera_from_lidar));
+  std::string yaml =
+      fmt::format("pattern: {}, rate_hz: {}, camera_from_lidar: {}", yaml_quoted(calibration.pattern),
+                  calibration.rate_hz, extrinsics_yaml(calibration.camera_from_lidar));
+  if (const auto& noise = calibration.noise)
+    yaml += fmt::format(", noise: {{range_sigma_m: {}, divergence_deg: {}, angle_sigma_deg: {}}}",
+                        noise->range_sigma_m, noise->divergence_deg, noise->angle_sigma_deg);
+  return yaml;
 }
 
 void write_lidar_points(const std::filesystem::path& path, const std::vector<LidarPoint>& points) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,11 +28,24 @@ struct TimedPoint {
   Eigen::Vector3f lidar = Eigen::Vector3f::Zero();  ///< in the lidar's frame at that time [m]
 };
 
+/// What the data sheet of a LiDAR's model says of its errors, standard deviations. The defaults are a Livox
+/// Avia's, and count where a sequence says nothing.
+struct LidarDataSheet {
+  double range_sigma_m = 0.02;
+  double divergence_deg = 0.28;   ///< full width of the beam
+  double angle_sigma_deg = 0.05;  ///< of the beam's direction, in each transverse axis
+
+  /// Of a point across its beam, a metre away: the direction's error, and where in the width of the beam the
+  /// surface is that came back.
+  double beam_sigma_rad() const;
+};
+
 /// Section `lidar` of sequence.yaml.
 struct LidarCalibration {
   std::string pattern;  ///< name of the scan pattern, or of its file
   double rate_hz = 10;  ///< scans a second
   Pose camera_from_lidar;
+  std::optional<LidarDataSheet> noise{};  ///< nothing: not known
 };
 LidarCalibration read_lidar_calibration(const ConfigNode& node);
 std::string lidar_yaml(const LidarCalibration& calibration);

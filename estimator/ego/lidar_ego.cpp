@@ -23,6 +23,7 @@ LidarRigView rig_of(const Sequence& sequence, const LidarEgoOptions& options) {
   LidarRigView rig;
   rig.camera_from_lidar = sequence.lidar->camera_from_lidar;
   rig.imu = sequence.imu;
+  rig.noise = sequence.lidar->noise.value_or(LidarDataSheet());
   if (options.use_masks) rig.camera = sequence.camera;
   return rig;
 }

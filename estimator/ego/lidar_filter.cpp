@@ -148,6 +148,18 @@ LidarBelief propagated(const LidarBelief& belief, const InertialReading& reading
           F * belief.covariance * F.transpose() + propagation_noise(noise, dt)};
 }
 
+LidarBelief with_gravity(const LidarBelief& belief, double magnitude_mps2, double sigma_mps2) {
+  const Eigen::Vector3d& gravity = belief.state.gravity_mps2;
+  const double found_mps2 = gravity.norm();
+  if (found_mps2 == 0) return belief;
+  Vector18d row = Vector18d::Zero();
+  row.segment<3>(kGravity) = gravity / found_mps2;
+  const Vector18d spread = belief.covariance * row;
+  const Vector18d gain = spread / (row.dot(spread) + sigma_mps2 * sigma_mps2);
+  return {moved(belief.state, gain * (magnitude_mps2 - found_mps2)),
+          belief.covariance - gain * spread.transpose()};
+}
+
 // At an iterate x the prior is of mean -e and covariance P in x's own error d, whose logarithm from the prior
 // is bent by the rotation's Jacobian. With the points' sums M and b, (P^-1 + M) d = -P^-1 e - b, so
 // (I + P M) d = -(e + P b), and (I + P M)^-1 P is the covariance afterwards.

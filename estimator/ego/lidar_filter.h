@@ -81,6 +81,9 @@ struct LidarBelief {
 /// The belief propagated under one reading.
 LidarBelief propagated(const LidarBelief& belief, const InertialReading& reading, const InertialNoise& noise,
                        std::int64_t to_ns);
+/// The belief, gravity being known to be so strong. (FAST-LIO2 keeps gravity on a sphere instead.) Without it
+/// a constant acceleration that is not there is taken for a tilt.
+LidarBelief with_gravity(const LidarBelief& belief, double magnitude_mps2, double sigma_mps2);
 /// The iterated update (FAST-LIO2, Eq. 12-18; the gain is written with neither the covariance's inverse nor
 /// one of the size of the points). `normal_at` is asked for the points' sums at each iterate, and which it
 /// is; iterations end when a step turns and shifts by less than the limits.

@@ -16,7 +16,7 @@ struct LidarMapOptions {
   int levels = 2;        // of cells, each twice as large as the one before
   int wide_levels = 1;   // of larger cells still, for points that the others find no plane for: rings of a
                          // spinning sensor are farther apart than their cells
-  double wide_flatness = 30;  // min_flatness of the wide ones, which may span corners
+  double wide_flatness = 15;  // min_flatness of the wide ones, which may span corners
   int neighbours = 9;         // means a plane is fitted to, at most
   int min_neighbours = 5;     // at least: FAST-LIO2's five
   double min_flatness = 5;    // middle eigenvalue over the least one: what is thinner is a line or a blob

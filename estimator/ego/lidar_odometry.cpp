@@ -14,13 +14,15 @@ using Eigen::Vector3d;
 
 constexpr std::int64_t kMaskReach_ns = 50'000'000;  // half a frame at 10 Hz: later masks are others'
 constexpr std::int64_t kBeyondEnds_ns =
-    150'000'000;                               // that the motion is trusted before and after the sweeps
-constexpr int kMaskMargin_px = 6;              // outlines' error, and the motion since the mask
-constexpr double kLevelTime_s = 0.2;           // whose mean force tells up from down at first
-constexpr double kStampSlack_ns = 1e6;         // of sweeps that are a scan long but for rounding
-constexpr double kBentThickness = 6;           // over the noise of points
-constexpr double kShareGain = 0.1;             // a sweep's, in the running mean
-constexpr double kMagnitudeSigma_mps2 = 0.01;  // gravity's, over the Earth's places
+    150'000'000;                                  // that the motion is trusted before and after the sweeps
+constexpr int kMaskMargin_px = 6;                 // outlines' error, and the motion since the mask
+constexpr double kLevelTime_s = 0.2;              // whose mean force tells up from down at first
+constexpr double kStampSlack_ns = 1e6;            // of sweeps that are a scan long but for rounding
+constexpr double kBentThickness = 6;              // over the noise of points
+constexpr double kShareGain = 0.1;                // a sweep's, in the running mean
+constexpr double kAccelerometerSigma_mps2 = 0.1;  // of its bias before it is seen at work
+constexpr double kGravitySigma_mps2 = 0.5;        // across the first force: a vehicle's own acceleration
+constexpr double kMagnitudeSigma_mps2 = 0.01;     // gravity's, over the Earth's places
 
 struct Sweep {
   std::int64_t end_ns = 0;
@@ -167,12 +169,12 @@ LidarState LidarOdometry::State::first_guess() const {
 void LidarOdometry::State::begin_at(const LidarState& start, bool is_guess) {
   const Matrix18d known = belief.covariance;
   const bool has_imu = !imu.empty();
-  const double velocity = is_guess ? options.first_velocity_mps : 0.3, gravity = is_guess ? 0.5 : 0.2;
+  const double velocity = is_guess ? options.first_velocity_mps : 0.3;
   const double turn = has_imu ? 0.02 : is_guess ? 1.0 : 0.1;
   Vector18d sigma;
   sigma << Vector3d::Constant(1e-4), Vector3d::Constant(1e-4), Vector3d::Constant(velocity),
-      Vector3d::Constant(turn), Vector3d::Constant(has_imu ? 0.1 : 0.0),
-      has_imu ? Vector3d(gravity, gravity, kMagnitudeSigma_mps2) : Vector3d::Zero();
+      Vector3d::Constant(turn), Vector3d::Constant(has_imu ? kAccelerometerSigma_mps2 : 0.0),
+      has_imu ? Vector3d(kGravitySigma_mps2, kGravitySigma_mps2, kMagnitudeSigma_mps2) : Vector3d::Zero();
   belief = {start, sigma.cwiseAbs2().asDiagonal()};
   for (const int part : {kVelocity, kGyroscope})
     if (!is_guess) belief.covariance.block<3, 3>(part, part) += known.block<3, 3>(part, part);
@@ -194,6 +196,7 @@ LidarState LidarOdometry::State::run_back(LidarState state) const {
 
 // The state at the start by what the last pass found. The velocity is that from place to place: the filter's
 // own stays near the one that the first cloud was bent by, for the next clouds are bent alike and fit.
+// Gravity and the accelerometer's bias begin anew: a wrong motion would be handed on with what excuses it.
 LidarState LidarOdometry::State::better_start() const {
   const std::size_t middle = std::min<std::size_t>(2, pauses.size() - 2);
   const LidarState &before = pauses[middle - 1].state, &after = pauses[middle + 1].state;
@@ -208,12 +211,12 @@ LidarState LidarOdometry::State::better_start() const {
   start.accelerometer_bias_mps2 = belief.state.accelerometer_bias_mps2;
   start.gravity_mps2 = belief.state.gravity_mps2;
   start = run_back(start);
-  const Pose first = first_guess().world_from_body;
-  const Eigen::Quaterniond turn = first.rotation * start.world_from_body.rotation.conjugate();
-  start.world_from_body = first;
-  start.velocity_mps = turn * start.velocity_mps;
-  start.gravity_mps2 = turn * start.gravity_mps2;
-  return start;
+  LidarState result = first_guess();
+  const Eigen::Quaterniond turn =
+      result.world_from_body.rotation * start.world_from_body.rotation.conjugate();
+  result.velocity_mps = turn * start.velocity_mps;
+  result.gyroscope_bias_radps = start.gyroscope_bias_radps;
+  return result;
 }
 
 // The first cloud is bent by a motion that only the next ones tell; so the first sweeps are gone through
@@ -276,7 +279,7 @@ void LidarOdometry::State::go_on(const Sweep& sweep) {
   SweepReport report{sweep.end_ns, static_cast<int>(sweep.points.size()), 0, sweep.on_bodies, 0};
   if (sweep.points.empty()) return note(report);
   LidarRegistration registration(map, sweep.points, path, body_from_lidar, options.sweep.voxel_m,
-                                 belief.covariance, sight);
+                                 belief.covariance, point_sigmas(sight, rig.noise), sight);
   const LidarBelief found = updated(
       belief,
       [&](const LidarState& state, int iteration) { return registration.normal_at(state, iteration); },
@@ -285,7 +288,7 @@ void LidarOdometry::State::go_on(const Sweep& sweep) {
   const bool is_uncertain = place_sigma_m() > options.lost_sigma_m / 2;
   if (is_uncertain && share < options.found_share * usual_share) return note(report);  // put to wrong walls
   if (share > 0) usual_share = usual_share > 0 ? usual_share + kShareGain * (share - usual_share) : share;
-  belief = found;
+  belief = imu.empty() ? found : with_gravity(found, rig.imu->gravity_mps2, kMagnitudeSigma_mps2);
   // Where lost, a map would be one of another place, and be taken for known soon after.
   if (map.blocks() == 0 || place_sigma_m() <= options.lost_sigma_m)
     for (const Vector3d& p : registration.map_points(belief.state)) map.add(p);

@@ -43,6 +43,7 @@ struct LidarRigView {
   Pose camera_from_lidar;
   std::optional<ImuCalibration> imu;  ///< nothing: constant velocity
   std::optional<Camera> camera;       ///< of the masks; nothing: no masks
+  LidarDataSheet noise{};
 };
 
 /// LiDAR odometry after FAST-LIO2 (arXiv 2107.06829): sweeps of points, each by its own stamp, are put to a

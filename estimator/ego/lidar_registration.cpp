@@ -12,18 +12,26 @@ double square(double x) {
 }
 
 constexpr int kNoiseStep = 8;  // every eighth point tells how much of what is told errors of normals make
+constexpr double kLeastSigma_m = 0.005, kLeastSigma_rad = 0.0005;
 constexpr int kOpenIterations = 2;  // in which the prediction's own error widens the gate
 
 }  // namespace
 
+PointSigmas point_sigmas(const LidarSightOptions& options, const LidarDataSheet& sensor) {
+  return {std::max(options.range_sigma_m.value_or(sensor.range_sigma_m), kLeastSigma_m),
+          std::max(options.beam_sigma_rad.value_or(sensor.beam_sigma_rad()), kLeastSigma_rad)};
+}
+
 LidarRegistration::LidarRegistration(const LidarMap& map, const std::vector<TimedPoint>& points,
                                      const SweepPath& path, const Pose& body_from_lidar, double voxel_m,
-                                     const Matrix18d& prior, const LidarSightOptions& options)
+                                     const Matrix18d& prior, const PointSigmas& sigmas,
+                                     const LidarSightOptions& options)
     : map_(map),
       points_(points),
       path_(path),
       body_from_lidar_(body_from_lidar),
       prior_(prior.topLeftCorner<6, 6>()),
+      sigmas_(sigmas),
       options_(options),
       choice_(choose_points(points, voxel_m)) {
   for (const int i : choice_.point_of) {
@@ -37,18 +45,20 @@ LidarRegistration::LidarRegistration(const LidarMap& map, const std::vector<Time
   }
 }
 
+// What a plane's own points are off it by, others are too: noise, and what is not flat.
 double LidarRegistration::variance_of(const Sight& sight, const Eigen::Matrix3d& R) const {
   const double cosine2 = square(sight.plane->normal.dot(R * sight.beam_at_end));
-  return square(options_.range_sigma_m) * cosine2 +
-         square(options_.beam_sigma_rad * sight.range_m) * (1 - cosine2) + square(options_.plane_sigma_m) +
-         square(sight.plane->sigma_m);
+  const double noise = square(sigmas_.range_m) * cosine2 +
+                       square(sigmas_.beam_rad * sight.range_m) * (1 - cosine2) +
+                       square(options_.plane_sigma_m);
+  return std::max(noise, square(sight.plane->thickness_m)) + square(sight.plane->sigma_m);
 }
 
 void LidarRegistration::look(Sight& sight, const LidarState& state, const Eigen::Matrix3d& R,
                              int iteration) const {
   const Eigen::Vector3d& bias = path_.end().gyroscope_bias_radps;
   if (iteration < options_.searches) {
-    const double noise = std::hypot(options_.range_sigma_m, options_.beam_sigma_rad * sight.range_m);
+    const double noise = std::hypot(sigmas_.range_m, sigmas_.beam_rad * sight.range_m);
     const Eigen::Vector3d world = world_point(state, bias, sight.point);
     if (iteration == 0 || (world - sight.sought_at).norm() > options_.search_again_m) {
       sight.plane = map_.plane_near(world, {options_.max_thickness * noise, options_.min_breadth * noise});

@@ -14,10 +14,10 @@ namespace uniquadric {
 
 /// All numbers are ours, chosen on subway_car.
 struct LidarSightOptions {
-  double range_sigma_m = 0.02;     // of a point along its beam
-  double beam_sigma_rad = 0.0016;  // across it: a Livox's jitter and the width of its beam
-  double plane_sigma_m = 0.01;     // of the map's planes, whose walls are not quite flat
-  double max_thickness = 1.0;      // of a plane, over the noise of points at that range: thicker are two
+  std::optional<double> range_sigma_m;   // of a point along its beam; else as its data sheet says
+  std::optional<double> beam_sigma_rad;  // across it: jitter and the width of the beam; likewise
+  double plane_sigma_m = 0.01;           // of the map's planes, whose walls are not quite flat
+  double max_thickness = 1.0;  // of a plane, over the noise of points at that range: thicker are two
   double min_breadth = 2;  // of a plane, over the same noise: points of one ring of a spinning sensor are a
                            // line that noise makes broad, and the plane through them is no wall's
   double side_points = 1000;  // that the points facing one way are worth at most: they share their
@@ -31,6 +31,13 @@ struct LidarSightOptions {
   int min_points = 30;           // on planes; below, the sweep says nothing
   ObservabilityOptions observability;
 };
+
+/// Of a point along its beam, and across it a metre away.
+struct PointSigmas {
+  double range_m = 0, beam_rad = 0;
+};
+/// As the options say, else the sensor's; at least some millimetres, for no wall is flatter.
+PointSigmas point_sigmas(const LidarSightOptions& options, const LidarDataSheet& sensor);
 
 /// What became of a sweep.
 struct SweepReport {
@@ -48,7 +55,7 @@ class LidarRegistration {
   /// `prior` is the covariance at the sweep's end; map and path have to outlive this.
   LidarRegistration(const LidarMap& map, const std::vector<TimedPoint>& points, const SweepPath& path,
                     const Pose& body_from_lidar, double voxel_m, const Matrix18d& prior,
-                    const LidarSightOptions& options);
+                    const PointSigmas& sigmas, const LidarSightOptions& options);
 
   /// The sums of the points on planes, none where they are too few.
   LidarNormal normal_at(const LidarState& state, int iteration);
@@ -84,6 +91,7 @@ class LidarRegistration {
   const SweepPath& path_;
   Pose body_from_lidar_;
   Eigen::Matrix<double, 6, 6> prior_;
+  PointSigmas sigmas_;
   LidarSightOptions options_;
   VoxelChoice choice_;
   std::vector<Sight> sights_;

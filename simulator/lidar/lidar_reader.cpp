@@ -67,6 +67,18 @@ void read_noise(const ConfigNode& node, LidarNoise& noise) {
   node.refuse_unknown_keys();
 }
 
+// Of the model, whose noise may be left out (`model: none`) or multiplied; what the scene says of the sensor
+// itself counts.
+LidarDataSheet read_data_sheet(const ConfigNode& node, const LidarNoise& model) {
+  LidarDataSheet sheet{model.range_sigma_m, model.divergence_deg, model.angle_sigma_deg};
+  if (const auto noise = node.find("noise")) {
+    read_at_least_0(*noise, "range_sigma_m", sheet.range_sigma_m);
+    read_at_least_0(*noise, "divergence_deg", sheet.divergence_deg);
+    read_at_least_0(*noise, "angle_sigma_deg", sheet.angle_sigma_deg);
+  }
+  return sheet;
+}
+
 void read_beam(const ConfigNode& node, LidarBeam& beam) {
   read_at_least_0(node, "vertical_deg", beam.vertical_deg);
   read_at_least_0(node, "horizontal_deg", beam.horizontal_deg);
@@ -108,6 +120,7 @@ LidarRig read_lidar(const ConfigNode& node, std::vector<std::filesystem::path>& 
   read_pattern(node, rig, files);
   rig.camera_from_lidar = read_mounting(node, "lidar");
   read_method(node, rig);
+  rig.data_sheet = read_data_sheet(node, rig.noise);
   if (const auto noise = node.find("noise")) read_noise(*noise, rig.noise);
   if (const auto beam = node.find("beam")) read_beam(*beam, rig.beam);
   if (const auto reflectivity = node.find("reflectivity")) read_reflectivity(*reflectivity, rig);

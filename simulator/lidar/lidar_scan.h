@@ -37,6 +37,7 @@ struct LidarRig {
   double rate_hz = 10;     ///< scans a second
   Pose camera_from_lidar;  ///< lidar: x forward, y left, z up; camera: optical frame
   LidarNoise noise;
+  LidarDataSheet data_sheet;  ///< what is said of the noise, whatever is simulated of it
   LidarBeam beam;
   CasterOptions caster;
   std::vector<std::pair<std::string, double>> reflectivity;  ///< by body name; over 1: retro-reflector

@@ -74,6 +74,23 @@ TEST_F(SequenceFolder, ReadsBackAsItWasWritten) {
   EXPECT_EQ(sequence.given_camera->size(), 2u);
 }
 
+TEST_F(SequenceFolder, TheLidarsDataSheetReadsBackAndMayBeUnknown) {
+  Sequence sequence = open_sequence(folder());
+  sequence.lidar = LidarCalibration{"livox_mid40", 10, {}, {}};
+  write_sequence_index(folder(), sequence);
+  EXPECT_EQ(read_text(folder() / "sequence.yaml").find("noise"), std::string::npos);
+  EXPECT_FALSE(open_sequence(folder()).lidar->noise);  // as in sequences before there was one
+  sequence.lidar->noise = LidarDataSheet{0.03, 0.25, 0.1};
+  write_sequence_index(folder(), sequence);
+  const auto noise = open_sequence(folder()).lidar->noise;
+  ASSERT_TRUE(noise);
+  EXPECT_EQ(noise->range_sigma_m, 0.03);
+  EXPECT_EQ(noise->divergence_deg, 0.25);
+  EXPECT_EQ(noise->angle_sigma_deg, 0.1);
+  replace("sequence.yaml", "range_sigma_m: 0.03", "range_sigma_m: -1");
+  EXPECT_NE(error().find("range_sigma_m: expected at least 0, found -1"), std::string::npos) << error();
+}
+
 TEST_F(SequenceFolder, MasksOfMoreIdsThanThereCanBeBodiesAreRefused) {
   replace("sequence.yaml", "width: 8", "width: 300");
   const Sequence sequence = open_sequence(folder());

@@ -26,6 +26,7 @@ struct Errors {
 
 struct RoomRun {
   LidarRoom room;
+  LidarDataSheet noise;
   LidarOdometryOptions options;
   bool has_imu = true;
   int scans = 40;
@@ -34,6 +35,7 @@ struct RoomRun {
 
   LidarOdometry odometry() const {
     LidarRigView rig;
+    rig.noise = noise;
     std::vector<ImuSample> samples;
     if (has_imu) {
       rig.imu = ImuCalibration();
@@ -112,7 +114,7 @@ TEST(LidarOdometry, FollowsSixteenRingsThroughAHall) {
     run.room.vigour = 0.3;
     run.room.range_sigma_m = 0.03;
     run.room.points = 20'000;
-    run.options.sight.range_sigma_m = 0.03;
+    run.noise = {.range_sigma_m = 0.03, .divergence_deg = 0.28, .angle_sigma_deg = 0};
     const Errors errors = errors_of(run.odometry(), run);
     EXPECT_EQ(errors.missing, 0);
     EXPECT_LT(errors.max_m, 0.01 * 1.2 * 4);
@@ -138,6 +140,54 @@ TEST(LidarOdometry, TheImuCarriesItThroughASecondWithoutScans) {
   EXPECT_EQ(errors.missing, 0);
   EXPECT_LT(errors.max_m, 0.08);
   EXPECT_LT(errors.max_rad, 0.006);
+}
+
+// Ranges as noisy as 0.15 m: to a sensor that is thought to be good to 0.02 m no wall is thin enough to be
+// one.
+TEST(LidarOdometry, ANoisySensorIsFollowedByItsDataSheet) {
+  RoomRun run;
+  run.scans = 20;
+  run.room.range_sigma_m = 0.15;
+  const auto on_planes = [&] {
+    const LidarOdometry odometry = run.odometry();
+    double share = 0;
+    for (const SweepReport& report : odometry.reports()) share = std::max(share, 1.0 * report.on_planes);
+    return share;
+  };
+  const double unknown = on_planes();
+  run.noise.range_sigma_m = 0.15;
+  EXPECT_GT(on_planes(), 3 * unknown);
+  const Errors errors = errors_of(run.odometry(), run);
+  EXPECT_EQ(errors.missing, 0);
+  EXPECT_LT(errors.max_m, 0.15);
+  run.options.sight.range_sigma_m = 0.02;  // the variant overrides the sensor
+  EXPECT_LT(on_planes(), 1.5 * unknown);
+}
+
+TEST(LidarOdometry, SigmasAreTheOptionsOrElseTheSensors) {
+  const LidarDataSheet mid40{.range_sigma_m = 0.02, .divergence_deg = 0.28, .angle_sigma_deg = 0.1};
+  LidarSightOptions options;
+  EXPECT_EQ(point_sigmas(options, mid40).range_m, 0.02);
+  // 0.1 deg, and 0.28 deg evenly: 1.7453 mrad, 1.4107 mrad
+  EXPECT_NEAR(point_sigmas(options, mid40).beam_rad, 2.2442e-3, 1e-7);
+  options.beam_sigma_rad = 0.003;
+  options.range_sigma_m = 0.05;
+  EXPECT_EQ(point_sigmas(options, mid40).beam_rad, 0.003);
+  EXPECT_EQ(point_sigmas(options, mid40).range_m, 0.05);
+  EXPECT_GT(point_sigmas({}, {0, 0, 0}).range_m, 0);  // an exact sensor's walls are not thinner than nothing
+}
+
+TEST(LidarFilter, GravityIsAsStrongAsItIsKnownToBe) {
+  LidarBelief belief;
+  belief.state.gravity_mps2 = {1, 0, -9.81};
+  belief.covariance.block<3, 3>(kGravity, kGravity).diagonal() << 0.25, 0.25, 1;
+  const LidarBelief found = with_gravity(belief, 9.81, 0.001);
+  EXPECT_NEAR(found.state.gravity_mps2.norm(), 9.81, 1e-3);
+  const Vector3d g = belief.state.gravity_mps2.normalized();
+  EXPECT_NEAR(g.dot(found.covariance.block<3, 3>(kGravity, kGravity) * g), 1e-6, 1e-8);  // along it known
+  EXPECT_NEAR(found.covariance(kGravity + 1, kGravity + 1), 0.25, 1e-12);  // across it as before
+  belief.state.gravity_mps2.setZero();
+  EXPECT_EQ(with_gravity(belief, 9.81, 0.001).covariance, belief.covariance);
 }
 
 // The mechanism alone: no pass ends as it began to the last nanometre, so there is no start, nor a pose.

@@ -65,7 +65,8 @@ TEST(LidarPair, RegistersTwoRealScans) {
   options.open_gate_m = 1;
   const SweepPath path(belief.state, {});
   for (const int first_iteration : {0, 2}) {  // with the wide gate first, then with the narrow one
-    LidarRegistration registration(map, source, path, Pose(), 0.25, belief.covariance, options);
+    LidarRegistration registration(map, source, path, Pose(), 0.25, belief.covariance,
+                                   point_sigmas(options, {}), options);
     const auto normal_at = [&](const LidarState& state, int i) {
       return registration.normal_at(state, first_iteration == 0 ? 0 : first_iteration + i);
     };

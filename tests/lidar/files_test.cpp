@@ -144,6 +144,19 @@ TEST(LidarReader, DefaultsAreTheSensors) {
   EXPECT_NEAR((in_camera.camera_from_lidar * Vector3d::Zero() - Vector3d(0, 0, 1)).norm(), 0, 1e-12);
 }
 
+// What is simulated of the noise is another matter.
+TEST(LidarReader, TheDataSheetIsTheSensors) {
+  const auto numbers = [](const LidarDataSheet& s) {
+    return std::vector<double>{s.range_sigma_m, s.divergence_deg, s.angle_sigma_deg};
+  };
+  EXPECT_EQ(numbers(read("pattern: vlp16\n").data_sheet), (std::vector<double>{0.03, 0.28, 0}));
+  const LidarRig exact = read("pattern: livox_mid40\nnoise: {model: none}\n");
+  EXPECT_EQ(numbers(exact.data_sheet), (std::vector<double>{0.02, 0.28, 0.1}));
+  EXPECT_FALSE(exact.noise.is_random());
+  const LidarRig own = read("pattern: livox_mid40\nnoise: {range_sigma_m: 0.05}\n");
+  EXPECT_EQ(numbers(own.data_sheet), (std::vector<double>{0.05, 0.28, 0.1}));
+}
+
 TEST(LidarReader, RefusesByLine) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"rate_hz: 10\n", "scene.yaml:1: give one of pattern, csv"},
