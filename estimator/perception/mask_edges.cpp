@@ -128,15 +128,39 @@ void settle_unmeasured(Band& band, const cv::Mat& mask) {
     }
 }
 
+struct FittedBody {
+  std::uint16_t id;
+  cv::Rect region;
+  Band band;
+};
+
+// Each body takes what is inside of it and has been left to nobody, the one whose depth is nearer before
+// others. What another body keeps is its own: bodies side by side have no edge between them.
+void take_what_is_free(cv::Mat& fitted, const cv::Mat& depth, const std::vector<FittedBody>& bodies) {
+  const cv::Mat is_free = fitted == 0;
+  cv::Mat misfit(fitted.size(), CV_32FC1, cv::Scalar(std::numeric_limits<float>::max()));
+  for (const FittedBody& body : bodies)
+    for (int y = 0; y < body.region.height; ++y)
+      for (int x = 0; x < body.region.width; ++x) {
+        const int v = body.region.y + y, u = body.region.x + x;
+        if (body.band.sides.at<unsigned char>(y, x) != inside || !is_free.at<unsigned char>(v, u)) continue;
+        const float z = depth.at<float>(v, u);
+        const float distance = z > 0 ? std::abs(z - body.band.inner_m.at<float>(y, x)) : 0;
+        if (distance >= misfit.at<float>(v, u)) continue;
+        misfit.at<float>(v, u) = distance;
+        fitted.at<std::uint16_t>(v, u) = body.id;
+      }
+}
+
 }  // namespace
 
 cv::Mat fit_to_depth_edges(const cv::Mat& masks, const cv::Mat& depth, const cv::Mat& expected,
                            const MaskEdgeOptions& options) {
   cv::Mat fitted = masks.clone();
   if (options.reach_px == 0 || depth.empty()) return fitted;
-  cv::Mat misfit(masks.size(), CV_32FC1, cv::Scalar(std::numeric_limits<float>::max()));
   const int margin = 3 * options.reach_px;
   const cv::Rect image({0, 0}, masks.size());
+  std::vector<FittedBody> bodies;
   for (const auto& [id, box] : id_boxes(masks)) {
     const cv::Rect region =
         cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) & image;
@@ -148,20 +172,10 @@ cv::Mat fit_to_depth_edges(const cv::Mat& masks, const cv::Mat& depth, const cv:
     }
     Band band = decide(mask, depth(region), expected_of_id, options);
     settle_unmeasured(band, mask);
-    for (int v = 0; v < region.height; ++v)
-      for (int u = 0; u < region.width; ++u) {
-        const auto side = band.sides.at<unsigned char>(v, u);
-        auto& label = fitted.at<std::uint16_t>(region.y + v, region.x + u);
-        if (side == outside && label == id) label = 0;
-        if (side != inside) continue;
-        const float z = depth.at<float>(region.y + v, region.x + u);
-        const float distance = z > 0 ? std::abs(z - band.inner_m.at<float>(v, u)) : 0;
-        float& least = misfit.at<float>(region.y + v, region.x + u);
-        if (distance >= least || (z <= 0 && label != 0)) continue;
-        least = distance;
-        label = static_cast<std::uint16_t>(id);
-      }
+    fitted(region).setTo(0, mask & (band.sides == outside));
+    bodies.push_back({static_cast<std::uint16_t>(id), region, std::move(band)});
   }
+  take_what_is_free(fitted, depth, bodies);
   return fitted;
 }
 

@@ -70,6 +70,20 @@ TEST(MaskEdges, NeighboursPartAtTheStepBetweenThem) {
   EXPECT_GT(mask_iou(fitted == 4, drawn.masks == 4), 0.97);
 }
 
+// No depth tells two boxes of one depth apart: each keeps what its mask says.
+TEST(MaskEdges, BodiesSideBySideKeepTheirOwn) {
+  for (const int gap : {0, 1, 2}) {
+    Sprite beside = kBox;
+    beside.id = 5;
+    beside.corner_px = [&](std::int64_t) { return Eigen::Vector2d(100 + kBox.size.width + gap, 80); };
+    DrawnFrame drawn = draw_world({kBox, beside}, 0);
+    const int seam = 100 + kBox.size.width;
+    drawn.depth(cv::Rect(seam, 80, gap, kBox.size.height)).setTo(2.02);  // as at an oblique gap
+    const cv::Mat fitted = fit_to_depth_edges(drawn.masks, drawn.depth, {}, {});
+    EXPECT_EQ(cv::countNonZero((fitted != drawn.masks) & (drawn.masks != 0)), 0) << gap;
+  }
+}
+
 // A face that recedes until it is nearly as far as the wall is the body's all the same: its depth runs on.
 TEST(MaskEdges, AFaceThatRecedesBelongsToItsBody) {
   DrawnFrame drawn = draw_world({kBox}, 0);
