@@ -26,9 +26,10 @@ constexpr double kBestViews = 0.5;            // quantile of the views that show
 constexpr double kRimSpacings = 0.75;         // between points, that they end inside the outline at most
 constexpr double kLeastRim =
     0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
-constexpr double kEndSigma = 0.003;  // [m] of an end read off points, at best
-constexpr double kHeld = 1e-4;       // [rad]
-constexpr double kClearGain = 10;    // and what it must be lower by besides: as 20 of chi-square, no chance
+constexpr double kEndSigma = 0.003;    // [m] of an end read off points, at best
+constexpr double kUnseenSigma = 0.05;  // radii, of an end that no camera saw
+constexpr double kHeld = 1e-4;         // [rad]
+constexpr double kClearGain = 10;      // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
   std::vector<double> z(points.row(2).begin(), points.row(2).end());
@@ -352,23 +353,25 @@ Shape ShapeEstimator::with_seen_extents(Shape shape) const {
   const double spacing = point_spacing(shape, views);
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
-    std::array<double, 2> ends{};
+    std::array<double, 2> ends{}, sigmas{};
     for (int side = 0; side < 2; ++side) {
       const Eigen::Vector3d direction =
           (side ? -1 : 1) * (shape.body_from_object.rotation * Eigen::Vector3d::Unit(axis));
       const double center = direction.dot(shape.body_from_object.translation);
       ends[side] = shape.semi_axes_m[axis];
+      sigmas[side] = kUnseenSigma * radius_m_;
       const auto reach = reach_along(views, direction);
       if (!reach) continue;
       const double end = reach->position_m - center;
       ends[side] = reach->views > 0 ? end : std::max(ends[side], end);
+      if (reach->views > 0) sigmas[side] = kEndSigma;
       const double seen_share = rim_share(shape, views, axis, side ? -1 : 1);
       if (reach->views == 0 && seen_share > kLeastRim)
         ends[side] = std::min(ends[side], std::max(end, (end + kRimSpacings * spacing) / seen_share));
     }
     if (!(ends[0] + ends[1] > 0)) continue;
     for (double* variance : {&shape.variances[axis], &shape.variances[3 + axis]})
-      *variance = std::max(*variance, kEndSigma * kEndSigma / 2);
+      *variance = std::max(*variance, (sigmas[0] * sigmas[0] + sigmas[1] * sigmas[1]) / 4);
     shape.semi_axes_m[axis] = (ends[0] + ends[1]) / 2;
     shift[axis] = (ends[0] - ends[1]) / 2;
   }

@@ -131,6 +131,18 @@ TEST(BodyEstimator, AnEllipsoidAboutABoxIsKnownToFitBadly) {
   EXPECT_GT((does_not.cwiseQuotient(fits)).minCoeff(), 1.5);
 }
 
+// Seen from one side, no axis is known better than what nobody saw of it.
+TEST(BodyEstimator, EndsThatNoCameraSawAreUncertain) {
+  const auto facing = [](double) { return Pose{Eigen::Quaterniond::Identity(), {0, 0, 1}}; };
+  SyntheticOptions options = three_seconds();
+  options.world_from_camera = [](double) { return looking_at({0, -2.2, 1}, {0, 0, 1}); };
+  const SyntheticPerception perception = synthetic_perception({box_body(kAxes, facing)}, options);
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  std::optional<BodyState> state;
+  for (const PerceivedFrame& frame : perception.frames) state = estimator.step(frame, &frame.bodies[0]);
+  EXPECT_GT(state->shape.variances.head<3>().cwiseSqrt().minCoeff(), 0.02 * kAxes.minCoeff());
+}
+
 // configs/variants/rotbbox_rigid_axis.yaml
 BodyOptions paper() {
   BodyOptions options;
