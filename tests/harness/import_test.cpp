@@ -113,8 +113,8 @@ TEST_F(ImportedRecording, OfTheProcessedOxfordMultimotionLayoutIsEstimatedAsTheS
   const json evaluation = evaluated("omd"), direct = evaluated("data");
   for (const std::size_t k : {0, 1}) {
     const json &object = evaluation["objects"][k], &expected = direct["objects"][k];
-    EXPECT_EQ(object["coverage"], 1.0);  // its masks come at once, the segmenter's later
-    EXPECT_NEAR(object["iou3d"]["mean"].get<double>(), expected["iou3d"]["mean"].get<double>(), 0.02);
+    EXPECT_EQ(object["coverage"], 1.0);  // its masks come at once, the segmenter's later: other outlines
+    EXPECT_NEAR(object["iou3d"]["mean"].get<double>(), expected["iou3d"]["mean"].get<double>(), 0.05);
     EXPECT_NEAR(object["ape"]["translation_m"]["rmse"].get<double>(),
                 expected["ape"]["translation_m"]["rmse"].get<double>(), 0.005);
   }
