@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "core/sequence/stamps.h"
 #include "evaluation/association/stamps.h"
 
 namespace uniquadric {

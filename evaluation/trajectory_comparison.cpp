@@ -6,6 +6,8 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/sequence/stamps.h"
+#include "core/sequence/trajectory.h"
 #include "evaluation/trajectory/evo_steps.h"
 
 namespace uniquadric {

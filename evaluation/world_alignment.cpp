@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/sequence/stamps.h"
 #include "evaluation/association/stamps.h"
 #include "evaluation/image_overlap.h"
 #include "evaluation/trajectory/trajectory_error.h"

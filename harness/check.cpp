@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/folder_hashes.h"
+#include "core/sequence/stamps.h"
 #include "core/sequence/tracks.h"
 
 namespace uniquadric {
@@ -124,14 +125,12 @@ void check_lidar(const Sequence& sequence, Problems& problems) {
   const bool has_frames = !sequence.frames.empty();  // a LiDAR may be alone
   const std::int64_t first_ns = has_frames ? sequence.frames.front().stamp_ns - period_ns : 0;
   const std::int64_t last_ns = has_frames ? sequence.frames.back().stamp_ns : 0;
-  std::vector<std::int64_t> stamps_ns;
   for (const SequenceScan& scan : sequence.scans) {
-    stamps_ns.push_back(scan.stamp_ns);
     if (has_frames && (scan.stamp_ns < first_ns || scan.stamp_ns > last_ns))
       add(problems, sequence.folder / scan.file, "was taken before the first frame or after the last");
     attempt(problems, [&] { check_scan(sequence, scan, problems); });
   }
-  check_rate(list, stamps_ns, sequence.lidar->rate_hz, is_recording(sequence), problems);
+  check_rate(list, stamps_of(sequence.scans), sequence.lidar->rate_hz, is_recording(sequence), problems);
 }
 
 void check_imu(const Sequence& sequence, Problems& problems) {
@@ -139,19 +138,16 @@ void check_imu(const Sequence& sequence, Problems& problems) {
   const fs::path path = sequence.folder / "imu.csv";
   const std::vector<ImuSample> samples = read_imu_csv(path);
   if (samples.empty()) return add(problems, path, "has no sample");
-  std::vector<std::int64_t> stamps_ns;
-  for (const ImuSample& sample : samples) stamps_ns.push_back(sample.stamp_ns);
-  check_rate(path, stamps_ns, sequence.imu->rate_hz, is_recording(sequence), problems);
+  check_rate(path, stamps_of(samples), sequence.imu->rate_hz, is_recording(sequence), problems);
   if (sequence.frames.empty() || is_recording(sequence)) return;  // which start and end sensor by sensor
-  if (stamps_ns.front() > sequence.frames.front().stamp_ns ||
-      stamps_ns.back() < sequence.frames.back().stamp_ns)
+  if (samples.front().stamp_ns > sequence.frames.front().stamp_ns ||
+      samples.back().stamp_ns < sequence.frames.back().stamp_ns)
     add(problems, path, "does not cover the frames");
 }
 
 void check_observations(const Sequence& sequence, Problems& problems) {
-  std::vector<std::int64_t> stamps_ns;
-  for (const SequenceFrame& frame : sequence.frames) stamps_ns.push_back(frame.stamp_ns);
-  check_rate(sequence.folder / "rgb.txt", stamps_ns, sequence.rate_hz, is_recording(sequence), problems);
+  check_rate(sequence.folder / "rgb.txt", stamps_of(sequence.frames), sequence.rate_hz,
+             is_recording(sequence), problems);
   check_calibration(sequence, problems);
   check_unlisted(sequence, problems);
   check_frames(sequence, problems);

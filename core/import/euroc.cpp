@@ -21,25 +21,17 @@ void read_imu(const fs::path& folder, const Pose& body_from_camera, Recording& r
   imu.accelerometer_noise_mps2_rthz = sensor.positive("accelerometer_noise_density");
   imu.accelerometer_walk_mps3_rthz = sensor.positive("accelerometer_random_walk");
   const fs::path list = folder / "data.csv";
-  std::vector<std::int64_t> stamps_ns;
-  for_each_row(list, kImuColumns, [&](int line, const Fields& fields) {
-    const std::int64_t stamp_ns = read_euroc_stamp(list, line, fields[0]);
-    require_later(list, line, stamps_ns.empty() ? std::nullopt : std::optional(stamps_ns.back()), stamp_ns);
-    stamps_ns.push_back(stamp_ns);
-    const auto v = read_numbers(list, line, fields, 1);
-    recording.imu.push_back({stamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+  recording.imu = read_imu_rows(list, kImuColumns, [&](int line, const Fields& fields) {
+    return read_euroc_stamp(list, line, fields[0]);
   });
-  if (stamps_ns.empty()) throw InputError(list, "has no sample");
-  imu.rate_hz = nominal_rate_hz(stamps_ns, sensor.positive("rate_hz"));
+  imu.rate_hz = nominal_rate_hz(stamps_of(recording.imu), sensor.positive("rate_hz"));
 }
 
 Trajectory read_states(const fs::path& path) {
   Trajectory world_from_body;
   for_each_row(path, kStateColumns, [&](int line, const Fields& fields) {
     const std::int64_t stamp_ns = read_euroc_stamp(path, line, fields[0]);
-    require_later(path, line,
-                  world_from_body.empty() ? std::nullopt : std::optional(world_from_body.back().stamp_ns),
-                  stamp_ns);
+    require_later(path, line, world_from_body, stamp_ns);
     const auto v = read_numbers(path, line, fields, 1);
     const Eigen::Quaterniond rotation(v[3], v[4], v[5], v[6]);
     world_from_body.push_back({stamp_ns, {read_unit(path, line, rotation), {v[0], v[1], v[2]}}});

@@ -57,9 +57,7 @@ EurocCamera read_euroc_camera(const fs::path& folder) {
   const fs::path list = folder / "data.csv";
   for_each_row(list, 2, [&](int line, const Fields& fields) {
     const std::int64_t stamp_ns = read_euroc_stamp(list, line, fields[0]);
-    require_later(list, line,
-                  camera.images.empty() ? std::nullopt : std::optional(camera.images.rbegin()->first),
-                  stamp_ns);
+    if (!camera.images.empty()) require_later(list, line, camera.images.rbegin()->first, stamp_ns);
     if (!is_plain_name(fields[1]) || fields[1].starts_with('.'))
       throw InputError(list, line, fmt::format("'{}' is no name of an image", fields[1]));
     camera.images[stamp_ns] = folder / "data" / fields[1];

@@ -102,6 +102,19 @@ void require_later(const fs::path& path, int line, std::optional<std::int64_t> b
         fmt::format("timestamp {} does not come after {}", format_stamp(stamp_ns), format_stamp(*before_ns)));
 }
 
+std::vector<ImuSample> read_imu_rows(const fs::path& path, std::size_t columns,
+                                     const std::function<std::int64_t(int, const Fields&)>& read_stamp) {
+  std::vector<ImuSample> samples;
+  for_each_row(path, columns, [&](int line, const Fields& fields) {
+    const std::int64_t stamp_ns = read_stamp(line, fields);
+    require_later(path, line, samples, stamp_ns);
+    const auto v = read_numbers(path, line, fields, columns - 6);
+    samples.push_back({stamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+  });
+  if (samples.empty()) throw InputError(path, "has no sample");
+  return samples;
+}
+
 Eigen::Quaterniond read_unit(const fs::path& path, int line, const Eigen::Quaterniond& q) {
   if (!(std::abs(q.norm() - 1) <= kUnitTolerance))
     throw InputError(path, line, fmt::format("quaternion has norm {:.6g}, not 1", q.norm()));

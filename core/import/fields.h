@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/pose.h"
+#include "core/sequence/imu.h"
 
 namespace uniquadric {
 
@@ -40,6 +41,17 @@ std::vector<std::int64_t> read_times(const std::filesystem::path& path);
 /// A stamp that comes after the one before it, `before_ns` (nothing: the first).
 void require_later(const std::filesystem::path& path, int line, std::optional<std::int64_t> before_ns,
                    std::int64_t stamp_ns);
+/// A stamp that comes after that of the last of a list.
+template <typename Stamped>
+void require_later(const std::filesystem::path& path, int line, const std::vector<Stamped>& before,
+                   std::int64_t stamp_ns) {
+  if (!before.empty()) require_later(path, line, before.back().stamp_ns, stamp_ns);
+}
+
+/// An IMU's rows with that many columns, angular velocity [rad/s] and specific force [m/s^2] being the last
+/// six; at least one, later and later by `read_stamp`.
+std::vector<ImuSample> read_imu_rows(const std::filesystem::path& path, std::size_t columns,
+                                     const std::function<std::int64_t(int line, const Fields&)>& read_stamp);
 
 /// The rotation of a quaternion whose norm is within 1e-3 of 1.
 Eigen::Quaterniond read_unit(const std::filesystem::path& path, int line, const Eigen::Quaterniond& q);

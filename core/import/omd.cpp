@@ -18,8 +18,7 @@ void set_truth(const Trajectory& world_from_camera, const std::map<std::string, 
   RecordedTruth& truth = recording.truth.emplace();
   truth.camera = trajectory_at(world_from_camera, stamps_of(recording.sequence.frames));
   recording.sequence.given_camera = truth.camera;
-  std::vector<std::int64_t> stamps_ns;
-  for (const StampedPose& pose : truth.camera) stamps_ns.push_back(pose.stamp_ns);
+  const auto stamps_ns = stamps_of(truth.camera);
   std::set<std::string> left;
   for (const auto& [name, trajectory] : bodies) left.insert(name);
   if (!objects.empty())

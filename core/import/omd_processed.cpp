@@ -101,8 +101,7 @@ void read_frames(const fs::path& folder, const ConfigNode& settings, bool is_met
 }
 
 void append(const fs::path& path, int line, Trajectory& trajectory, std::int64_t stamp_ns, const Pose& pose) {
-  require_later(path, line, trajectory.empty() ? std::nullopt : std::optional(trajectory.back().stamp_ns),
-                stamp_ns);
+  require_later(path, line, trajectory, stamp_ns);
   trajectory.push_back({stamp_ns, pose});
 }
 

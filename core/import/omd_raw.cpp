@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 
 constexpr double kDepthUnitsPerM = 1000, kCameraRateHz = 30, kImuRateHz = 100;
 constexpr std::int64_t kMostFrames = 10'000'000;
-constexpr std::size_t kImuColumns = 12;  // s, ns, quaternion, angular velocity, acceleration
+// s, ns, quaternion (the unit's own filter's), angular velocity, acceleration
+constexpr std::size_t kImuColumns = 12;
 const char* const kPayload = "sensor_payload";
 
 // The only file NAME*.yaml of a folder; nothing where there is none.
@@ -67,18 +68,12 @@ void read_imu(const fs::path& path, const Rig& rig, Recording& recording) {
         fmt::format("{}: left out, for kalibr's file has no T_cam_imu that says its place", path.string()));
     return;
   }
-  std::vector<std::int64_t> stamps_ns;
-  for_each_row(path, kImuColumns, [&](int line, const Fields& fields) {
-    const std::int64_t stamp_ns = read_seconds_and_ns(path, line, fields[0], fields[1]);
-    require_later(path, line, stamps_ns.empty() ? std::nullopt : std::optional(stamps_ns.back()), stamp_ns);
-    stamps_ns.push_back(stamp_ns);
-    const auto v = read_numbers(path, line, fields, 6);  // the quaternion is the unit's own filter's
-    recording.imu.push_back({stamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+  recording.imu = read_imu_rows(path, kImuColumns, [&](int line, const Fields& fields) {
+    return read_seconds_and_ns(path, line, fields[0], fields[1]);
   });
-  if (stamps_ns.empty()) throw InputError(path, "has no sample");
   ImuCalibration& imu = recording.sequence.imu.emplace();
   imu.camera_from_imu = *rig.camera_from_imu;
-  imu.rate_hz = nominal_rate_hz(stamps_ns, kImuRateHz);
+  imu.rate_hz = nominal_rate_hz(stamps_of(recording.imu), kImuRateHz);
 }
 
 void read_truth(const fs::path& path, const Pose& payload_from_camera, const ImportOmdOptions& options,

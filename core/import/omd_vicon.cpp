@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -66,7 +65,7 @@ ViconFile read_vicon(const fs::path& path, double offset_s) {
     if (here != Direction::either && here != direction)
       throw InputError(path, line, "quaternion and translation go the other way than in the rows before");
     Trajectory& body = file.bodies[std::string(fields[kName])];
-    require_later(path, line, body.empty() ? std::nullopt : std::optional(body.back().stamp_ns), stamp_ns);
+    require_later(path, line, body, stamp_ns);
     body.push_back({stamp_ns, object_from_world.inverse()});
   });
   return file;

@@ -100,12 +100,6 @@ SequenceFrame& add_frame(Sequence& sequence, std::int64_t stamp_ns, const fs::pa
   return sequence.frames.emplace_back(frame);
 }
 
-std::vector<std::int64_t> stamps_of(const std::vector<SequenceFrame>& frames) {
-  std::vector<std::int64_t> stamps_ns;
-  for (const SequenceFrame& frame : frames) stamps_ns.push_back(frame.stamp_ns);
-  return stamps_ns;
-}
-
 Trajectory trajectory_at(const Trajectory& trajectory, const std::vector<std::int64_t>& stamps_ns,
                          double max_gap_s) {
   Trajectory result;

@@ -10,6 +10,7 @@
 
 #include "core/sequence/calibration.h"
 #include "core/sequence/sequence.h"
+#include "core/sequence/stamps.h"
 
 namespace uniquadric {
 
@@ -54,7 +55,6 @@ void write_recording(const Recording& recording, const ImportOptions& options,
 Sequence begin_sequence(const std::string& name);
 /// Appends a frame with its colour image; stamps must come in increasing order.
 SequenceFrame& add_frame(Sequence& sequence, std::int64_t stamp_ns, const std::filesystem::path& rgb);
-std::vector<std::int64_t> stamps_of(const std::vector<SequenceFrame>& frames);
 
 /// A camera pose is interpolated only between ground-truth poses no further apart than this.
 inline constexpr double kMaxPoseGap_s =

@@ -60,10 +60,4 @@ std::vector<IndexPair> associate(const Stamps& reference_ns, const Stamps& estim
              : exclusive_pairs(reference_ns, estimate_ns, options.max_difference_ns);
 }
 
-Stamps stamps_of(const Trajectory& trajectory) {
-  Stamps stamps;
-  for (const StampedPose& pose : trajectory) stamps.push_back(pose.stamp_ns);
-  return stamps;
-}
-
 }  // namespace uniquadric

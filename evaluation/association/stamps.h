@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/sequence/trajectory.h"
-
 namespace uniquadric {
 
 enum class StampRule {
@@ -28,7 +26,5 @@ struct IndexPair {
 /// shorter (evo's choice).
 std::vector<IndexPair> associate(const std::vector<std::int64_t>& reference_ns,
                                  const std::vector<std::int64_t>& estimate_ns, const StampOptions& options);
-
-std::vector<std::int64_t> stamps_of(const Trajectory& trajectory);
 
 }  // namespace uniquadric

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/sequence/stamps.h"
 #include "evaluation/report/page.h"
 #include "evaluation/report/poses.h"
 
@@ -77,8 +78,8 @@ std::string name_of(const Cell& cell, int id) {
 
 // The true camera's stamps, thinned.
 std::vector<std::int64_t> shown_stamps(const Tracks& truth, std::size_t count) {
-  std::vector<std::int64_t> all, kept;
-  for (const StampedPose& pose : truth.camera) all.push_back(pose.stamp_ns);
+  const auto all = stamps_of(truth.camera);
+  std::vector<std::int64_t> kept;
   for (const std::size_t i : evenly_spaced(all.size(), std::min(count, all.size()))) kept.push_back(all[i]);
   return kept;
 }

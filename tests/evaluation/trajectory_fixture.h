@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "core/sequence/trajectory.h"
 #include "evaluation/trajectory_comparison.h"
 #include "tests/evaluation/random_ellipsoid.h"
 #include "tests/support/temp_folder.h"
