@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -32,6 +33,10 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
 
 /// frames.csv: one row a truth frame and object, cells empty where there is no figure.
 std::string frames_csv(const std::vector<ObjectEvaluation>& objects);
+
+inline constexpr std::array kPosesColumns = {
+    "source", "subject", "id", "timestamp_ns", "x_m",           "y_m",           "z_m",
+    "qx",     "qy",      "qz", "qw",           "semi_axis_x_m", "semi_axis_y_m", "semi_axis_z_m"};
 
 /// poses.csv: what was compared, a row a pose of `truth` and of `estimate`, both in the truth's world: the
 /// cameras (world_from_camera, no semi-axes) and the objects. A track that was matched stands under the true

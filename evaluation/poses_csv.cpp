@@ -1,12 +1,10 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "evaluation/evaluation_files.h"
 
 namespace uniquadric {
 namespace {
-
-constexpr const char* kHeader =
-    "source,subject,id,timestamp_ns,x_m,y_m,z_m,qx,qy,qz,qw,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m\n";
 
 std::string pose_cells(const Pose& pose) {
   const auto& t = pose.translation;
@@ -38,7 +36,7 @@ std::optional<int> truth_of(int track_id, const std::vector<ObjectEvaluation>& o
 }  // namespace
 
 std::string poses_csv(const Tracks& truth, const Tracks& estimate, const Evaluation& evaluation) {
-  std::string text = kHeader;
+  std::string text = fmt::format("{}\n", fmt::join(kPosesColumns, ","));
   add_camera("truth", truth.camera, text);
   for (const ObjectTrack& object : truth.objects) add_track("truth", "object", object.id, object, text);
   add_camera("estimate", estimate.camera, text);

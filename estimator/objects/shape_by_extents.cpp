@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "estimator/objects/seen_extents.h"
 #include "estimator/shape/usual_orientation.h"
 #include "estimator/shape/view_extents.h"
 
@@ -22,9 +23,6 @@ constexpr double kFreeCenterSigma = 0.1;  // [m] of an ellipsoid that the outlin
 constexpr double kFreeTurnSigma = 0.1;    // [rad] of the same
 constexpr double kRoundGain = 3;          // of log-likelihood: twenty times as likely
 constexpr double kCenterSigma = 0.004;    // [m] of the centre that extents give
-constexpr double kShortSpacings = 3;      // the same, between points: a LiDAR's are far apart
-constexpr double kShortPx = 8,
-                 kShort = 0.2;  // by which points end inside the outline at most; of its half width
 constexpr Eigen::Index kFewPoints = 30;
 constexpr int kNoiseRounds =
     2;  // of the outlines' noise, each with the last one's shape; a third changes little
@@ -119,25 +117,6 @@ Shape ellipsoid_of_outlines(const ExtentEvidence& evidence, const Shape& start) 
 }
 
 }  // namespace
-
-PointView point_view(const Camera& camera, const ShapeView& view) {
-  PointView seen;
-  seen.body_from_camera = view.world_from_body.inverse() * view.world_from_camera;
-  seen.points = &view.points;
-  seen.normals = &view.normals;
-  const Eigen::Matrix3Xd pixels =
-      camera.matrix() * view.points.cwiseQuotient(view.points.row(2).replicate<3, 1>());
-  if (view.points.cols() == 0) return seen;
-  const Ellipse& box = view.silhouette.rot_bbox;
-  const double spacing_px =
-      2 * std::sqrt(box.semi_major * box.semi_minor / static_cast<double>(view.points.cols()));
-  const double inside_px = std::max({kShortPx, kShort * box.semi_minor, kShortSpacings * spacing_px});
-  for (const SupportLine& line : view.silhouette.support) {
-    const double reach_px = (line.normal.transpose() * pixels.topRows<2>()).maxCoeff();
-    if (!line.free || reach_px < line.offset_px - inside_px) seen.cut.push_back(line.normal);
-  }
-  return seen;
-}
 
 std::optional<Shape> shape_by_extents(const ExtentEvidence& evidence, const Shape& before) {
   std::deque<Eigen::Quaterniond> boxes;

@@ -21,10 +21,6 @@ struct ExtentEvidence {
   LongWindowOptions long_window;
 };
 
-/// Points and cut sides of a view, in the body's frame; `view` has to outlive it. Cut is also where the
-/// points end far inside the outline: they may be those of an earlier mask, which lost a part.
-PointView point_view(const Camera& camera, const ShapeView& view);
-
 /// Solves for a quadric (q = 2). Two explanations are tried:
 ///   - a body with edges: its axes are those of Alg. 1's boxes where they agree, its extents what views
 ///     show, fused by Alg. 2 (Eq. 15); the outlines (Eq. 14) are off an ellipsoid's by what they are off the

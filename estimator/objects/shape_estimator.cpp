@@ -1,14 +1,12 @@
 #include "estimator/objects/shape_estimator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "core/geometry/box_symmetry.h"
+#include "estimator/objects/seen_extents.h"
 #include "estimator/objects/shape_by_extents.h"
-#include "estimator/shape/reach.h"
 
 namespace uniquadric {
 namespace {
@@ -22,14 +20,8 @@ constexpr double kNearSide = 0.05;      // radii that a point may be off a side
 constexpr double kTurnGain = 4;         // of the cost, for which the axes turn: 8 of chi-square for 3 numbers
 constexpr PoseSigmas kBoxSigmas{0.01, 0.02};  // of the box that most of Alg. 1's agree with
 constexpr int kEnoughSegmented = 3;           // views, without which carried outlines count
-constexpr double kBestViews = 0.5;            // quantile of the views that show most of a side
-constexpr double kRimSpacings = 0.75;         // between points, that they end inside the outline at most
-constexpr double kLeastRim =
-    0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
-constexpr double kEndSigma = 0.003;    // [m] of an end read off points, at best
-constexpr double kUnseenSigma = 0.05;  // radii, of an end that no camera saw
-constexpr double kHeld = 1e-4;         // [rad]
-constexpr double kClearGain = 10;      // and what it must be lower by besides: as 20 of chi-square, no chance
+constexpr double kHeld = 1e-4;                // [rad]
+constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
   std::vector<double> z(points.row(2).begin(), points.row(2).end());
@@ -57,32 +49,6 @@ AxisFusion fusion_rule(AxisPrior prior) {
     default:
       return AxisFusion::renyi;
   }
-}
-
-// Mean distance of a view's points to their neighbours.
-double point_spacing(const Shape& shape, const std::vector<PointView>& views) {
-  double count = 1;
-  for (const PointView& view : views) count += static_cast<double>(view.points->cols());
-  const double radius = std::cbrt(shape.semi_axes_m.prod());
-  return radius * std::sqrt(2 * std::numbers::pi * static_cast<double>(views.size()) / count);
-}
-
-// How far an ellipsoid's visible part reaches along an axis, as a share of the semi-axis, in the views that
-// show most of it. A body with more of a box is seen up to its end.
-double rim_share(const Shape& shape, const std::vector<PointView>& views, int axis, int sign) {
-  std::vector<double> shares;
-  for (const PointView& view : views) {
-    if (!view.cut.empty()) continue;
-    const Eigen::Vector3d camera = shape.body_from_object.inverse() * view.body_from_camera.translation;
-    const Eigen::Vector3d normal = camera.cwiseQuotient(shape.semi_axes_m).normalized();
-    const double away = std::min(0.0, sign * normal[axis]);
-    shares.push_back(std::sqrt(std::max(0.0, 1 - away * away)));
-  }
-  if (shares.empty()) return 0;
-  const auto at =
-      shares.begin() + static_cast<std::ptrdiff_t>(kBestViews * static_cast<double>(shares.size() - 1));
-  std::nth_element(shares.begin(), at, shares.end());
-  return *at;
 }
 
 // The same shape, x named z, y x, z y, so many times.
@@ -152,7 +118,7 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
   std::optional<Shape> box;
   if (fuses(options_.long_window.axis_prior) || searches) box = box_of(keyframe, body.points);
   if (keyframes_ == 1 && box) shape_ = *box;
-  solve(searches ? box : std::nullopt, searches ? turned_starts() : std::vector<Shape>{});
+  solve(searches, box);
 }
 
 void ShapeEstimator::receive(std::int64_t frame) {
@@ -167,7 +133,7 @@ void ShapeEstimator::receive(std::int64_t frame) {
     views_.insert(next, std::move(*late));
   }
   waiting_.erase(first, waiting_.end());
-  solve(std::nullopt, {});
+  solve(false, std::nullopt);
 }
 
 void ShapeEstimator::follow(const std::deque<BodyKeyframe>& window) {
@@ -235,46 +201,33 @@ std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<Accumul
       }
     beliefs.push_back(belief);
   } else if (fuses(prior)) {
-    AxisFusionOptions fusion = options_.fusion;
-    fusion.rule = fusion_rule(prior);
     const std::vector<AxisEstimate> axes(axes_.begin(), axes_.end());
-    if (const auto fused = fuse_axes(axes, fusion); fused && fused->semi_axes_m.minCoeff() > 0)
+    if (const auto fused = fuse_axes(axes, fusion()); fused && fused->semi_axes_m.minCoeff() > 0)
       beliefs.push_back({fused->semi_axes_m, fused->sigma_m});
   }
   return beliefs;
 }
 
-// With a profile of its own along z, any of the three axes may be it.
-std::vector<Shape> ShapeEstimator::turned_starts() const {
-  std::vector<Shape> starts;
-  if (options_.long_window.exponents != 3) return starts;
-  for (int turns = 1; turns < 3; ++turns) {
-    starts.push_back(with_axes_turned(shape_, turns));
-    starts.back().exponents = {};
-  }
-  return starts;
-}
-
 // Share of the surface's points that lie on no side of the shape's box.
-double ShapeEstimator::share_off_box(const Shape& shape) const {
-  const Shape box = with_seen_extents(shape);
+double ShapeEstimator::share_off_box(const Shape& shape, const Evidence& evidence) const {
+  const Shape box = with_seen_extents(shape, evidence.views, radius_m_);
   const Pose box_from_body = box.body_from_object.inverse();
   const double near_m = kNearSide * radius_m_;
-  const Eigen::Matrix3Xd points = surface_.sample();
   double off = 0;
-  for (const auto& point : points.colwise()) {
+  for (const auto& point : evidence.surface_points.colwise()) {
     const Eigen::Vector3d x = box_from_body * Eigen::Vector3d(point);
     const double ratio = (x.cwiseAbs() - box.semi_axes_m).cwiseAbs().minCoeff() / near_m;
     off += ratio * ratio / (1 + ratio * ratio);
   }
-  return off / std::max(1.0, static_cast<double>(points.cols()));
+  return off / std::max(1.0, static_cast<double>(evidence.surface_points.cols()));
 }
 
 // No family of shapes holds every body: of two that fit alike, the one whose sides are the body's has its
 // axes.
-bool ShapeEstimator::has_closer_sides(const ShapeSolution& other, const ShapeSolution& best) const {
+bool ShapeEstimator::has_closer_sides(const ShapeSolution& other, const ShapeSolution& best,
+                                      const Evidence& evidence) const {
   return kClearlyBetter * other.cost < best.cost + kClearGain &&
-         share_off_box(other.shape) < kCloser * share_off_box(best.shape);
+         share_off_box(other.shape, evidence) < kCloser * share_off_box(best.shape, evidence);
 }
 
 // Names stay when another axis becomes the profile's.
@@ -282,101 +235,81 @@ Shape ShapeEstimator::shape() const {
   return with_axes_turned(shape_, (3 - turns_) % 3);
 }
 
-void ShapeEstimator::solve(const std::optional<Shape>& box_start, const std::vector<Shape>& turned) {
-  if (views_.empty()) return;
-  if (options_.long_window.segmented_outlines) drop_carried(views_);
-  thin_views(views_, options_.long_window.keyframes);
-  const LongWindowOptions& window = options_.long_window;
-  std::vector<StageTime> unasked;
-  std::vector<StageTime>& times = times_ ? *times_ : unasked;
-  if (fuses(window.axis_prior) && window.axis_samples == AxisSamples::extents) {
-    AxisFusionOptions fusion = options_.fusion;
-    fusion.rule = fusion_rule(window.axis_prior);
-    Stopwatch watch(views_.back().frame, times);
-    const auto found = shape_by_extents(
-        {camera_, views_, boxes_, sphere_belief(), kThinnest * radius_m_, fusion, window}, shape_);
-    watch.stop(kLongWindowStage);
-    if (found) {
-      shape_ = *found;
-      return;
-    }
+AxisFusionOptions ShapeEstimator::fusion() const {
+  AxisFusionOptions fusion = options_.fusion;
+  fusion.rule = fusion_rule(options_.long_window.axis_prior);
+  return fusion;
+}
+
+ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evidence, bool turns) const {
+  LongWindowOptions options = options_.long_window;
+  std::optional<AccumulatedBox> box;
+  if (needs_box(options)) box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
+  DepthEvidence depth;
+  if (options.surface_points) depth.surface_points = evidence.surface_points;
+  if (options.depth_sides && box) depth.sides.assign(box->sides.begin(), box->sides.end());
+  Shape from = start;
+  if (fuses(options.axis_prior) && !boxes_.empty()) {  // Alg. 1's boxes say where the quadric is, too
+    from.body_from_object = usual_box();
+    options.offset_sigmas = kBoxSigmas;
   }
-  const auto solve_from = [&](const Shape& start, bool turns = true) {
-    std::optional<AccumulatedBox> box;
-    if (needs_box(window)) box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
-    DepthEvidence depth;
-    if (window.surface_points) depth.surface_points = surface_.sample();
-    if (window.depth_sides && box) depth.sides.assign(box->sides.begin(), box->sides.end());
-    LongWindowOptions options = window;
-    Shape from = start;
-    if (fuses(window.axis_prior) && !boxes_.empty()) {  // Alg. 1's boxes say where the quadric is, too
-      from.body_from_object = usual_box();
-      options.offset_sigmas = kBoxSigmas;
-    }
-    if (!turns) options.offset_sigmas.rotation_rad = kHeld;
-    Stopwatch watch(views_.back().frame, times);
-    ShapeSolution solution = solve_shape(camera_, views_, depth, axis_beliefs(box), from, options);
-    watch.stop(kLongWindowStage);
-    return solution;
-  };
-  ShapeSolution best = solve_from(shape_);
+  if (!turns) options.offset_sigmas.rotation_rad = kHeld;
+  std::vector<StageTime> unasked;
+  Stopwatch watch(views_.back().frame, times_ ? *times_ : unasked);
+  ShapeSolution solution = solve_shape(camera_, views_, depth, axis_beliefs(box), from, options);
+  watch.stop(kLongWindowStage);
+  return solution;
+}
+
+std::optional<Shape> ShapeEstimator::solve_by_extents() const {
+  const LongWindowOptions& window = options_.long_window;
+  if (!fuses(window.axis_prior) || window.axis_samples != AxisSamples::extents) return std::nullopt;
+  std::vector<StageTime> unasked;
+  Stopwatch watch(views_.back().frame, times_ ? *times_ : unasked);
+  const auto found = shape_by_extents(
+      {camera_, views_, boxes_, sphere_belief(), kThinnest * radius_m_, fusion(), window}, shape_);
+  watch.stop(kLongWindowStage);
+  return found;
+}
+
+void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
+  if (views_.empty()) return;
+  const LongWindowOptions& window = options_.long_window;
+  if (window.segmented_outlines) drop_carried(views_);
+  thin_views(views_, window.keyframes);
+  if (const auto found = solve_by_extents()) {
+    shape_ = *found;
+    return;
+  }
+  Evidence evidence{{}, surface_.sample()};
+  for (const ShapeView& view : views_) evidence.views.push_back(point_view(camera_, view));
+  ShapeSolution best = solve_from(shape_, evidence);
   const auto is_clearly_better = [](const ShapeSolution& other, const ShapeSolution& before) {
     return other.cost < kClearlyBetter * before.cost - kClearGain;
   };
   int turns = 0;
-  for (std::size_t i = 0; i < turned.size(); ++i) {
-    ShapeSolution other = solve_from(turned[i]);
+  // with a profile of its own along z, any of the three axes may be it
+  for (int more = 1; searches && window.exponents == 3 && more < 3; ++more) {
+    Shape start = with_axes_turned(shape_, more);
+    start.exponents = {};
+    ShapeSolution other = solve_from(start, evidence);
     if (!is_clearly_better(other, best)) continue;
     best = std::move(other);
-    turns = static_cast<int>(i) + 1;
+    turns = more;
   }
-  if (box_start) {
-    ShapeSolution other = solve_from(*box_start);
-    if (is_clearly_better(other, best) || has_closer_sides(other, best)) {
+  if (searches && box) {
+    ShapeSolution other = solve_from(*box, evidence);
+    if (is_clearly_better(other, best) || has_closer_sides(other, best, evidence)) {
       best = std::move(other);
       turns = 0;
     }
   } else if (keyframes_ > options_.search_keyframes) {
     // axes that the evidence hardly tells apart, as a ball's, would wander from solve to solve
-    ShapeSolution held = solve_from(shape_, false);
+    ShapeSolution held = solve_from(shape_, evidence, false);
     if (held.cost < best.cost + kTurnGain) best = std::move(held);
   }
   turns_ = (turns_ + turns) % 3;
-  shape_ = options_.long_window.extents ? with_seen_extents(best.shape) : best.shape;
-}
-
-// The model's family of shapes is small: where points show how far the body reaches along its axes, they
-// count.
-Shape ShapeEstimator::with_seen_extents(Shape shape) const {
-  std::vector<PointView> views;
-  for (const ShapeView& view : views_) views.push_back(point_view(camera_, view));
-  const double spacing = point_spacing(shape, views);
-  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
-  for (int axis = 0; axis < 3; ++axis) {
-    std::array<double, 2> ends{}, sigmas{};
-    for (int side = 0; side < 2; ++side) {
-      const Eigen::Vector3d direction =
-          (side ? -1 : 1) * (shape.body_from_object.rotation * Eigen::Vector3d::Unit(axis));
-      const double center = direction.dot(shape.body_from_object.translation);
-      ends[side] = shape.semi_axes_m[axis];
-      sigmas[side] = kUnseenSigma * radius_m_;
-      const auto reach = reach_along(views, direction);
-      if (!reach) continue;
-      const double end = reach->position_m - center;
-      ends[side] = reach->views > 0 ? end : std::max(ends[side], end);
-      if (reach->views > 0) sigmas[side] = kEndSigma;
-      const double seen_share = rim_share(shape, views, axis, side ? -1 : 1);
-      if (reach->views == 0 && seen_share > kLeastRim)
-        ends[side] = std::min(ends[side], std::max(end, (end + kRimSpacings * spacing) / seen_share));
-    }
-    if (!(ends[0] + ends[1] > 0)) continue;
-    for (double* variance : {&shape.variances[axis], &shape.variances[3 + axis]})
-      *variance = std::max(*variance, (sigmas[0] * sigmas[0] + sigmas[1] * sigmas[1]) / 4);
-    shape.semi_axes_m[axis] = (ends[0] + ends[1]) / 2;
-    shift[axis] = (ends[0] - ends[1]) / 2;
-  }
-  shape.body_from_object.translation += shape.body_from_object.rotation * shift;
-  return shape;
+  shape_ = window.extents ? with_seen_extents(best.shape, evidence.views, radius_m_) : best.shape;
 }
 
 }  // namespace uniquadric

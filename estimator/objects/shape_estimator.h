@@ -10,6 +10,7 @@
 #include "estimator/shape/accumulated_cloud.h"
 #include "estimator/shape/axis_fusion.h"
 #include "estimator/shape/obb_ransac.h"
+#include "estimator/shape/reach.h"
 #include "estimator/stopwatch.h"
 #include "estimator/window/long_window.h"
 #include "estimator/window/short_window.h"
@@ -70,11 +71,18 @@ class ShapeEstimator {
   AxisBelief sphere_belief() const;
   std::vector<AxisBelief> axis_beliefs(const std::optional<AccumulatedBox>& box) const;
   std::optional<Shape> box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points);
-  Shape with_seen_extents(Shape shape) const;
-  void solve(const std::optional<Shape>& box_start, const std::vector<Shape>& turned);
-  std::vector<Shape> turned_starts() const;
-  double share_off_box(const Shape& shape) const;
-  bool has_closer_sides(const ShapeSolution& other, const ShapeSolution& best) const;
+  AxisFusionOptions fusion() const;
+  /// What all starts of one solve share.
+  struct Evidence {
+    std::vector<PointView> views;
+    Eigen::Matrix3Xd surface_points;
+  };
+  ShapeSolution solve_from(const Shape& start, const Evidence& evidence, bool turns = true) const;
+  std::optional<Shape> solve_by_extents() const;
+  void solve(bool searches, const std::optional<Shape>& box);
+  double share_off_box(const Shape& shape, const Evidence& evidence) const;
+  bool has_closer_sides(const ShapeSolution& other, const ShapeSolution& best,
+                        const Evidence& evidence) const;
 
   int id_;
   Camera camera_;

@@ -214,6 +214,12 @@ bool is_mask_name(const std::string& name) {
   return digits != std::string::npos && digits >= 6 && name.substr(digits) == ".png";
 }
 
+ConfigNode load_description(const fs::path& folder) {
+  ConfigNode root = ConfigNode::load(folder / "perception.yaml");
+  if (root.get<int>("schema") != kSchema) root.at("schema").fail(fmt::format("expected {}", kSchema));
+  return root;
+}
+
 }  // namespace
 
 PerceptionWriter::PerceptionWriter(fs::path folder, const Camera& camera, std::string key)
@@ -281,15 +287,13 @@ std::vector<fs::path> foreign_files(const fs::path& folder) {
 }
 
 std::string perception_key_of(const fs::path& folder) {
-  const ConfigNode root = ConfigNode::load(folder / "perception.yaml");
-  if (root.get<int>("schema") != kSchema) root.at("schema").fail(fmt::format("expected {}", kSchema));
-  return root.get<std::string>("key");
+  return load_description(folder).get<std::string>("key");
 }
 
 Perception::Perception(const fs::path& folder)
-    : file_(folder / kObservations),
-      camera_(read_camera_yaml(folder / "camera.yaml")),
-      key_(perception_key_of(folder)) {
+    : file_(folder / kObservations), camera_(read_camera_yaml(folder / "camera.yaml")) {
+  const ConfigNode root = load_description(folder);
+  key_ = root.get<std::string>("key");
   if (read_part(file_, 0, sizeof kMagic) != std::string_view(kMagic, sizeof kMagic))
     throw InputError(file_, "holds no observations of this version");
   const std::string end = read_part(file_, fs::file_size(file_) - sizeof(FilePlace), sizeof(FilePlace));
@@ -302,7 +306,6 @@ Perception::Perception(const fs::path& folder)
     if (index.get<char>() != 0) frame.world_from_camera = get_pose(index);
     places_.push_back(index.get<FilePlace>());
   }
-  const ConfigNode root = ConfigNode::load(folder / "perception.yaml");
   if (root.get<std::int64_t>("frames") != std::ssize(frames_))
     root.at("frames").fail(fmt::format("expected {}, as observations.bin has", frames_.size()));
   const std::string hash = hex(hash_file(folder / "camera.yaml"));

@@ -7,15 +7,11 @@
 
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "evaluation/evaluation_files.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
-
-constexpr const char* kColumns[] = {
-    "source", "subject", "id", "timestamp_ns", "x_m",           "y_m",           "z_m",
-    "qx",     "qy",      "qz", "qw",           "semi_axis_x_m", "semi_axis_y_m", "semi_axis_z_m"};
-constexpr std::size_t kCount = std::size(kColumns);
 
 // One line of the file, being read.
 struct Line {
@@ -25,7 +21,7 @@ struct Line {
 
   [[noreturn]] void fail(std::size_t column, const char* expected) const {
     throw InputError(file, number,
-                     fmt::format("column {}: '{}' is {}", kColumns[column], fields[column], expected));
+                     fmt::format("column {}: '{}' is {}", kPosesColumns[column], fields[column], expected));
   }
   std::int64_t integer(std::size_t column) const {
     const auto value = parse_integer(fields[column]);
@@ -47,7 +43,7 @@ struct Line {
 };
 
 void check_header(const fs::path& file, int number, const std::vector<std::string_view>& fields) {
-  if (!std::equal(fields.begin(), fields.end(), std::begin(kColumns), std::end(kColumns)))
+  if (!std::equal(fields.begin(), fields.end(), std::begin(kPosesColumns), std::end(kPosesColumns)))
     throw InputError(file, number, "expected the header source,subject,id,timestamp_ns,...");
 }
 
@@ -80,9 +76,9 @@ void add_state(const Line& line, Tracks& tracks) {
 }
 
 void add_row(const Line& line, ComparedPoses& poses) {
-  if (line.fields.size() != kCount)
+  if (line.fields.size() != kPosesColumns.size())
     throw InputError(line.file, line.number,
-                     fmt::format("expected {} columns, found {}", kCount, line.fields.size()));
+                     fmt::format("expected {} columns, found {}", kPosesColumns.size(), line.fields.size()));
   const std::string_view source = line.fields[0], subject = line.fields[1];
   if (source != "truth" && source != "estimate") line.fail(0, "neither truth nor estimate");
   Tracks& tracks = source == "truth" ? poses.truth : poses.estimate;

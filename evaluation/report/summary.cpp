@@ -6,20 +6,17 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cassert>
 #include <cmath>
-#include <numeric>
 
 #include "evaluation/report/markup.h"
 #include "evaluation/report/metrics.h"
+#include "evaluation/statistics/statistics.h"
 
 namespace uniquadric {
 namespace {
 
 Spread spread_of(const std::vector<double>& values) {
-  const auto [min, max] = std::minmax_element(values.begin(), values.end());
-  const double mean = std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
-  return {
-      median(values), *min, *max, static_cast<int>(values.size()), false, mean, confidence_interval(values),
-      values};
+  const Statistics s = *statistics(values);
+  return {s.median, s.min, s.max, static_cast<int>(s.n), false, s.mean, confidence_interval(values), values};
 }
 
 SummaryRow summarize_row(const Results& results, const std::string& scene, const std::string& object,
@@ -77,21 +74,16 @@ bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i) {
   return i + 1 == rows.size() || rows[i + 1].object != rows[i].object || rows[i + 1].scene != rows[i].scene;
 }
 
-double median(std::vector<double> values) {
+double median(const std::vector<double>& values) {
   assert(!values.empty());
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+  return statistics(values)->median;
 }
 
 std::optional<double> confidence_interval(const std::vector<double>& values) {
-  const auto n = static_cast<double>(values.size());
   if (values.size() < 2) return std::nullopt;
-  const double mean = std::accumulate(values.begin(), values.end(), 0.) / n;
-  double squares = 0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
-  return t * std::sqrt(squares / (n - 1) / n);
+  const auto freedom = static_cast<double>(values.size() - 1);
+  const double t = boost::math::quantile(boost::math::students_t(freedom), 0.975);
+  return t * statistics(values)->std / std::sqrt(freedom);
 }
 
 std::string format_figure(double value) {

@@ -40,7 +40,7 @@ bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i);
 std::string summary_text(const std::vector<SummaryRow>& rows);
 
 /// The median of values (of an even number the mean of the middle two); asserts that there are any.
-double median(std::vector<double> values);
+double median(const std::vector<double>& values);
 
 /// Half the width of the mean's 95 % confidence interval: Student's t times the standard error (ddof 1).
 /// Nothing of fewer than two values.
