@@ -27,7 +27,7 @@ struct Evaluation {
 };
 
 /// evaluation.json: keys sorted, doubles that read back the same. `run_config_json` is the estimate's
-/// run.yaml as read_run_config gives it.
+/// run.yaml as read_run_config gives it. Throws InputError for a figure that is not finite.
 std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions& options,
                             const std::string& run_config_json);
 

@@ -1,5 +1,7 @@
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/error.h"
 #include "core/base/version.h"
 #include "evaluation/evaluation_files.h"
 #include "evaluation/pose_json_parts.h"
@@ -140,6 +142,16 @@ json tracking_json(const Evaluation& evaluation) {
   return result;
 }
 
+// A figure that is no number would be written as none. Inputs are bounded so that there is none; should one
+// come about, its name is better than a file that hides it.
+void require_finite(const json& figures, const std::string& name) {
+  if (figures.is_number_float() && !std::isfinite(figures.get<double>()))
+    throw InputError(name + ": comes out as no finite number");
+  if (!figures.is_structured()) return;
+  for (const auto& [key, value] : figures.items())
+    require_finite(value, name.empty() ? key : name + "." + key);
+}
+
 }  // namespace
 
 std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions& options,
@@ -150,18 +162,19 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
                {"alignment", to_json(evaluation.alignment)},
                {"camera", to_json(evaluation.camera)},
                {"tracking", tracking_json(evaluation)}};
-  root["config"] = {{"estimate", run_config},
-                    {"evaluate",
-                     {{"body_frame", to_string(options.body_frame)},
-                      {"iou_samples", options.iou_samples},
-                      {"seed", options.seed}}}};
-  root["seed"] = run_config.is_object() && run_config.contains("seed") ? run_config["seed"] : json();
   root["objects"] = json::array();
   for (const ObjectEvaluation& object : evaluation.objects)
     root["objects"].push_back(to_json(object, options));
   root["timing_ms"] = json::object();
   for (const auto& [stage, values] : evaluation.timing_ms)
     root["timing_ms"][stage] = to_json(statistics(values));
+  require_finite(root, "");
+  root["config"] = {{"estimate", run_config},
+                    {"evaluate",
+                     {{"body_frame", to_string(options.body_frame)},
+                      {"iou_samples", options.iou_samples},
+                      {"seed", options.seed}}}};
+  root["seed"] = run_config.is_object() && run_config.contains("seed") ? run_config["seed"] : json();
   return root.dump(2) + "\n";
 }
 

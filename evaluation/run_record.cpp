@@ -13,6 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+constexpr double kMostMs = 1e12;  // thirty years
+
 json scalar_json(const std::string& text) {
   if (text == "true" || text == "false") return text == "true";
   if (text == "null" || text == "~") return nullptr;
@@ -56,7 +58,7 @@ std::map<std::string, std::vector<double>> read_timing(const fs::path& estimate)
         const auto frame = parse_integer(fields[0]);
         const auto ms = parse_double(fields[2]);
         if (!frame) throw InputError(file, line, fmt::format("column frame: '{}' is no integer", fields[0]));
-        if (!ms || *ms < 0)
+        if (!ms || *ms < 0 || *ms > kMostMs)
           throw InputError(file, line, fmt::format("column ms: '{}' is no time", fields[2]));
         stages[std::string(fields[1])].push_back(*ms);
         frames[*frame] += *ms;

@@ -18,7 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kTracksSchema = 1;
-constexpr double kMostSemiAxis_m = 1e6;  // larger than what a scene can hold, and its cube is still a number
+// No body is smaller or larger than that, and the volumes of such are numbers.
+constexpr double kLeastSemiAxis_m = 1e-9, kMostSemiAxis_m = 1e6;
+constexpr double kMostAxisRatio = 1e6;  // as `metric` has it: IoU of thinner ones drowns in rounding
 const char* const kStateHeader =
     "frame,timestamp_ns,id,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m,exponent_q,var_semi_axis_x_m2,var_semi_"
     "axis_y_m2,"
@@ -41,6 +43,17 @@ std::optional<ObjectMotion> parse_motion(std::string_view text) {
 
 fs::path trajectory_file(const fs::path& folder, int id) {
   return folder / "objects" / fmt::format("{}.tum", id);
+}
+
+// What is wrong with these semi-axes; empty: nothing.
+std::string fault_of(const Eigen::Vector3d& semi_axes_m) {
+  if (!(semi_axes_m.minCoeff() > 0)) return "expected numbers greater than 0";
+  if (semi_axes_m.minCoeff() < kLeastSemiAxis_m)
+    return fmt::format("expected at least {} m", kLeastSemiAxis_m);
+  if (semi_axes_m.maxCoeff() > kMostSemiAxis_m) return fmt::format("expected at most {} m", kMostSemiAxis_m);
+  if (semi_axes_m.maxCoeff() > kMostAxisRatio * semi_axes_m.minCoeff())
+    return fmt::format("are more than {} times apart", kMostAxisRatio);
+  return {};
 }
 
 std::vector<ObjectTrack> read_truth_objects(const fs::path& folder, const Trajectory& camera) {
@@ -90,6 +103,8 @@ ObjectState parse_state(const fs::path& path, int line, const std::vector<std::s
   if (number <= 0 || number > std::numeric_limits<int>::max()) fail(2);
   id = static_cast<int>(number);
   for (int i = 0; i < 3; ++i) state.ellipsoid.semi_axes_m[i] = positive(3 + i);
+  if (const std::string fault = fault_of(state.ellipsoid.semi_axes_m); !fault.empty())
+    throw InputError(path, line, "semi-axes: " + fault);
   state.exponent = positive(6);
   for (int i = 0; i < 9; ++i) {
     if (fields[7 + i].empty()) continue;
@@ -203,9 +218,7 @@ std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
     node.refuse_unknown_keys();
     if (object.id <= 0) node.at("id").fail("expected an integer greater than 0");
     if (!ids.insert(object.id).second) node.at("id").fail(fmt::format("{} stands twice", object.id));
-    if (!(object.semi_axes_m.minCoeff() > 0)) node.at("semi_axes_m").fail("expected numbers greater than 0");
-    if (object.semi_axes_m.maxCoeff() > kMostSemiAxis_m)
-      node.at("semi_axes_m").fail(fmt::format("expected at most {} m", kMostSemiAxis_m));
+    if (const auto fault = fault_of(object.semi_axes_m); !fault.empty()) node.at("semi_axes_m").fail(fault);
     if (object.symmetry && !allows(object.semi_axes_m, *object.symmetry))
       node.at("symmetry").fail("does not go with these semi-axes: equal ones are within 5 %");
     objects.push_back(object);

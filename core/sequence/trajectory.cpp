@@ -38,6 +38,11 @@ StampedPose parse_line(const std::filesystem::path& path, int line,
   }
   std::array<double, 7> v{};
   for (int i = 0; i < 7; ++i) v[i] = parse_number(path, line, fields[i + 1]);
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(v[i]) > kMostCoordinate_m)
+      throw InputError(
+          path, line,
+          fmt::format("'{}' is further than {} m from the origin", fields[i + 1], kMostCoordinate_m));
   result.pose.translation = {v[0], v[1], v[2]};
   result.pose.rotation = Eigen::Quaterniond(v[6], v[3], v[4], v[5]);
   const double off = std::abs(result.pose.rotation.norm() - 1);

@@ -17,6 +17,10 @@ struct StampedPose {
 /// Poses in strictly increasing order of their stamps.
 using Trajectory = std::vector<StampedPose>;
 
+/// Of a coordinate: farther out than any place near the Earth in any datum, and still its squares add up to a
+/// number.
+inline constexpr double kMostCoordinate_m = 1e9;
+
 /// Decimal seconds to integer nanoseconds without passing through a double; further digits are rounded.
 /// Throws std::invalid_argument for anything else than an optionally signed decimal number.
 std::int64_t parse_stamp_ns(std::string_view seconds);
@@ -24,8 +28,9 @@ std::int64_t parse_stamp_ns(std::string_view seconds);
 std::string format_stamp(std::int64_t stamp_ns);
 
 /// Reads TUM text: `timestamp tx ty tz qx qy qz qw`, comments after #. Throws InputError with the line for a
-/// malformed or non-finite number, a stamp that does not increase, or a quaternion whose norm is off 1 by
-/// more than 1e-3 (closer ones are normalised; within 1e-12 they are kept as they are, bit for bit).
+/// malformed or non-finite number, a coordinate beyond kMostCoordinate_m, a stamp that does not increase, or
+/// a quaternion whose norm is off 1 by more than 1e-3 (closer ones are normalised; within 1e-12 they are kept
+/// as they are, bit for bit).
 Trajectory read_tum(const std::filesystem::path& path);
 /// Writes TUM text with as many digits as reading back the same doubles needs.
 void write_tum(const std::filesystem::path& path, const Trajectory& trajectory);

@@ -105,6 +105,9 @@ TEST(Tracks, BadFoldersAreRefusedByFileAndLine) {
   };
   EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,nan"), ":2: column semi_axis_x_m: 'nan' is not a valid value");
   EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,-0.1"), ":2: column semi_axis_x_m: '-0.1' is not a valid value");
+  EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,1e200"), ":2: semi-axes: expected at most 1000000 m");
+  EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,1e-300"), ":2: semi-axes: expected at least 1e-09 m");
+  EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,1e-8"), ":2: semi-axes: are more than 1000000 times apart");
   EXPECT_EQ(message("\n0,0,3,", "\n0,0,0,"), ":2: column id: '0' is not a valid value");
   EXPECT_EQ(message("active,unknown\n1,", "asleep,unknown\n1,"),
             ":2: column state: 'asleep' is not a valid value");

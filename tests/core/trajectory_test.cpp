@@ -54,6 +54,7 @@ TEST(TumText, RefusesBadLinesByNumber) {
   EXPECT_EQ(message("2.0 0 0 0 0 0 1"), "expected 8 numbers (timestamp tx ty tz qx qy qz qw), found 7");
   EXPECT_EQ(message("2.0 nan 0 0 0 0 0 1"), "'nan' is not a finite number");
   EXPECT_EQ(message("2.0 0 0 0 0 0 inf 1"), "'inf' is not a finite number");
+  EXPECT_EQ(message("2.0 0 -1e308 0 0 0 0 1"), "'-1e308' is further than 1000000000 m from the origin");
   EXPECT_EQ(message("1.0 0 0 0 0 0 0 1"), "timestamp 1.0 does not come after 1.000000000");
   EXPECT_EQ(message("0.5 0 0 0 0 0 0 1"), "timestamp 0.5 does not come after 1.000000000");
   EXPECT_EQ(message("2.0 0 0 0 0 0 0 1.1"), "quaternion has norm 1.1, not 1");

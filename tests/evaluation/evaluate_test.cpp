@@ -6,6 +6,7 @@
 #include "core/base/text.h"
 #include "evaluation/report/poses.h"
 #include "tests/evaluation/evaluate_fixture.h"
+#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
@@ -253,6 +254,35 @@ TEST_F(Evaluate, RefusesBadInputAndWritesNothing) {
   EXPECT_THROW(run(root_ / "absent", estimate()), InputError);
   EXPECT_FALSE(fs::exists(root_ / "out"));
   EXPECT_FALSE(fs::exists(root_ / "out.partial"));
+}
+
+TEST_F(Evaluate, StatesBeyondAnyWorldAreRefusedByFileAndLine) {
+  write_changed([](Tracks& tracks) {
+    tracks.objects[1].states[6].ellipsoid.world_from_object.translation.x() = 1e308;
+  });
+  const std::string message = input_error([&] { run(); });
+  EXPECT_NE(message.find("20.tum:8: '1e+308' is further than"), std::string::npos) << message;
+  EXPECT_FALSE(fs::exists(root_ / "out"));
+}
+
+// What is just let in gives figures, and no file says that one is not finite.
+TEST_F(Evaluate, OfTheFarthestAndLargestStatesAllFiguresAreFinite) {
+  for (const bool camera_too : {false, true}) {
+    write_changed([&](Tracks& tracks) {
+      if (camera_too) tracks.camera[3].pose.translation.y() = -kMostCoordinate_m;
+      for (auto& state : tracks.objects[1].states) state.ellipsoid.semi_axes_m = {1, 1e3, 1e6};
+      for (auto& state : tracks.objects[2].states) state.ellipsoid.semi_axes_m = {1e-9, 1e-6, 1e-3};
+      tracks.objects[0].states[6].ellipsoid.world_from_object.translation.x() = kMostCoordinate_m;
+    });
+    const json result = run();
+    const json& far = camera_too ? result["camera"] : result["objects"][0];
+    EXPECT_GT(far["ape"]["translation_m"]["max"], 0.4 * kMostCoordinate_m);
+    for (const char* file : {"frames.csv", "poses.csv"}) {
+      const std::string text = read_text(root_ / "out" / file);
+      for (const char* bad : {",inf", ",-inf", ",nan", ",-nan"})
+        EXPECT_EQ(text.find(bad), std::string::npos) << file << bad;
+    }
+  }
 }
 
 }  // namespace
