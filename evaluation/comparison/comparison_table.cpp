@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "evaluation/comparison/verdict.h"
 #include "evaluation/report/summary.h"
 
 namespace uniquadric {
@@ -44,15 +45,15 @@ std::string significance(const MetricChange& change) {
 // The place with the greatest loss, of those that are proven where they decided; empty where there is nothing
 // to tell.
 std::string worst_place(const MetricChange& change, const GateOptions& options) {
-  const auto is_proven = [&](const PlaceChange& place) { return place.p && *place.p <= options.place_alpha; };
+  const auto proven = [&](const PlaceChange& place) { return is_proven(place, options); };
   const auto& places = change.places;
   const auto worst = change.reason == VerdictReason::one_place
-                         ? std::find_if(places.begin(), places.end(), is_proven)
+                         ? std::find_if(places.begin(), places.end(), proven)
                          : places.begin();
   if (places.size() < 2 || worst->loss <= change.rule.margin) return "";
   std::string text =
       fmt::format("{}/{} {}", worst->sequence, worst->object, format_change(change.rule, worst->loss));
-  if (is_proven(*worst)) text += fmt::format(" (p {})", format_p(*worst->p));
+  if (proven(*worst)) text += fmt::format(" (p {})", format_p(*worst->p));
   return text;
 }
 

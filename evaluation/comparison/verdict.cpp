@@ -32,7 +32,7 @@ void correct_means(std::vector<MetricChange>& changes, const GateOptions& option
 }
 
 bool has_lost(const PlaceChange& place, double margin, const GateOptions& options) {
-  return place.p && *place.p <= options.place_alpha && place.loss > margin;
+  return is_proven(place, options) && place.loss > margin;
 }
 
 void correct_places(std::vector<MetricChange>& changes, const GateOptions& options) {

@@ -33,14 +33,11 @@ std::string colour_rules(const SvgColours& colours) {
   return text;
 }
 
-std::string style() {
-  return "<style>\n.arc text{font:12px system-ui,\"Segoe UI\",\"DejaVu Sans\",sans-serif}\n"
-         ".arc .tick{font-size:11px;font-weight:400}\n.arc .title{font-weight:600}\n"
-         ".arc .grid{fill:none}.arc .wide{stroke-dasharray:3 4}\n"
-         ".arc .median{fill:none;stroke-width:2;stroke-linejoin:round}.arc .band{stroke:none;opacity:.18}\n" +
-         colour_rules(kLightSvg) + "@media (prefers-color-scheme:dark){\n" + colour_rules(kDarkSvg) +
-         "}\n</style>\n";
-}
+const char* const kRules =
+    ".arc text{font:12px system-ui,\"Segoe UI\",\"DejaVu Sans\",sans-serif}\n"
+    ".arc .tick{font-size:11px;font-weight:400}\n.arc .title{font-weight:600}\n"
+    ".arc .grid{fill:none}.arc .wide{stroke-dasharray:3 4}\n"
+    ".arc .median{fill:none;stroke-width:2;stroke-linejoin:round}.arc .band{stroke:none;opacity:.18}\n";
 
 std::vector<double> edges() {
   std::vector<double> list;
@@ -176,7 +173,7 @@ std::string arc_svg(const Results& results, bool standalone) {
       "<svg class=\"arc\"{} viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" role=\"img\" "
       "aria-label=\"3D IoU of each object against the arc of views\">\n",
       standalone ? " xmlns=\"http://www.w3.org/2000/svg\"" : "", width, height, width, height);
-  text += style() + "<rect class=\"back\" width=\"100%\" height=\"100%\"/>\n" + head.text;
+  text += svg_ground(kRules, colour_rules) + head.text;
   for (std::size_t i = 0; i < panels.size(); ++i)
     text += panel(panels[i], variants, kPanelWidth * static_cast<double>(i % kColumns),
                   head.height + kPanelHeight * static_cast<double>(i / kColumns));

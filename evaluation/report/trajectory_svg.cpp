@@ -32,14 +32,11 @@ std::string colour_rules(const SvgColours& colours) {
       colours.back, colours.text, colours.quiet, colours.grid, colours.variant[0]);
 }
 
-std::string style() {
-  return "<style>\ntext{font:12px system-ui,\"Segoe UI\",\"DejaVu Sans\",sans-serif}.tick{font-size:11px}"
-         ".title,.name{font-weight:600}\n"
-         "path{fill:none}.reference{stroke-width:1.2;stroke-dasharray:5 3}.estimate{stroke-width:1.6}"
-         ".coloured{stroke-width:2.2;stroke-linecap:round;stroke-linejoin:round}\n" +
-         colour_rules(kLightSvg) + "@media (prefers-color-scheme:dark){\n" + colour_rules(kDarkSvg) +
-         "}\n</style>\n";
-}
+const char* const kRules =
+    "text{font:12px system-ui,\"Segoe UI\",\"DejaVu Sans\",sans-serif}.tick{font-size:11px}"
+    ".title,.name{font-weight:600}\n"
+    "path{fill:none}.reference{stroke-width:1.2;stroke-dasharray:5 3}.estimate{stroke-width:1.6}"
+    ".coloured{stroke-width:2.2;stroke-linecap:round;stroke-linejoin:round}\n";
 
 std::vector<double> coordinate(const std::vector<Pose>& poses, int axis) {
   std::vector<double> values;
@@ -203,8 +200,8 @@ std::string trajectory_svg(const TrajectoryComparison& c, const std::string& tit
              "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
              "height=\"{1:.0f}\" role=\"img\" aria-label=\"Two trajectories and their errors\">\n",
              kWidth, top - 10) +
-         style() + "<rect class=\"back\" width=\"100%\" height=\"100%\"/>\n" + head(title) + path_plot(c) +
-         axis_plots(c.pairs, times) + errors + "</svg>\n";
+         svg_ground(kRules, colour_rules) + head(title) + path_plot(c) + axis_plots(c.pairs, times) + errors +
+         "</svg>\n";
 }
 
 }  // namespace uniquadric

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/base/files.h"
+#include "core/sequence/sequence.h"
 #include "core/sequence/trajectory.h"
 #include "tests/support/recorded_world.h"
 #include "tests/support/temp_folder.h"
@@ -48,6 +49,20 @@ inline RecordedWorld small_world() {
     w.imu.push_back({t, {0.1, -0.2, 0.3}, {0.5, 9.7, static_cast<double>(t - kStart_ns) * 1e-9}});
   }
   return w;
+}
+
+/// Expects the small world's camera and rate in a sequence of that name.
+inline void expect_small_camera(const Sequence& sequence, const std::string& name) {
+  EXPECT_EQ(sequence.name, name);
+  const Camera& camera = sequence.camera;
+  EXPECT_EQ(camera.width, 8);
+  EXPECT_EQ(camera.height, 6);
+  EXPECT_EQ(camera.fx, 10);
+  EXPECT_EQ(camera.fy, 11);
+  EXPECT_EQ(camera.cx, 3.5);
+  EXPECT_EQ(camera.cy, 2.5);
+  EXPECT_EQ(camera.distortion, (std::array<double, 5>{0.01, -0.002, 0.0003, 0.0004, 0}));
+  EXPECT_NEAR(sequence.rate_hz, 30, 1e-4);
 }
 
 /// Expects those of a motion, at the frames but the first.

@@ -26,11 +26,7 @@ class Cli : public testing::Test {
     return folder() / name;
   }
   void expect_refusal(const std::vector<std::string>& arguments, const std::string& what) const {
-    const ProgramRun run = run_program(arguments);
-    EXPECT_EQ(run.exit_code, 2) << run.err;
-    EXPECT_EQ(run.out, "");
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
-    EXPECT_NE(run.err.find(what), std::string::npos) << "wanted: " << what << "\ngot: " << run.err;
+    expect_refused(run_program(arguments), what);
     EXPECT_FALSE(fs::exists(out()));
     for (const auto& entry : fs::directory_iterator(folder()))
       EXPECT_FALSE(entry.path().string().ends_with(".partial")) << entry.path();

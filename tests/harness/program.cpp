@@ -24,6 +24,13 @@ ProgramRun run_program(const std::vector<std::string>& arguments, const std::str
   return {code, read_text(temp.path() / "out"), read_text(temp.path() / "err")};
 }
 
+void expect_refused(const ProgramRun& run, const std::string& what) {
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_EQ(run.out, "");
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_NE(run.err.find(what), std::string::npos) << "wanted: " << what << "\ngot: " << run.err;
+}
+
 std::string folder_hash(const fs::path& folder, const std::vector<std::string>& ignored) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))

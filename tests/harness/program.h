@@ -15,6 +15,9 @@ struct ProgramRun {
 /// killed.
 ProgramRun run_program(const std::vector<std::string>& arguments, const std::string& input = "");
 
+/// Expects exit code 2, and `what` in one line on standard error alone.
+void expect_refused(const ProgramRun& run, const std::string& what);
+
 /// Hash of every file's name and bytes below a folder, except files named as in `ignored`.
 std::string folder_hash(const std::filesystem::path& folder, const std::vector<std::string>& ignored = {});
 

@@ -7,14 +7,11 @@
 #include "core/sequence/sequence.h"
 #include "simulator/frame_log.h"
 #include "simulator/png.h"
+#include "tests/simulator/same_image.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
-
-bool same(const cv::Mat& a, const cv::Mat& b) {
-  return a.type() == b.type() && a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
-}
 
 std::string stored(const cv::Mat& image) {
   const bool color = image.type() == CV_8UC3;

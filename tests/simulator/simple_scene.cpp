@@ -110,4 +110,19 @@ Scene two_boxes() {
   return scene;
 }
 
+Scene white_square() {
+  const Eigen::Vector3d axes(0.2, 0.2, 0.01);
+  Scene scene;
+  scene.camera = {100, 80, 100, 100, 49.5, 39.5, {}};
+  scene.ambient = 1;
+  Mesh mesh = box_mesh(axes);
+  mesh.texture = cv::Mat();
+  scene.objects = {make_body(1, mesh, axes, Motion())};
+  return scene;
+}
+
+ScenePoses shifted(double x_px, double y_px) {
+  return {Pose(), {{Eigen::Quaterniond::Identity(), {x_px / 100, y_px / 100, 1.01}}}};
+}
+
 }  // namespace uniquadric

@@ -19,4 +19,9 @@ Body make_body(int id, const Mesh& mesh, const Eigen::Vector3d& semi_axes_m, con
 /// the first, before a wall. Small images, every noise on.
 Scene two_boxes();
 
+/// A white square of 40 px before black; unshifted, its edges run between pixels.
+Scene white_square();
+/// That square, moved by so many pixels.
+ScenePoses shifted(double x_px, double y_px);
+
 }  // namespace uniquadric

@@ -1,0 +1,134 @@
+// What sweeps are made of: points and their times, IMU readings, files.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "core/base/random.h"
+#include "estimator/ego/lidar_ego.h"
+#include "tests/ego/room_run.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+
+using Eigen::Vector3d;
+
+TEST(LidarSweep, RefusesTimesThatNoScanHas) {
+  LidarPoint point{.x = 5, .offset_ns = 3'000'000'000};
+  EXPECT_THROW(clean_points(0, {point}, {}), std::invalid_argument);
+}
+
+TEST(LidarSweep, PlacesPointsByTheMotionOfTheSweep) {
+  LidarState start;
+  start.velocity_mps = {3, 0, 0};
+  start.gyroscope_bias_radps = {0, 0, 0.1};
+  const InertialReading reading{{0, 0, 0.6}, {0, 2, 0}};
+  std::vector<ReadingPiece> pieces;
+  for (int i = 1; i <= 20; ++i) pieces.push_back({i * 5'000'000, reading});
+  const SweepPath path(start, pieces);
+  for (const std::int64_t stamp_ns : {0, 32'000'000, 100'000'000}) {
+    LidarState then = start;
+    for (const ReadingPiece& piece : pieces)
+      if (then.stamp_ns < stamp_ns) then = propagated(then, piece.reading, std::min(piece.end_ns, stamp_ns));
+    const Vector3d body(4, -2, 1);
+    EXPECT_LT((world_point(path.end(), path.end().gyroscope_bias_radps, path.place(stamp_ns, body)) -
+               then.world_from_body * body)
+                  .norm(),
+              1e-9);
+  }
+}
+
+TEST(LidarSweep, ReadingsAreThoseBetweenTheSamples) {
+  std::vector<ImuSample> samples;
+  for (int i = 0; i <= 10; ++i) samples.push_back({i * 10'000'000, Vector3d(i, 0, 0), Vector3d(0, 2 * i, 0)});
+  const auto pieces = readings_between(samples, 14'000'000, 42'000'000);
+  ASSERT_EQ(pieces.size(), 4U);
+  const std::vector<std::int64_t> ends = {20'000'000, 30'000'000, 40'000'000, 42'000'000};
+  const std::vector<double> values = {1.7, 2.5, 3.5, 4.1};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(pieces[i].end_ns, ends[i]);
+    EXPECT_NEAR(pieces[i].reading.angular_velocity_radps.x(), values[i], 1e-12);
+    EXPECT_NEAR(pieces[i].reading.specific_force_mps2.y(), 2 * values[i], 1e-12);
+  }
+  EXPECT_EQ(readings_between(samples, 95'000'000, 300'000'000).back().end_ns, 300'000'000);
+}
+
+// Livox drivers give (0, 0, 0) for beams without return; others give NaN, or points in the order of rings.
+TEST(LidarOdometry, BadPointsAndDisorderChangeNothing) {
+  RoomRun clean, dirty;
+  clean.scans = dirty.scans = 15;
+  dirty.change = [](int scan, std::vector<LidarPoint>& points) {
+    RandomStream random(9, "dirt", static_cast<std::uint64_t>(scan));
+    for (std::size_t i = points.size(); i > 1; --i)
+      std::swap(points[i - 1], points[random.below(static_cast<std::uint32_t>(i))]);
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    for (const LidarPoint& bad : {LidarPoint{}, LidarPoint{.x = nan}, LidarPoint{.y = inf},
+                                  LidarPoint{.x = 1e30f, .y = 1e30f}, LidarPoint{.z = -1e4f}})
+      for (int i = 0; i < 500; ++i) {
+        points.push_back(bad);
+        points.back().offset_ns = random.below(100'000'000);
+      }
+  };
+  const LidarOdometry a = clean.odometry(), b = dirty.odometry();
+  const auto p = a.world_from_camera(1'400'000'000), q = b.world_from_camera(1'400'000'000);
+  ASSERT_TRUE(p && q);
+  EXPECT_EQ(p->translation, q->translation);
+  EXPECT_EQ(p->rotation.coeffs(), q->rotation.coeffs());
+}
+
+TEST(LidarOdometry, EmptyScansAreGoneThrough) {
+  RoomRun run;
+  run.scans = 25;
+  run.change = [](int scan, std::vector<LidarPoint>& points) {
+    if (scan % 5 == 2) points.clear();
+  };
+  const RoomErrors errors = errors_of(run.odometry(), run);
+  EXPECT_EQ(errors.missing, 0);
+  EXPECT_LT(errors.max_m, 0.05);
+}
+
+// A recording of a LiDAR alone, through its files.
+TEST(LidarEgo, FollowsASequenceWithoutImages) {
+  const TempFolder temp;
+  const LidarRoom room;
+  Sequence made;
+  made.name = "room";
+  made.rate_hz = 10;
+  made.lidar = LidarCalibration{.pattern = "test", .rate_hz = room.rate_hz, .camera_from_lidar = {}};
+  std::filesystem::create_directories(temp.path() / "lidar");
+  for (int i = 0; i < 15; ++i) {
+    made.scans.push_back({room.scan_start_ns(i), "lidar/" + std::to_string(i) + ".pcd"});
+    write_lidar_points(temp.path() / made.scans.back().file, room.scan(i));
+  }
+  write_sequence_index(temp.path(), made);
+  std::filesystem::remove(temp.path() / "rgb.txt");
+  const Sequence sequence = open_sequence(temp.path());
+  ASSERT_TRUE(sequence.frames.empty());
+  LidarEgo ego(sequence, {});
+  ego.finish();
+  const Trajectory trajectory = ego.trajectory();
+  ASSERT_EQ(trajectory.size(), 15U);
+  const Pose found = relative_pose(trajectory.front().pose, trajectory.back().pose);
+  const Pose truth = relative_pose(room.world_from_lidar(0.1), room.world_from_lidar(1.5));
+  EXPECT_LT((found.translation - truth.translation).norm(), 0.03);
+}
+
+TEST(LidarEgo, ScansWithTimesThatNoneHasAreRefusedByName) {
+  const TempFolder temp;
+  Sequence made;
+  made.name = "broken";
+  made.rate_hz = 10;
+  made.lidar = LidarCalibration{.pattern = "test", .rate_hz = 10, .camera_from_lidar = {}};
+  made.scans.push_back({0, "0.pcd"});
+  write_lidar_points(temp.path() / "0.pcd", {LidarPoint{.x = 5, .offset_ns = 3'000'000'000}});
+  write_sequence_index(temp.path(), made);
+  const Sequence sequence = open_sequence(temp.path());
+  LidarEgo ego(sequence, {});
+  EXPECT_NE(input_error([&] { ego.finish(); }).find("0.pcd: point 0: 3 s after the scan's start"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace uniquadric
