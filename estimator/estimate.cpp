@@ -58,6 +58,15 @@ std::string perception_key(const Sequence& sequence, const Variant& variant, con
   return hash.hex();
 }
 
+// Which sequence it is, as long as its frames stay: images, masks and calibration may be edited.
+std::string sequence_hash(const Sequence& sequence) {
+  Hash hash;
+  hash.add(sequence.name).add(sequence.scene_hash).add(sequence.seed);
+  for (const SequenceFrame& frame : sequence.frames) hash.add(static_cast<std::uint64_t>(frame.stamp_ns));
+  for (const SequenceScan& scan : sequence.scans) hash.add(static_cast<std::uint64_t>(scan.stamp_ns));
+  return hash.hex();
+}
+
 // With its masks and times beside it, so that what is made of it does not depend on when it was made.
 Perception perceive_into(const fs::path& folder, const Sequence& sequence, const Variant& variant,
                          const EstimateOptions& options, const std::string& key) {
@@ -72,23 +81,11 @@ Perception perceive_into(const fs::path& folder, const Sequence& sequence, const
   if (variant.feedback == Feedback::backend)
     run.feedback = &joined.emplace(camera, variant.body, variant.joined, options.seed);
   fs::create_directories(folder);
-  PerceptionWriter out(folder, camera, key);
+  PerceptionWriter out(folder, camera, {key, sequence.name, sequence_hash(sequence)});
   std::vector<StageTime> times;
   perceive(sequence, variant.perception, run, out, times);
   write_text(folder / "timing.csv", timing_csv(times));
   return Perception(folder);
-}
-
-bool is_kept(const fs::path& folder, const std::string& key) {
-  return fs::exists(folder / "perception.yaml") && perception_key_of(folder) == key;
-}
-
-void refuse_to_keep_joined(const Variant& variant, const EstimateOptions& options) {
-  if (variant.feedback == Feedback::backend && !options.perception.empty())
-    throw InputError(options.perception,
-                     fmt::format("cannot keep the perception of {} (feedback: backend), which "
-                                 "depends on its back end; leave out --perception",
-                                 variant.name));
 }
 
 // What is replaced is deleted, which must be nobody else's.
@@ -102,12 +99,42 @@ void require_own_folder(const fs::path& folder) {
         "is no part of the kept perception that is to be replaced; move it, or give another folder");
 }
 
+// A cache of one sequence is renewed as options change; that of another is somebody's result.
+void require_same_sequence(const fs::path& folder, const Sequence& sequence) {
+  if (!fs::exists(folder / "perception.yaml")) return;
+  const PerceptionSource source = perception_source_of(folder);
+  if (source.sequence_hash == sequence_hash(sequence)) return;
+  throw InputError(folder, source.sequence_hash.empty()
+                               ? "holds a perception that does not say of which sequence it is; give another "
+                                 "folder, or --force"
+                               : fmt::format("holds the perception of another sequence ({}); give another "
+                                             "folder, or --force",
+                                             source.sequence));
+}
+
+void refuse_to_keep_joined(const Variant& variant, const EstimateOptions& options) {
+  if (variant.feedback == Feedback::backend && !options.perception.empty())
+    throw InputError(options.perception,
+                     fmt::format("cannot keep the perception of {} (feedback: backend), which "
+                                 "depends on its back end; leave out --perception",
+                                 variant.name));
+}
+
+// What a kept perception may be replaced for.
+enum class Replace {
+  its_own,   // one of the same sequence that was made otherwise
+  sequence,  // one of any sequence
+  always,    // anything, even what would have done
+};
+
 Perception kept_perception(const Sequence& sequence, const Variant& variant, const EstimateOptions& options,
-                           bool force) {
+                           Replace replace) {
   const fs::path& folder = options.perception;
   const std::string key = perception_key(sequence, variant, options);
-  if (force || !is_kept(folder, key)) {
-    if (!force) require_own_folder(folder);
+  const bool is_kept = fs::exists(folder / "perception.yaml") && perception_source_of(folder).key == key;
+  if (replace == Replace::always || !is_kept) {
+    if (replace != Replace::always) require_own_folder(folder);
+    if (replace == Replace::its_own) require_same_sequence(folder, sequence);
     PendingFolder pending(folder, true);
     perceive_into(pending.path(), sequence, variant, options, key);
     pending.commit();
@@ -194,8 +221,10 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   const bool is_own = options.perception.empty();
   const fs::path perceived = is_own ? pending.path() / "perception" : options.perception;
-  const Perception perception = is_own ? perceive_into(perceived, sequence, variant, options, "")
-                                       : kept_perception(sequence, variant, options, false);
+  const Perception perception =
+      is_own
+          ? perceive_into(perceived, sequence, variant, options, "")
+          : kept_perception(sequence, variant, options, options.force ? Replace::sequence : Replace::its_own);
   BackendResult result = variant.backend == Backend::single_frame
                              ? estimate_single_frames(perception, variant, options.seed)
                              : estimate_windows(perception, variant, options.seed);
@@ -216,7 +245,7 @@ void keep_perception(const fs::path& sequence_folder, const Variant& variant,
                      const EstimateOptions& options) {
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
-  kept_perception(sequence, variant, options, options.force);
+  kept_perception(sequence, variant, options, options.force ? Replace::always : Replace::its_own);
 }
 
 }  // namespace uniquadric

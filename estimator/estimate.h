@@ -13,7 +13,7 @@ struct EstimateOptions {
   std::optional<std::uint64_t> perception_seed;  ///< of the perception stage alone; nothing: `seed`
   int threads = 0;                               ///< 0: as many as the machine has
   bool quiet = false;
-  bool force = false;  ///< replace an existing output folder
+  bool force = false;  ///< replace an existing output folder, and a kept perception of another sequence
   Prompts prompts;
   std::filesystem::path perception;  ///< where the perception stage's result is kept and taken from; empty:
                                      ///< nowhere
@@ -34,7 +34,7 @@ void estimate(const std::filesystem::path& sequence, const Variant& variant, con
               const std::filesystem::path& out);
 
 /// The perception stage alone, into options.perception, unless its result is there already; `force` lets it
-/// replace a folder that holds anything else than an older result, which else is refused.
+/// replace it, and a folder that holds anything else than one of the same sequence, which else is refused.
 void keep_perception(const std::filesystem::path& sequence, const Variant& variant,
                      const EstimateOptions& options);
 

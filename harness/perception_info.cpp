@@ -74,10 +74,10 @@ std::string describe_perception(const fs::path& folder) {
   const auto& frames = perception.frames();
   const auto count = [&](auto has) { return std::count_if(frames.begin(), frames.end(), has); };
   const Camera& camera = perception.camera();
-  std::string text =
-      fmt::format("perception made by {}, key {}\ncamera: {}x{} px, fx {} fy {} cx {} cy {}\n",
-                  ConfigNode::load(folder / "perception.yaml").get<std::string>("program"), perception.key(),
-                  camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy);
+  std::string text = fmt::format("perception made by {}, key {}\ncamera: {}x{} px, fx {} fy {} cx {} cy {}\n",
+                                 ConfigNode::load(folder / "perception.yaml").get<std::string>("program"),
+                                 perception.source().key, camera.width, camera.height, camera.fx, camera.fy,
+                                 camera.cx, camera.cy);
   text += fmt::format("frames: {} over {:.3f} s; {} with masks, {} with a camera pose\n", frames.size(),
                       frames.empty() ? 0 : seconds(frames.front().stamp_ns, frames.back().stamp_ns),
                       count([](const FrameInfo& f) { return f.has_masks; }),

@@ -220,12 +220,17 @@ ConfigNode load_description(const fs::path& folder) {
   return root;
 }
 
+PerceptionSource source_in(const ConfigNode& description) {
+  return {description.get<std::string>("key"), description.get<std::string>("sequence", ""),
+          description.get<std::string>("sequence_hash", "")};
+}
+
 }  // namespace
 
-PerceptionWriter::PerceptionWriter(fs::path folder, const Camera& camera, std::string key)
+PerceptionWriter::PerceptionWriter(fs::path folder, const Camera& camera, PerceptionSource source)
     : folder_(std::move(folder)),
       camera_(camera),
-      key_(std::move(key)),
+      source_(std::move(source)),
       file_(folder_ / kObservations, std::ios::binary) {
   write(std::string(kMagic, sizeof kMagic));
 }
@@ -264,8 +269,10 @@ void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_cam
   write_tum(folder_ / "camera.tum", camera);
   write_camera_yaml(folder_ / "camera.yaml", camera_);
   write_text(folder_ / "perception.yaml",
-             fmt::format("schema: {}\nprogram: {}\nkey: {}\nframes: {}\ncamera_hash: \"{}\"\n", kSchema,
-                         yaml_quoted(kProgram), yaml_quoted(key_), frames_.size(),
+             fmt::format("schema: {}\nprogram: {}\nkey: {}\nsequence: {}\nsequence_hash: {}\nframes: {}\n"
+                         "camera_hash: \"{}\"\n",
+                         kSchema, yaml_quoted(kProgram), yaml_quoted(source_.key),
+                         yaml_quoted(source_.sequence), yaml_quoted(source_.sequence_hash), frames_.size(),
                          hex(hash_file(folder_ / "camera.yaml"))));
 }
 
@@ -286,14 +293,14 @@ std::vector<fs::path> foreign_files(const fs::path& folder) {
   return foreign;
 }
 
-std::string perception_key_of(const fs::path& folder) {
-  return load_description(folder).get<std::string>("key");
+PerceptionSource perception_source_of(const fs::path& folder) {
+  return source_in(load_description(folder));
 }
 
 Perception::Perception(const fs::path& folder)
     : file_(folder / kObservations), camera_(read_camera_yaml(folder / "camera.yaml")) {
   const ConfigNode root = load_description(folder);
-  key_ = root.get<std::string>("key");
+  source_ = source_in(root);
   if (read_part(file_, 0, sizeof kMagic) != std::string_view(kMagic, sizeof kMagic))
     throw InputError(file_, "holds no observations of this version");
   const std::string end = read_part(file_, fs::file_size(file_) - sizeof(FilePlace), sizeof(FilePlace));

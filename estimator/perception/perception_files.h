@@ -17,14 +17,20 @@ struct FilePlace {
   std::uint64_t offset = 0, size = 0, hash = 0;
 };
 
+/// What a perception was made of.
+struct PerceptionSource {
+  std::string key;            ///< hash of all that it depends on: sequence, prompts, options, seed, code
+  std::string sequence;       ///< the sequence's name
+  std::string sequence_hash;  ///< hash of which one it is; empty in files made before there was one
+};
+
 /// Writes the perception stage's result frame by frame, so that no more than a frame of it is in memory:
 /// perception.yaml, camera.yaml, camera.tum (the poses alone, for other tools) and observations.bin in an
 /// existing folder.
 class PerceptionWriter {
  public:
-  /// `camera`: without distortion. `key`: hash of what it is made from: sequence, options, code; may be
-  /// empty.
-  PerceptionWriter(std::filesystem::path folder, const Camera& camera, std::string key);
+  /// `camera`: without distortion. `source` may be empty.
+  PerceptionWriter(std::filesystem::path folder, const Camera& camera, PerceptionSource source);
 
   /// The next frame; its pose counts only where finish() gives it. Throws std::runtime_error when it cannot
   /// be written.
@@ -39,7 +45,7 @@ class PerceptionWriter {
 
   std::filesystem::path folder_;
   Camera camera_;
-  std::string key_;
+  PerceptionSource source_;
   std::ofstream file_;
   std::uint64_t size_ = 0;  // of what has been written
   std::vector<FrameInfo> frames_;
@@ -54,7 +60,7 @@ class Perception {
   explicit Perception(const std::filesystem::path& folder);
 
   const Camera& camera() const { return camera_; }  ///< without distortion
-  const std::string& key() const { return key_; }
+  const PerceptionSource& source() const { return source_; }
   const std::vector<FrameInfo>& frames() const { return frames_; }
 
   /// One frame with its bodies; from any thread. Throws InputError when the file is damaged.
@@ -63,7 +69,7 @@ class Perception {
  private:
   std::filesystem::path file_;
   Camera camera_;
-  std::string key_;
+  PerceptionSource source_;
   std::vector<FrameInfo> frames_;
   std::vector<FilePlace> places_;
 };
@@ -71,7 +77,7 @@ class Perception {
 /// What lies in a folder (below it, in order) that no kept perception has.
 std::vector<std::filesystem::path> foreign_files(const std::filesystem::path& folder);
 
-/// The key of a kept perception.
-std::string perception_key_of(const std::filesystem::path& folder);
+/// What a kept perception was made of.
+PerceptionSource perception_source_of(const std::filesystem::path& folder);
 
 }  // namespace uniquadric

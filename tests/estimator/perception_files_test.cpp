@@ -35,7 +35,7 @@ SyntheticPerception two_frames() {
 
 void write(const fs::path& folder, const std::vector<PerceivedFrame>& frames, const Camera& camera) {
   fs::create_directories(folder);
-  PerceptionWriter out(folder, camera, "its key");
+  PerceptionWriter out(folder, camera, {"its key", "its sequence", "its hash"});
   std::map<std::int64_t, Pose> poses;
   for (const PerceivedFrame& frame : frames) {
     out.add(frame);
@@ -60,7 +60,9 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   write(second, frames, back.camera());
   for (const char* file : {"observations.bin", "camera.tum", "camera.yaml", "perception.yaml"})
     EXPECT_EQ(read_text(first / file), read_text(second / file)) << file;
-  EXPECT_EQ(back.key(), "its key");
+  EXPECT_EQ(back.source().key, "its key");
+  EXPECT_EQ(back.source().sequence, "its sequence");
+  EXPECT_EQ(back.source().sequence_hash, "its hash");
   EXPECT_TRUE(back.frames()[0].has_masks);
   EXPECT_FALSE(back.frames()[1].has_masks);
   EXPECT_EQ(frames[0].world_from_camera->translation, perception.frames[0].world_from_camera->translation);
@@ -83,7 +85,7 @@ TEST(PerceptionFiles, SayWhyTheyCannotBeWritten) {
   const TempFolder temp;
   fs::create_symlink("/dev/full", temp.path() / "observations.bin");
   try {
-    PerceptionWriter(temp.path(), Camera(), "key");
+    PerceptionWriter(temp.path(), Camera(), {"key", "", ""});
     ADD_FAILURE() << "written";
   } catch (const std::runtime_error& e) {
     EXPECT_NE(std::string(e.what()).find("observations.bin: cannot be written: No space left"),

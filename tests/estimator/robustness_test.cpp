@@ -70,7 +70,7 @@ Perception perceived(const Sequence& sequence, const PerceptionOptions& options,
   std::vector<StageTime> times;
   const fs::path folder = sequence.folder / name;
   fs::create_directories(folder);
-  PerceptionWriter out(folder, perception_camera(sequence, options), "");
+  PerceptionWriter out(folder, perception_camera(sequence, options), {});
   perceive(sequence, options, quiet, out, times);
   return Perception(folder);
 }
@@ -308,7 +308,7 @@ TEST(Robustness, WithItsOwnExpectationsForHintsPerceptionIsTheSame) {
     std::vector<StageTime> times;
     const fs::path folder = temp.path() / (joined ? "joined" : "alone");
     fs::create_directories(folder);
-    PerceptionWriter out(folder, sequence.camera, "");
+    PerceptionWriter out(folder, sequence.camera, {});
     perceive(sequence, {}, run, out, times);
     bytes[joined] = read_text(folder / "observations.bin");
   }

@@ -263,6 +263,29 @@ TEST_F(Cli, AForeignFolderIsNotTakenForAKeptPerception) {
   EXPECT_EQ(read_text(notes), "mine");
 }
 
+// Of the same sequence it is renewed, of another one it is a result like any other.
+TEST_F(Cli, APerceptionOfAnotherSequenceIsReplacedByForceAlone) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), kept = folder() / "kept";
+  const fs::path one = folder() / "one", two = folder() / "two";
+  ASSERT_EQ(run_program({"simulate", scene, one, "--quiet"}).exit_code, 0);
+  ASSERT_EQ(run_program({"simulate", scene, two, "--quiet", "--seed", "1"}).exit_code, 0);
+  ASSERT_EQ(run_program({"perceive", one, kept, "--quiet"}).exit_code, 0);
+  const std::string before = folder_hash(kept);
+  expect_refusal({"estimate", two, out(), "--quiet", "--perception", kept},
+                 "kept: holds the perception of another sequence (small)");
+  expect_refusal({"perceive", two, kept, "--quiet"},
+                 "kept: holds the perception of another sequence (small)");
+  EXPECT_EQ(folder_hash(kept), before);
+  const ProgramRun own =
+      run_program({"estimate", one, out(), "--quiet", "--seed", "3", "--perception", kept});
+  EXPECT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_NE(folder_hash(kept), before);
+  const ProgramRun forced = run_program({"estimate", two, out(), "--quiet", "--force", "--perception", kept});
+  EXPECT_EQ(forced.exit_code, 0) << forced.err;
+  fs::remove_all(out());
+  expect_refusal({"perceive", one, kept, "--quiet"}, "another sequence");  // it is of the other one now
+}
+
 // Perception samples too: another seed is another perception, unless it is told to keep its own.
 TEST_F(Cli, SeedsOfTheBackEndCanShareAPerception) {
   const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
