@@ -71,7 +71,7 @@ void check_depth(const Sequence& sequence, const SequenceFrame& frame, Problems&
   const fs::path path = sequence.folder / frame.depth;
   const cv::Mat units = read_image(path);
   if (cv::countNonZero(units) == 0) add(problems, path, "has no depth at any pixel");
-  if (const int full = cv::countNonZero(units == 65535))
+  if (const int full = cv::countNonZero(units == kDepthCutOff))
     add(problems, path, fmt::format("is cut off at the 16 bits' end at {} pixels", full));
 }
 

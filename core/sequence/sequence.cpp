@@ -151,9 +151,10 @@ cv::Mat read_rgb(const Sequence& sequence, const SequenceFrame& frame) {
 }
 
 cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame) {
+  const cv::Mat units = read_of_kind(sequence, frame.depth, ImageKind::depth);
   cv::Mat depth;
-  read_of_kind(sequence, frame.depth, ImageKind::depth)
-      .convertTo(depth, CV_32F, 1 / sequence.depth_units_per_m);
+  units.convertTo(depth, CV_32F, 1 / sequence.depth_units_per_m);
+  depth.setTo(0, units == kDepthCutOff);
   return depth;
 }
 

@@ -56,7 +56,9 @@ void write_sequence_index(const std::filesystem::path& folder, const Sequence& s
 /// Colour as CV_8UC3 in OpenCV's order (blue, green, red). Readers throw InputError naming the file for
 /// images that are unreadable, truncated, of the wrong type or not of the camera's size.
 cv::Mat read_rgb(const Sequence& sequence, const SequenceFrame& frame);
-/// Depth as CV_32FC1: z along the optical axis [m], 0 where there is none.
+/// Depth as CV_32FC1: z along the optical axis [m], 0 where there is none, which the file says by 0 or by the
+/// largest number that it can hold: there a sensor gave up, or a depth was cut off.
+inline constexpr int kDepthCutOff = 65535;
 cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame);
 /// Instance masks as CV_16UC1: 0 is background. More than kMostIds others are no masks.
 inline constexpr int kMostIds = 256;  // ours: more are noise, or an image of another kind

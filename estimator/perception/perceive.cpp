@@ -232,7 +232,21 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     work->rgb = read_rgb(sequence, frame);
     if (!frame.depth.empty()) work->depth = read_depth(sequence, frame);
     watch.stop("read");
+    return work;
+  };
+  DepthCheck depth_check(options.depth_check);
+  int unusable = 0;
+  const auto check = [&](std::shared_ptr<Work> work) {
+    if (!work->depth.empty() && !depth_check.is_measurement(work->result.stamp_ns, work->depth)) {
+      work->depth.setTo(0);
+      ++unusable;
+    }
+    return work;
+  };
+  const auto cut_out = [&](std::shared_ptr<Work> work) {
     if (tracker) return work;
+    const SequenceFrame& frame = sequence.frames[work->index];
+    Stopwatch watch(frame.frame, work->times);
     work->masks = segment(segmenter, sequence, frame, work->depth, run.seed);
     watch.stop("segment");
     work->result.has_masks = !work->masks.empty();
@@ -311,11 +325,17 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     tbb::parallel_pipeline(run.feedback ? 1 : kFramesInFlight,
                            tbb::make_filter<void, Handle>(tbb::filter_mode::serial_in_order, take) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, read) &
+                               tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, check) &
+                               tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, cut_out) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, carry) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, track) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, look) &
                                tbb::make_filter<Handle, void>(tbb::filter_mode::serial_in_order, keep));
   });
+  if (unusable > 0)
+    fmt::print(stderr,
+               "warning: {} depth images are no measurements: they have one value, or jump as a whole\n",
+               unusable);
   if (lidar) lidar->finish();
   for (const PerceivedFrame& frame : waiting) out.add(frame);
   out.finish(is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()));

@@ -9,6 +9,7 @@
 #include "estimator/ego/lidar_ego.h"
 #include "estimator/ego/rgbd_odometry.h"
 #include "estimator/perception/aot.h"
+#include "estimator/perception/depth_check.h"
 #include "estimator/perception/features.h"
 #include "estimator/perception/lidar_depth.h"
 #include "estimator/perception/perception_files.h"
@@ -41,6 +42,7 @@ struct PerceptionOptions {
   EgoOptions odometry;    // of EgoSource::rgbd
   LidarEgoOptions lidar;  // of EgoSource::lidar
   DepthSource depth = DepthSource::recorded;
+  DepthCheckOptions depth_check;  // of depth images
   LidarDepthOptions lidar_depth;  // of DepthSource::lidar
   SegmentationOptions segmentation;
   AotOptions aot;

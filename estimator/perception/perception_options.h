@@ -24,6 +24,14 @@ void visit(Io& io, PointOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, DepthCheckOptions& o) {
+  io.flag("enabled", o.enabled);
+  io.positive("max_change", o.max_change);
+  io.number("min_agreement", o.min_agreement, 0.0, 1.0);
+  io.number("max_gap_s", o.max_gap_s, 0.0, 1e6);
+}
+
+template <typename Io>
 void visit(Io& io, SilhouetteOptions& o) {
   io.number("directions", o.directions, 4, 360);
   io.number("min_pixels", o.min_pixels, 1, 1'000'000);
@@ -119,6 +127,7 @@ void visit(Io& io, PerceptionOptions& o) {
                  Choices<DepthSource>{{"recorded", DepthSource::recorded},
                                       {"images", DepthSource::images},
                                       {"lidar", DepthSource::lidar}});
+    inner.section("check", [&](auto& innermost) { visit(innermost, o.depth_check); });
     inner.section("lidar", [&](auto& innermost) { visit(innermost, o.lidar_depth); });
   });
   io.section("segmentation", [&](auto& inner) { visit(inner, o.segmentation); });

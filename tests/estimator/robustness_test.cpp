@@ -215,6 +215,37 @@ TEST(Robustness, OneBlackFrameCostsNoTrackAndLittlePrecision) {
   EXPECT_EQ(checked, 24);
 }
 
+// A sensor that fails for two frames measures nothing in them: the body goes on under its id, and no other
+// one begins.
+TEST(Robustness, BadDepthImagesInARowCostNoBody) {
+  const std::map<std::string, std::pair<Damage, Damage>> failures = {
+      {"none, then all cut off",
+       {[](DrawnFrame& f) { f.depth.setTo(0); }, [](DrawnFrame& f) { f.depth.setTo(1e6); }}},
+      {"another scale", {[](DrawnFrame& f) { f.depth *= 1.5; }, [](DrawnFrame& f) { f.depth *= 1.5; }}},
+      {"one value", {[](DrawnFrame& f) { f.depth.setTo(3); }, [](DrawnFrame& f) { f.depth.setTo(3); }}}};
+  for (const auto& [what, damage] : failures) {
+    const TempFolder temp;
+    write_drawn_sequence(temp.path(), {kRed}, 36, [&](DrawnFrame& drawn) {
+      if (drawn.frame.frame == 20) damage.first(drawn);
+      if (drawn.frame.frame == 21) damage.second(drawn);
+    });
+    const Outcome outcome = run(temp.path(), 2, windows(EgoSource::rgbd));
+    expect_sane(outcome.tracks);
+    EXPECT_EQ(outcome.tracks.camera.size(), 36u) << what;
+    ASSERT_EQ(outcome.tracks.objects.size(), 1u) << what;
+    const auto& states = outcome.tracks.objects[0].states;
+    ASSERT_GE(states.size(), 32u) << what;
+    EXPECT_EQ(states.back().frame, 35) << what;
+    const double first_x = states[8].ellipsoid.world_from_object.translation.x(),
+                 last_x = states.back().ellipsoid.world_from_object.translation.x();
+    const double way = 2.0 * double(35 - states[8].frame) / drawn_camera().fx * 2;
+    EXPECT_NEAR(std::abs(last_x - first_x), way, 0.03) << what;  // m
+    for (const ObjectState& state : states)
+      EXPECT_TRUE(state.status == ObjectStatus::tentative || state.status == ObjectStatus::active)
+          << what << state.frame;
+  }
+}
+
 // The camera that follows itself: nothing to follow is no pose; a black frame has none, and the next ones do.
 TEST(Robustness, TheCamerasOwnWayIsLostWhereNothingIsSeenAndFoundAgain) {
   const TempFolder temp;
