@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <map>
-#include <span>
+#include <set>
 
 namespace uniquadric {
 namespace {
@@ -48,9 +48,9 @@ ObjectState object_state(const BodyState& body) {
   return state;
 }
 
-// The states of one frame's life as they are known at its end: the last shape, the whole trajectory smoothed.
+// The states of a body as they are known at the end: the last shape, the whole trajectory smoothed.
 // From here on the body's frame is the object's.
-void finish_life(std::span<BodyState> states, const TrajectorySmootherOptions& options) {
+void finish(std::vector<BodyState>& states, const TrajectorySmootherOptions& options) {
   const Shape shape = states.back().shape;
   const Matrix6d turn = turned(shape.body_from_object.rotation.inverse());
   std::vector<PoseSample> samples;
@@ -66,15 +66,6 @@ void finish_life(std::span<BodyState> states, const TrajectorySmootherOptions& o
   }
 }
 
-void finish(std::vector<BodyState>& states, const TrajectorySmootherOptions& options) {
-  for (auto begin = states.begin(); begin != states.end();) {
-    const auto end = std::find_if(
-        begin, states.end(), [&](const BodyState& state) { return state.beginning != begin->beginning; });
-    finish_life({begin, end}, options);
-    begin = end;
-  }
-}
-
 // One body through the frames, in their order.
 class BodyRun {
  public:
@@ -86,6 +77,7 @@ class BodyRun {
     Stopwatch watch(frame.frame, windows);
     const BodyObservation* body = find_body(frame, id_);
     auto state = estimator_.step(frame, body, &solutions);
+    if (body) seen_.insert(frame.frame);
     without_state_ += body && (!state || state->status == ObjectStatus::lost);
     if (state) states_.push_back(std::move(*state));
     watch.stop("windows");
@@ -98,7 +90,10 @@ class BodyRun {
   }
 
   void end(const Variant& variant, BackendResult& result) {
-    if (variant.output == Output::final) finish(states_, variant.body.trajectory);
+    if (variant.output == Output::final && !states_.empty()) {
+      forget_first_lives();
+      finish(states_, variant.body.trajectory);
+    }
     result.observations_without_state += without_state_;
     result.times.insert(result.times.end(), times_.begin(), times_.end());
     if (states_.empty()) return;
@@ -108,9 +103,21 @@ class BodyRun {
   }
 
  private:
+  // A body is begun anew where its first sights led nowhere. What they were taken for is not what it turned
+  // out to be, and nothing leads from their frame to that of the later life.
+  void forget_first_lives() {
+    const int last = states_.back().beginning;
+    std::erase_if(states_, [&](const BodyState& state) {
+      const bool goes = state.beginning != last;
+      without_state_ += goes && state.status != ObjectStatus::lost && seen_.contains(state.frame);
+      return goes;
+    });
+  }
+
   int id_;
   BodyEstimator estimator_;
   std::vector<BodyState> states_;
+  std::set<std::int64_t> seen_;  // frames that show it
   int without_state_ = 0;
   std::vector<StageTime> times_;
 };

@@ -1,0 +1,71 @@
+// What is written of a body once all of it is known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "estimator/backend.h"
+#include "synthetic_perception.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr int kGlimpse = 5;  // frames
+const Eigen::Vector3d kAxes(0.3, 0.2, 0.15);
+
+Pose moving(double t) {
+  return {exp_so3({0.2 * t, 0.1, 0.5 * t}), Eigen::Vector3d(-0.3 + 0.2 * t, 0.1 * t, 2)};
+}
+
+BackendResult result_of(const SyntheticPerception& perception, Output output) {
+  const TempFolder temp;
+  PerceptionWriter out(temp.path(), perception.camera, {});
+  std::map<std::int64_t, Pose> poses;
+  for (const PerceivedFrame& frame : perception.frames) {
+    out.add(frame);
+    poses.emplace(frame.stamp_ns, *frame.world_from_camera);
+  }
+  out.finish(poses);
+  Variant variant;
+  variant.backend = Backend::windows;
+  variant.output = output;
+  return estimate_windows(Perception(temp.path()), variant, 1);
+}
+
+// The body comes into the image: some points of an edge of it, none of which is found again, are taken for a
+// small body, which is begun anew. At the end that first one is known to have been none.
+TEST(FinalStates, FirstSightsThatLedNowhereAreNoStates) {
+  SyntheticOptions options;
+  options.world_from_camera = [](double) { return Pose(); };
+  const std::vector<SyntheticBody> bodies = {box_body(kAxes, moving)};
+  SyntheticPerception perception = synthetic_perception(bodies, options);
+  const Tracks truth = synthetic_truth(bodies, options);
+  for (int n = 0; n < kGlimpse; ++n) {
+    BodyObservation& glimpse = perception.frames[n].bodies.at(0);
+    glimpse.points = glimpse.points.leftCols(20).eval();
+    glimpse.normals = glimpse.normals.leftCols(20).eval();
+    glimpse.colors.resize(3, 0);
+    for (Feature& feature : glimpse.features) feature.track += 1'000'000 * (n + 1);
+    if (n > 0) glimpse.motion.reset();
+  }
+  const BackendResult causal = result_of(perception, Output::causal);
+  const BackendResult final = result_of(perception, Output::final);
+  ASSERT_TRUE(causal.objects.size() == 1 && final.objects.size() == 1);
+  const auto &at_its_frame = causal.objects[0].states, &at_the_end = final.objects[0].states;
+  EXPECT_EQ(std::ssize(at_its_frame) + causal.observations_without_state, std::ssize(perception.frames));
+  EXPECT_EQ(std::ssize(at_the_end) + final.observations_without_state, std::ssize(perception.frames));
+  EXPECT_LT(at_its_frame[0].frame, kGlimpse);  // what was thought at the time
+  ASSERT_GE(std::ssize(at_the_end), std::ssize(perception.frames) - kGlimpse - 1);
+  for (const ObjectState& state : at_the_end) {
+    const Ellipsoid& expected = truth.objects[0].states[state.frame].ellipsoid;
+    EXPECT_LT((state.ellipsoid.world_from_object.translation - expected.world_from_object.translation).norm(),
+              0.02)
+        << state.frame;
+    EXPECT_EQ(state.ellipsoid.semi_axes_m, at_the_end.back().ellipsoid.semi_axes_m) << state.frame;
+  }
+}
+
+}  // namespace
+}  // namespace uniquadric
