@@ -18,6 +18,7 @@ constexpr double kRimSpacings = 0.75;  // between points, that they end inside t
 constexpr double kLeastRim =
     0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
 constexpr double kEndSigma = 0.003;    // [m] of an end read off points, at best
+constexpr double kCutSigma = 1;        // radii, of an end that was cut from every view
 constexpr double kUnseenSigma = 0.05;  // radii, of an end that no camera saw
 
 // Mean distance of a view's points to their neighbours.
@@ -86,6 +87,7 @@ Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double
       const double end = reach->position_m - center;
       ends[side] = reach->views > 0 ? end : std::max(ends[side], end);
       if (reach->views > 0) sigmas[side] = kEndSigma;
+      if (reach->is_cut) sigmas[side] = kCutSigma * radius_m;
       const double seen_share = rim_share(shape, views, axis, side ? -1 : 1);
       if (reach->views == 0 && seen_share > kLeastRim)
         ends[side] = std::min(ends[side], std::max(end, (end + kRimSpacings * spacing) / seen_share));

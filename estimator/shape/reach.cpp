@@ -114,6 +114,7 @@ double mean_of_furthest(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& d
 std::optional<Reach> reach_along(const std::vector<PointView>& views, const Eigen::Vector3d& direction,
                                  const ReachOptions& options) {
   std::vector<double> all, shown;
+  bool always_cut = true;
   for (const PointView& view : views) {
     if (view.points->cols() < kLeastTop) continue;
     const Eigen::Vector3d in_camera = view.body_from_camera.rotation.conjugate() * direction;
@@ -122,11 +123,12 @@ std::optional<Reach> reach_along(const std::vector<PointView>& views, const Eige
     const double end = surface_end(view, in_camera, options).value_or(top) + camera;
     all.push_back(end);
     const double range = view.points->rowwise().mean().norm();
-    if (!is_cut(view, in_camera, options.cut_cosine) && camera - end > options.min_sine * range)
-      shown.push_back(end);
+    const bool cut = is_cut(view, in_camera, options.cut_cosine);
+    always_cut = always_cut && is_cut(view, in_camera, options.cut_off_cosine);
+    if (!cut && camera - end > options.min_sine * range) shown.push_back(end);
   }
   if (all.empty()) return std::nullopt;
-  if (shown.empty()) return Reach{quantile(all, options.least_quantile), 0};
+  if (shown.empty()) return Reach{quantile(all, options.least_quantile), 0, always_cut};
   return Reach{quantile(shown, 0.5), static_cast<int>(std::ssize(shown))};
 }
 

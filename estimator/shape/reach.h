@@ -25,7 +25,8 @@ struct PointView {
 /// How far a body reaches along a direction.
 struct Reach {
   double position_m = 0;
-  int views = 0;  ///< that show the end itself; none: the body reaches so far at least
+  int views = 0;        ///< that show the end itself; none: the body reaches so far at least
+  bool is_cut = false;  ///< on this side in every view: how much further is not known
 };
 
 /// All numbers are ours.
@@ -38,6 +39,7 @@ struct ReachOptions {
   double stray_share = 0.1;     // of all points that may lie beyond it: what the body stands on, in its mask
   double min_sine = 0.25;       // of the angle between the touching plane and the line to the camera
   double cut_cosine = 0.5;      // of the angle from a cut within which an end may be hidden: 60 degrees
+  double cut_off_cosine = 0.8;  // of that angle within which it is beyond the cut
   double least_quantile = 0.9;  // of all views where none shows the end: one view's outliers do not count
 };
 

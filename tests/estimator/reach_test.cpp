@@ -75,6 +75,18 @@ TEST(Reach, OneViewWithStrayPointsOrAPartHiddenDoesNotMoveTheEnd) {
   EXPECT_GE(reach->views, 2);
 }
 
+TEST(Reach, SaysWhenEveryViewIsCutOnThatSide) {
+  Scene scene = views_from({camera_at(1, 0.5, 1.5), camera_at(1.2, -0.5, 1.4)});
+  const Eigen::Vector3d far_side = -Eigen::Vector3d::UnitX();
+  EXPECT_FALSE(reach_along(scene.views, far_side)->is_cut);
+  for (PointView& view : scene.views) {
+    EXPECT_FALSE(reach_along(scene.views, far_side)->is_cut);  // the other one would have seen more
+    view.cut.push_back((view.body_from_camera.rotation.conjugate() * far_side).head<2>().normalized());
+  }
+  EXPECT_TRUE(reach_along(scene.views, far_side)->is_cut);
+  EXPECT_FALSE(reach_along(scene.views, Eigen::Vector3d::UnitZ())->is_cut);
+}
+
 // The upper half of a ball, or the upper and a side face of a cube, with noise along the normals.
 TEST(Reach, NoiseOfAFaceOrABallDoesNotPushTheEndOut) {
   for (const bool ball : {false, true}) {
