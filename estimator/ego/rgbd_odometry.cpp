@@ -28,6 +28,14 @@ struct FramePose {
   std::vector<Feature> features;
 };
 
+std::vector<PointSighting> sightings_of(const EgoMap& map, const std::vector<Feature>& features) {
+  std::vector<PointSighting> sightings;
+  for (const Feature& f : features)
+    if (const auto point = map.points.find(f.track); point != map.points.end())
+      sightings.push_back({point->second.position, f.pixel, f.depth_m, f.depth_sigma_m});
+  return sightings;
+}
+
 }  // namespace
 
 struct RgbdOdometry::State {
@@ -40,34 +48,25 @@ struct RgbdOdometry::State {
   std::optional<Eigen::Vector3d> up;      // in the map's world, the first camera
   int frames_seen = 0;
 
-  std::vector<PointSighting> sightings_of(const std::vector<Feature>& features) const;
-  std::optional<RigidMotion> locate(const std::vector<Feature>& features, const std::optional<Pose>& prior,
-                                    std::int64_t frame) const;
+  std::optional<RigidMotion> locate(const EgoMap& by, const std::vector<Feature>& features,
+                                    const std::optional<Pose>& prior, std::int64_t frame) const;
   bool wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const;
   void insert_keyframe(std::int64_t frame, const std::vector<Feature>& features);
   void look_for_floor(const cv::Mat& depth, const cv::Mat& masks, std::int64_t frame);
   Pose world_from_map() const { return upright_world_from_camera(up.value_or(-Eigen::Vector3d::UnitY())); }
 };
 
-std::vector<PointSighting> RgbdOdometry::State::sightings_of(const std::vector<Feature>& features) const {
-  std::vector<PointSighting> sightings;
-  for (const Feature& f : features)
-    if (const auto point = map.points.find(f.track); point != map.points.end())
-      sightings.push_back({point->second.position, f.pixel, f.depth_m, f.depth_sigma_m});
-  return sightings;
-}
-
-std::optional<RigidMotion> RgbdOdometry::State::locate(const std::vector<Feature>& features,
+std::optional<RigidMotion> RgbdOdometry::State::locate(const EgoMap& by, const std::vector<Feature>& features,
                                                        const std::optional<Pose>& prior,
                                                        std::int64_t frame) const {
   RandomStream random(seed, "ego", frame);
-  return fit_rigid_motion(sightings_of(features), camera, prior, options.pose, random);
+  return fit_rigid_motion(sightings_of(by, features), camera, prior, options.pose, random);
 }
 
 bool RgbdOdometry::State::wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const {
   const Keyframe& last = map.keyframes.back();
   if (frame - last.frame >= options.keyframe_max_gap) return true;
-  const auto seen = std::ssize(sightings_of(features));
+  const auto seen = std::ssize(sightings_of(map, features));
   if (static_cast<double>(seen) < options.keyframe_min_share * static_cast<double>(features.size()))
     return true;
   const Pose moved = *camera_from_world * last.camera_from_world.inverse();
@@ -119,7 +118,7 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
   } else {
     std::optional<Pose> prior = s.camera_from_world;
     if (prior && features.background_motion) prior = *features.background_motion * *prior;
-    const auto fit = s.locate(seen, prior, frame.frame);
+    const auto fit = s.locate(s.map, seen, prior, frame.frame);
     s.camera_from_world.reset();
     if (!fit) return;
     s.camera_from_world = fit->camera_from_body;
@@ -137,19 +136,20 @@ std::optional<Pose> RgbdOdometry::pose() const {
 }
 
 Trajectory RgbdOdometry::trajectory() const {
-  State s = *state_;
+  const State& s = *state_;
+  EgoMap map = s.map;
   if (s.options.final_adjustment) {
-    std::vector<int> all(s.map.keyframes.size());
+    std::vector<int> all(map.keyframes.size());
     std::iota(all.begin(), all.end(), 0);
     BundleOptions bundle = s.options.bundle;
     bundle.iterations = s.options.final_iterations;
-    adjust_bundle(s.map, s.camera, all, bundle);
+    adjust_bundle(map, s.camera, all, bundle);
   }
   Trajectory trajectory;
   for (const FramePose& frame : s.frames) {
-    const Pose expected = frame.camera_from_keyframe * s.map.keyframes[frame.keyframe].camera_from_world;
-    const bool is_keyframe = s.map.keyframes[frame.keyframe].frame == frame.frame;
-    const auto fit = is_keyframe ? std::nullopt : s.locate(frame.features, expected, frame.frame);
+    const Pose expected = frame.camera_from_keyframe * map.keyframes[frame.keyframe].camera_from_world;
+    const bool is_keyframe = map.keyframes[frame.keyframe].frame == frame.frame;
+    const auto fit = is_keyframe ? std::nullopt : s.locate(map, frame.features, expected, frame.frame);
     Pose pose = s.world_from_map() * (fit ? fit->camera_from_body : expected).inverse();
     pose.rotation.normalize();
     trajectory.push_back({frame.stamp_ns, pose});
