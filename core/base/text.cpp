@@ -80,6 +80,7 @@ bool is_plain_name(std::string_view text) {
 
 std::vector<std::string_view> split(std::string_view line, char separator) {
   std::vector<std::string_view> fields;
+  fields.reserve(8);
   std::size_t begin = 0;
   const auto is_separator = [&](char c) { return separator == ' ' ? is_blank(c) : c == separator; };
   for (std::size_t i = 0; i <= line.size(); ++i) {
