@@ -15,7 +15,6 @@
 
 #include "benchmarks/ego_pairs.h"
 #include "benchmarks/exact_depth.h"
-#include "benchmarks/surface_distance.h"
 #include "benchmarks/undistortion_svg.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -26,7 +25,9 @@
 #include "estimator/perception/lidar_depth.h"
 #include "estimator/perception/lidar_stream.h"
 #include "estimator/variant.h"
+#include "evaluation/metrics/surface_distance.h"
 #include "simulator/render/renderer.h"
+#include "simulator/scene/mesh_building.h"
 #include "simulator/scene/scene.h"
 
 namespace uniquadric {
@@ -67,6 +68,12 @@ std::map<int, std::size_t> objects_of(const Scene& scene, const cv::Mat& masks, 
       if (scene.objects[i].id == id) result[label] = i;
   }
   return result;
+}
+
+SurfaceDistance surface_of(const Body& body) {
+  Mesh whole;
+  for (const Mesh& mesh : body.meshes) merge(whole, mesh);
+  return {std::move(whole.positions), std::move(whole.triangles)};
 }
 
 // The static world's returns of the last scan, by how they are brought to one time.
@@ -110,8 +117,8 @@ struct Run {
         variant(load_variant(variant_file)),
         sequence(on_camera_clock(open_sequence(data / "sequence"), variant.perception.lidar_time_offset_ns)),
         figures(scene.objects.size()) {
-    for (const Body& body : scene.objects) surfaces.emplace_back(body.meshes);
-    for (const Body& body : scene.world) world.emplace_back(body.meshes);
+    for (const Body& body : scene.objects) surfaces.push_back(surface_of(body));
+    for (const Body& body : scene.world) world.push_back(surface_of(body));
     const auto path = [this](std::int64_t ns) { return lidar.odometry().world_from_camera(ns); };
     LidarDepthOptions options = variant.perception.lidar_depth;
     for (std::size_t way = 0; way < kWays.size(); ++way) {

@@ -32,4 +32,13 @@ std::optional<Statistics> statistics(const std::vector<double>& values) {
   return result;
 }
 
+double quantile(std::vector<double> values, double q) {
+  assert(!values.empty() && q >= 0 && q <= 1);
+  std::sort(values.begin(), values.end());
+  const double at = q * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return std::lerp(values[below], values[above], at - static_cast<double>(below));
+}
+
 }  // namespace uniquadric

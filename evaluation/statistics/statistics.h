@@ -16,4 +16,8 @@ struct Statistics {
 /// Nothing when there are no values. Values must be finite.
 std::optional<Statistics> statistics(const std::vector<double>& values);
 
+/// The value that a share `q` in [0, 1] of the values is below, linear between two of them (R's type 7).
+/// Needs a value.
+double quantile(std::vector<double> values, double q);
+
 }  // namespace uniquadric

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "core/base/files.h"
+#include "core/sequence/pcd.h"
 #include "core/sequence/sequence.h"
 #include "tests/harness/program.h"
 #include "tests/support/temp_folder.h"
@@ -50,12 +51,30 @@ class Cli : public testing::Test {
 };
 
 TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
-  for (const std::string command :
-       {"simulate", "preview", "estimate", "evaluate", "bench", "report", "overlay", "info", "metric",
-        "trajectory", "compare", "import", "import tum", "import kitti-tracking", "import omd",
-        "import euroc", "export", "perceive"}) {
+  for (const std::string command : {"simulate",
+                                    "preview",
+                                    "estimate",
+                                    "evaluate",
+                                    "bench",
+                                    "report",
+                                    "overlay",
+                                    "info",
+                                    "metric",
+                                    "metric map",
+                                    "metric depth",
+                                    "metric surface",
+                                    "trajectory",
+                                    "compare",
+                                    "import",
+                                    "import tum",
+                                    "import kitti-tracking",
+                                    "import omd",
+                                    "import euroc",
+                                    "export",
+                                    "perceive"}) {
     std::vector<std::string> arguments{command, "--help"};
-    if (command.starts_with("import ")) arguments = {"import", command.substr(7), "--help"};
+    if (const std::size_t blank = command.find(' '); blank != command.npos)
+      arguments = {command.substr(0, blank), command.substr(blank + 1), "--help"};
     const ProgramRun run = run_program(arguments);
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 40) << command;
@@ -360,6 +379,36 @@ TEST_F(Cli, MetricAnswersLineByLine) {
   EXPECT_NE(run.out.find(R"("iou":1.0)"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find(R"("error")"), std::string::npos);
   EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 2);
+}
+
+TEST_F(Cli, MetricsOfFilesArePrintedAndAsJson) {
+  write("plate.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+  PcdFile points{{{"x"}, {"y"}, {"z"}}, 2, {}, {}};
+  for (const float v : {0.5f, 0.f, 3.25f, 0.f, 0.f, 2.75f}) points.put(v);
+  write_pcd(folder() / "points.pcd", points);
+  const std::vector<std::string> call = {"metric", "surface", folder() / "points.pcd",
+                                         folder() / "plate.obj"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), call.begin(), call.end());
+    return more;
+  };
+  const ProgramRun run = run_program(
+      with({"--pose", "0", "-0.5", "3", "0", "0", "0.70710678118654757", "-0.70710678118654757", "--json"}));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find(R"("rmse_m": 0.25)"), std::string::npos) << run.out;
+  const ProgramRun text = run_program(with({"--within", "3"}));
+  EXPECT_NE(text.out.find("share_within                         0.5\n"), std::string::npos) << text.out;
+  expect_refusal(with({"--pose", "0", "0", "3", "0", "0", "0", "2"}), "--pose: expected");
+  write("far.obj", "v -1e12 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n");
+  expect_refusal({"metric", "surface", folder() / "points.pcd", folder() / "far.obj"},
+                 "far.obj: reaches beyond");
+
+  expect_refusal({"metric"}, "is none of");
+  expect_refusal({"metric", "maps"}, "'maps' is none of iou3d, iou2d, project, pose, map, depth, surface");
+  expect_refusal({"metric", "iou3d", "map", "a.bt", "b.bt"}, "map");
+  expect_refusal({"metric", "map", folder() / "a.bt", folder() / "b.bt"}, "a.bt: cannot be read");
+  expect_refusal({"metric", "depth", "a.png", "a.png", "--scale", "0"}, "--scale: expected more than 0");
+  expect_refusal({"metric", "depth", "a.png", "a.png", "--id", "3"}, "--id requires --masks");
 }
 
 }  // namespace

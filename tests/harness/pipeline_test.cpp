@@ -61,6 +61,11 @@ TEST_F(Pipeline, TruthAgainstItselfIsPerfect) {
     EXPECT_EQ(object["iou2d"]["min"], 1.0);
     EXPECT_EQ(object["coverage"], 1.0);
   }
+  const ProgramRun map = run_program({"metric", "map", truth / "map.bt", truth / "map.bt", "--json"});
+  ASSERT_EQ(map.exit_code, 0) << map.err;
+  const json figures = json::parse(map.out);
+  for (const char* figure : {"precision", "recall", "iou", "completeness"}) EXPECT_EQ(figures[figure], 1.0);
+  EXPECT_GT(figures["true_occupied_voxels"], 100);
 }
 
 TEST_F(Pipeline, EstimateNeedsNoTruth) {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "evaluation/metrics/figures.h"
+
+namespace uniquadric {
+
+struct DepthOptions {
+  double units_per_m = 5000;          ///< value of a pixel at 1 m: `depth` of sequence.yaml
+  std::filesystem::path masks{};      ///< of ids: a file, or a folder as the images' are; empty: all pixels
+  std::optional<std::uint16_t> id{};  ///< whose pixels count, with `masks`
+};
+
+struct DepthComparison {
+  std::uint64_t images = 0, missing_images = 0;  ///< missing: of the estimate; counted as no measurement
+  std::uint64_t true_pixels = 0, compared_pixels = 0;  ///< that have a true depth; and an estimate
+  /// Of compared pixels, nothing of none. Difference e - t of estimate and truth:
+  std::optional<double> rmse_m, median_m;        ///< of |e - t|
+  std::optional<double> relative_error;          ///< mean of |e - t| / t
+  std::optional<double> share_within_a_quarter;  ///< in which max(e / t, t / e) < 1.25 (delta_1)
+};
+
+/// Compares two depth images, or the images of a folder with those of the same names in another (16-bit PNG;
+/// 0 and 65535 are no measurement). Throws InputError naming the file for what is no such image, sizes that
+/// differ, a folder against a file, no name in common, and no true depth at all, or none under the id.
+DepthComparison compare_depth(const std::filesystem::path& truth, const std::filesystem::path& estimate,
+                              const DepthOptions& options);
+
+Figures figures(const DepthComparison& comparison);
+
+}  // namespace uniquadric

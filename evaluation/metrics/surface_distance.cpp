@@ -1,0 +1,97 @@
+#include "evaluation/metrics/surface_distance.h"
+
+#include <embree3/rtcore.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace uniquadric {
+
+struct SurfaceDistance::State {
+  std::vector<Eigen::Vector3f> corners;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  RTCDevice device = rtcNewDevice(nullptr);
+  RTCScene scene = rtcNewScene(device);
+  ~State() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+};
+
+namespace {
+
+// The nearest point lies inside the triangle, or on one of its sides.
+double to_triangle_m(const Eigen::Vector3d& p, const std::array<Eigen::Vector3d, 3>& corners) {
+  const Eigen::Vector3d across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+  bool inside = across.squaredNorm() > 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d from = corners[i], side = corners[(i + 1) % 3] - from;
+    const double share = std::clamp(side.dot(p - from) / std::max(side.squaredNorm(), 1e-300), 0.0, 1.0);
+    nearest = std::min(nearest, (p - from - share * side).norm());
+    inside = inside && across.dot(side.cross(p - from)) >= 0;
+  }
+  return inside ? std::abs(across.normalized().dot(p - corners[0])) : nearest;
+}
+
+struct Query {
+  const std::vector<Eigen::Vector3f>& corners;
+  const std::vector<std::array<std::uint32_t, 3>>& triangles;
+  Eigen::Vector3d point;
+  double nearest_m;
+};
+
+// Radius of a query about the rounded point within which every triangle lies that is no farther off than
+// this.
+float reach(const Eigen::Vector3d& point, double distance_m) {
+  constexpr double kRounding = 1e-6;  // ours: some last places of a float
+  return static_cast<float>(distance_m + kRounding * (distance_m + point.cwiseAbs().maxCoeff()));
+}
+
+bool look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
+  Query& query = *static_cast<Query*>(arguments->userPtr);
+  std::array<Eigen::Vector3d, 3> corners;
+  for (int i = 0; i < 3; ++i)
+    corners[i] = query.corners[query.triangles[arguments->primID][i]].cast<double>();
+  const double distance_m = to_triangle_m(query.point, corners);
+  if (distance_m >= query.nearest_m) return false;
+  query.nearest_m = distance_m;
+  const float radius = reach(query.point, distance_m);
+  if (radius >= arguments->query->radius) return false;
+  arguments->query->radius = radius;
+  return true;
+}
+
+}  // namespace
+
+SurfaceDistance::SurfaceDistance(std::vector<Eigen::Vector3f> corners,
+                                 std::vector<std::array<std::uint32_t, 3>> triangles) {
+  auto state = std::make_shared<State>();
+  state->corners = std::move(corners);
+  state->triangles = std::move(triangles);
+  RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                               RTC_FORMAT_FLOAT3, 12, state->corners.size()));
+  for (const Eigen::Vector3f& v : state->corners) vertices = std::copy_n(v.data(), 3, vertices);
+  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, state->triangles.size()));
+  for (const auto& triangle : state->triangles) indices = std::copy_n(triangle.data(), 3, indices);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(state->scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(state->scene);
+  state_ = std::move(state);
+}
+
+double SurfaceDistance::at(const Eigen::Vector3d& point, double most_m) const {
+  Query query{state_->corners, state_->triangles, point, most_m};
+  const Eigen::Vector3f p = point.cast<float>();
+  RTCPointQuery around{p.x(), p.y(), p.z(), 0, reach(point, most_m)};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(state_->scene, &around, &context, look_at_triangle, &query);
+  return query.nearest_m;
+}
+
+}  // namespace uniquadric

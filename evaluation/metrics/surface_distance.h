@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace uniquadric {
+
+/// How far points lie off the triangles of a body, by Embree's point query; the distance itself in double
+/// precision.
+class SurfaceDistance {
+ public:
+  /// Corners in the body's frame [m], finite; triangles of indices into them.
+  SurfaceDistance(std::vector<Eigen::Vector3f> corners, std::vector<std::array<std::uint32_t, 3>> triangles);
+  /// Distance [m] of a point in the body's frame to the nearest triangle; `most_m` where none is nearer.
+  double at(const Eigen::Vector3d& point, double most_m = std::numeric_limits<double>::infinity()) const;
+
+ private:
+  struct State;
+  std::shared_ptr<const State> state_;
+};
+
+}  // namespace uniquadric

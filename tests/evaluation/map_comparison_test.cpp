@@ -1,0 +1,193 @@
+#include "evaluation/metrics/map_comparison.h"
+
+#include <gtest/gtest.h>
+#include <octomap/OcTree.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/random.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+using nlohmann::json;
+using Index = std::array<int, 3>;
+
+class MapMetric : public testing::Test {
+ protected:
+  // An octree of cells named by their indices: the cell 0 reaches from the origin to one edge.
+  std::string write(const std::string& name, const std::vector<Index>& occupied,
+                    const std::vector<Index>& free, double resolution_m = 0.1) {
+    octomap::OcTree tree(resolution_m);
+    const auto set = [&](const Index& cell, bool value) {
+      const auto middle = [&](int i) { return static_cast<float>((i + 0.5) * resolution_m); };
+      tree.setNodeValue(octomap::point3d(middle(cell[0]), middle(cell[1]), middle(cell[2])),
+                        value ? 3.f : -2.f);
+    };
+    for (const Index& cell : free) set(cell, false);
+    for (const Index& cell : occupied) set(cell, true);
+    std::ostringstream bytes;
+    tree.toMaxLikelihood();
+    tree.prune();
+    bytes << "# Octomap OcTree binary file\nid OcTree\nsize " << tree.size() << "\nres " << resolution_m
+          << "\ndata\n";
+    tree.writeBinaryData(bytes);
+    return write_bytes(name, bytes.str());
+  }
+  std::string write_bytes(const std::string& name, const std::string& bytes) {
+    write_text(temp_.path() / name, bytes);
+    return temp_.path() / name;
+  }
+  static json compare(const std::string& truth, const std::string& estimate, const MapOptions& options = {}) {
+    return json::parse(figures_json(figures(compare_maps(truth, estimate, options))));
+  }
+  static std::string refusal(const std::string& truth, const std::string& estimate,
+                             const MapOptions& options = {}) {
+    return input_error([&] { compare_maps(truth, estimate, options); });
+  }
+
+  TempFolder temp_;
+};
+
+// A filled block of cells.
+std::vector<Index> block(const Index& low, const Index& high) {
+  std::vector<Index> cells;
+  for (int x = low[0]; x < high[0]; ++x)
+    for (int y = low[1]; y < high[1]; ++y)
+      for (int z = low[2]; z < high[2]; ++z) cells.push_back({x, y, z});
+  return cells;
+}
+
+}  // namespace
+
+TEST_F(MapMetric, CountsTwoMapsMadeByHand) {
+  // Of four true surface cells one is found, one is found a cell off, one is free, one unknown and far.
+  const std::string truth = write("true.bt", {{0, 0, 0}, {10, 0, 0}, {20, 0, 0}, {30, 0, 0}},
+                                  {{0, 0, 1}, {11, 1, 1}, {40, 0, 0}, {41, 0, 0}});
+  const std::string estimate =
+      write("estimate.bt", {{0, 0, 0}, {11, 1, 1}, {40, 0, 0}, {99, 0, 0}}, {{20, 0, 0}, {0, 0, 1}});
+  const json found = compare(truth, estimate);
+  EXPECT_EQ(found["resolution_m"], 0.1);
+  EXPECT_EQ(found["true_unknown_is"], "ignored");
+  EXPECT_EQ(found["true_known_voxels"], 8);
+  EXPECT_EQ(found["true_occupied_voxels"], 4);
+  EXPECT_EQ(found["estimate_occupied_voxels"], 3);  // the one at 99 is where the truth knows nothing
+  EXPECT_EQ(found["precision"], 1 / 3.);
+  EXPECT_EQ(found["recall"], 0.25);
+  EXPECT_EQ(found["iou"], 1 / 6.);
+  EXPECT_EQ(found["unknown_share"], 3 / 8.);  // 10, 30 and 41
+  EXPECT_EQ(found["completeness"], 0.5);      // 0 and, over the corner, 10
+  MapOptions closed;
+  closed.unknown_is_free = true;
+  EXPECT_EQ(compare(truth, estimate, closed)["precision"], 0.25);
+  EXPECT_EQ(compare(truth, estimate, closed)["iou"], 1 / 7.);
+}
+
+TEST_F(MapMetric, WhatATrueMapOfSurfacesAloneDoesNotListIsFree) {
+  const std::string truth = write("true.bt", {{0, 0, 0}, {1, 0, 0}}, {});
+  const std::string estimate = write("estimate.bt", {{0, 0, 0}, {50, 0, 0}, {51, 0, 0}}, {});
+  const json found = compare(truth, estimate);
+  EXPECT_EQ(found["true_unknown_is"], "free");
+  EXPECT_EQ(found["precision"], 1 / 3.);
+  EXPECT_EQ(found["unknown_share"], 0.5);
+  MapOptions open;
+  open.unknown_is_free = false;
+  EXPECT_EQ(compare(truth, estimate, open)["precision"], 1);
+}
+
+TEST_F(MapMetric, IdentityIsPerfectAndExchangeSwapsPrecisionAndRecall) {
+  // The same known space on both sides, occupied at random, pruned where eight are alike.
+  RandomStream random(7, "map", 0, 0);
+  const auto make = [&](const char* name, double share) {
+    std::vector<Index> occupied = block({-4, -4, -4}, {0, 0, 0}), free;
+    for (const Index& cell : block({0, -4, -4}, {8, 4, 4}))
+      (random.uniform() < share ? occupied : free).push_back(cell);
+    return write(name, occupied, free);
+  };
+  const std::string a = make("a.bt", 0.3), b = make("b.bt", 0.5);
+  for (const char* key : {"precision", "recall", "iou", "completeness"})
+    EXPECT_EQ(compare(a, a)[key], 1) << key;
+  EXPECT_EQ(compare(a, a)["unknown_share"], 0);
+  EXPECT_EQ(compare(a, a)["true_known_voxels"], 64 + 512);
+  const json there = compare(a, b), back = compare(b, a);
+  EXPECT_EQ(there["precision"], back["recall"]);
+  EXPECT_EQ(there["recall"], back["precision"]);
+  EXPECT_EQ(there["iou"], back["iou"]);
+  EXPECT_LT(there["iou"], 0.6);
+  EXPECT_NE(there["precision"], there["recall"]);
+}
+
+TEST_F(MapMetric, ComparesAtTheCoarserResolutionOrTheOneAskedFor) {
+  // Cells of 0.05 m on both sides of the origin: 2 x 2 x 2 of them are one of 0.1 m.
+  const std::string fine =
+      write("fine.bt", {{0, 0, 0}, {1, 1, 1}, {-1, -1, -1}, {6, 0, 0}}, {{4, 0, 0}}, 0.05);
+  const std::string coarse = write("coarse.bt", {{0, 0, 0}, {-1, -1, -1}}, {{2, 0, 0}, {3, 0, 0}}, 0.1);
+  const json found = compare(fine, coarse);
+  EXPECT_EQ(found["resolution_m"], 0.1);
+  EXPECT_EQ(found["true_occupied_voxels"], 3);
+  EXPECT_EQ(found["true_known_voxels"], 4);
+  EXPECT_EQ(found["recall"], 2 / 3.);
+  EXPECT_EQ(found["precision"], 1);
+  EXPECT_EQ(compare(coarse, fine)["precision"], 2 / 3.);
+  MapOptions coarser;
+  coarser.resolution_m = 0.4;
+  EXPECT_EQ(compare(fine, coarse, coarser)["true_occupied_voxels"], 2);
+  EXPECT_EQ(compare(fine, coarse, coarser)["iou"], 1);
+  for (const double none : {0., -0.1, 0.3, 1e9}) {
+    MapOptions bad;
+    bad.resolution_m = none;
+    EXPECT_NE(refusal(fine, coarse, bad).find("fine.bt: its cells of 0.05 m"), std::string::npos) << none;
+  }
+  MapOptions finer;
+  finer.resolution_m = 0.05;
+  EXPECT_NE(refusal(fine, coarse, finer).find("coarse.bt: its cells of 0.1 m"), std::string::npos);
+  EXPECT_NE(refusal(fine, write("odd.bt", {{0, 0, 0}}, {}, 0.15)).find("no voxels of 0.15 m"),
+            std::string::npos);
+}
+
+TEST_F(MapMetric, WideOpenSpaceIsCountedWithoutBeingWalkedThrough) {
+  // By its bits: far off an occupied cell, below the origin's octant 0; at the origin a free block of 2^12
+  // cells an edge, four levels down octant 7. 3: goes on, 2: occupied, 1: free.
+  std::string nodes = "\3\xc0";
+  for (int level = 1; level < 15; ++level) nodes += std::string("\3\0", 2);
+  nodes += std::string("\2\0\3\0\3\0\1\0", 8);
+  const std::string wide =
+      write_bytes("wide.bt", "# Octomap OcTree binary file\nid OcTree\nsize 21\nres 0.1\ndata\n" + nodes);
+  const std::string small = write("small.bt", {{0, 0, 0}}, {{1, 0, 0}});
+  const json found = compare(wide, small);
+  EXPECT_EQ(found["true_known_voxels"], (1ull << 36) + 1);
+  EXPECT_EQ(found["precision"], 0);
+  EXPECT_EQ(found["unknown_share"], ((1ull << 36) - 1) / static_cast<double>((1ull << 36) + 1));
+}
+
+TEST_F(MapMetric, RefusesWhatIsNoMap) {
+  const std::string good = write("good.bt", {{0, 0, 0}}, {{1, 0, 0}}), bytes = read_text(good);
+  const auto refused = [&](const std::string& content, const std::string& what) {
+    const std::string message = refusal(good, write_bytes("bad.bt", content));
+    EXPECT_NE(message.find("bad.bt"), std::string::npos) << message;
+    EXPECT_NE(message.find(what), std::string::npos) << message;
+  };
+  const std::string head = "# Octomap OcTree binary file\n";
+  refused("", ":1: expected '# Octomap");
+  refused("ply\n", ":1: expected '# Octomap");
+  refused(head + "id ColorOcTree\n", ":2: id: 'ColorOcTree' is not OcTree");
+  refused(head + "id OcTree\nsize 1\nres nan\n", ":4: res: expected a number");
+  refused(head + "res 0.1\nsize -1\n", ":3: size: expected a count");
+  refused(head + "size 1\nrest 0.1\n", ":3: 'rest' is none of");
+  refused(head + "id OcTree\nsize 1\nres 0.1\n", "the header has no data");
+  refused(head + "id OcTree\nsize 1\ndata\nxx", "the header has no res");
+  refused(head + "id OcTree\nsize 0\nres 0.1\ndata\n", "has no voxels");
+  refused(bytes.substr(0, bytes.size() - 1), "is cut short");
+  refused(bytes + "x", "1 bytes after the tree");
+  refused(head + "size 9\nres 0.1\ndata\n" + std::string(2, '\0'),
+          "byte 0 of the data: a node without children");
+  refused(head + "size 9\nres 0.1\ndata\n" + std::string(1'000'000, '\3'), "has more than 16 levels");
+  EXPECT_NE(refusal(write("free.bt", {}, {{0, 0, 0}}), good).find("free.bt: has no occupied voxel"),
+            std::string::npos);
+}
+
+}  // namespace uniquadric
