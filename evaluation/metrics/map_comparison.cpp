@@ -14,7 +14,7 @@ namespace uniquadric {
 namespace {
 
 constexpr int kLevels = 16;  // of an OcTree below its root, which is centred at the world's origin
-constexpr std::uint64_t kMostMissed = 30'000'000;  // ours: a minute of looking at neighbours
+constexpr std::uint64_t kMostMissed = 30'000'000;  // ours: half a minute of looking at neighbours
 constexpr double kPowerTolerance = 1e-6;           // of log2: edges are written with six digits at least
 
 enum class Cell { unknown, free, occupied, mixed };
@@ -57,6 +57,7 @@ int level_of_voxels(const std::filesystem::path& path, const octomap::OcTree& tr
 
 // Down both trees at once, as far as one of them goes on.
 struct Walk {
+  const std::filesystem::path& file;  // the estimate's
   Map truth, estimate;
   MapComparison result;
   std::uint64_t missed = 0;
@@ -82,8 +83,7 @@ struct Walk {
     const std::uint64_t count = std::uint64_t(1) << 3 * cube.level;
     result.voxels[static_cast<std::size_t>(t)][static_cast<std::size_t>(e)] += count;
     if (is_missed && ++missed > kMostMissed)
-      throw InputError(
-          fmt::format("the estimate misses more than {} occupied voxels: compare coarser ones", kMostMissed));
+      throw InputError(fmt::format("misses more than {} occupied voxels: compare coarser ones", kMostMissed));
     if (t == Cell::occupied && (!is_missed || is_near(cube))) result.complete += count;
   }
 };
@@ -93,7 +93,7 @@ struct Walk {
 MapComparison compare_maps(const std::filesystem::path& truth, const std::filesystem::path& estimate,
                            const MapOptions& options) {
   const auto true_tree = read_octree(truth), tree = read_octree(estimate);
-  Walk walk;
+  Walk walk{estimate, {}, {}, {}};
   walk.result.resolution_m =
       options.resolution_m.value_or(std::max(true_tree->getResolution(), tree->getResolution()));
   walk.truth = {true_tree, level_of_voxels(truth, *true_tree, walk.result.resolution_m)};

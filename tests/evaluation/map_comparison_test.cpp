@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "core/base/error.h"
@@ -147,6 +150,56 @@ TEST_F(MapMetric, ComparesAtTheCoarserResolutionOrTheOneAskedFor) {
   EXPECT_NE(refusal(fine, coarse, finer).find("coarse.bt: its cells of 0.1 m"), std::string::npos);
   EXPECT_NE(refusal(fine, write("odd.bt", {{0, 0, 0}}, {}, 0.15)).find("no voxels of 0.15 m"),
             std::string::npos);
+}
+
+// A map as sets of voxels, `ratio` cells an edge.
+struct Sets {
+  std::set<Index> occupied, known;
+
+  Sets(const std::vector<Index>& occupied_cells, const std::vector<Index>& free_cells, int ratio) {
+    const auto voxel = [&](const Index& cell) {
+      Index index;
+      for (std::size_t k = 0; k < 3; ++k) index[k] = static_cast<int>(std::floor(cell[k] / double(ratio)));
+      return index;
+    };
+    for (const Index& cell : occupied_cells) occupied.insert(voxel(cell)), known.insert(voxel(cell));
+    for (const Index& cell : free_cells) known.insert(voxel(cell));
+  }
+};
+
+TEST_F(MapMetric, AgreesWithSetsOfVoxels) {
+  RandomStream random(11, "map", 0, 0);
+  const auto fill = [&](int reach, std::vector<Index>& occupied, std::vector<Index>& free) {
+    for (const Index& cell : block({-reach, -reach, -reach}, {reach, reach, reach}))
+      if (const double u = random.uniform(); u < 0.4) (u < 0.04 ? occupied : free).push_back(cell);
+    for (const Index& cell : block({-reach, 0, 0}, {0, reach / 2, reach / 2})) occupied.push_back(cell);
+  };
+  std::vector<Index> true_occupied, true_free, occupied, free;
+  fill(12, true_occupied, true_free);
+  fill(7, occupied, free);
+  const json found =
+      compare(write("true.bt", true_occupied, true_free, 0.05), write("est.bt", occupied, free, 0.1));
+  const Sets truth(true_occupied, true_free, 2), estimate(occupied, free, 1);
+  double both = 0, wrong = 0, unknown = 0, complete = 0;
+  for (const Index& v : estimate.occupied) {
+    both += truth.occupied.contains(v);
+    wrong += truth.known.contains(v) && !truth.occupied.contains(v);
+  }
+  for (const Index& v : truth.known) unknown += !estimate.known.contains(v);
+  for (const Index& v : truth.occupied)
+    complete += std::any_of(estimate.occupied.begin(), estimate.occupied.end(), [&](const Index& e) {
+      return std::abs(e[0] - v[0]) <= 1 && std::abs(e[1] - v[1]) <= 1 && std::abs(e[2] - v[2]) <= 1;
+    });
+  const auto true_size = static_cast<double>(truth.occupied.size());
+  EXPECT_EQ(found["true_known_voxels"], truth.known.size());
+  EXPECT_EQ(found["true_occupied_voxels"], true_size);
+  EXPECT_EQ(found["precision"], both / (both + wrong));
+  EXPECT_EQ(found["recall"], both / true_size);
+  EXPECT_EQ(found["iou"], both / (true_size + wrong));
+  EXPECT_EQ(found["unknown_share"], unknown / static_cast<double>(truth.known.size()));
+  EXPECT_EQ(found["completeness"], complete / true_size);
+  EXPECT_LT(both, complete);
+  EXPECT_LT(complete, true_size);
 }
 
 TEST_F(MapMetric, WideOpenSpaceIsCountedWithoutBeingWalkedThrough) {
