@@ -14,7 +14,7 @@ namespace uniquadric {
 namespace {
 
 constexpr int kLevels = 16;  // of an OcTree below its root, which is centred at the world's origin
-constexpr std::uint64_t kMostMissed = 30'000'000;  // ours: half a minute of looking at neighbours
+constexpr std::uint64_t kMostMissed = 30'000'000;  // ours: 20 s of looking at neighbours
 constexpr double kPowerTolerance = 1e-6;           // of log2: edges are written with six digits at least
 
 enum class Cell { unknown, free, occupied, mixed };
@@ -83,7 +83,8 @@ struct Walk {
     const std::uint64_t count = std::uint64_t(1) << 3 * cube.level;
     result.voxels[static_cast<std::size_t>(t)][static_cast<std::size_t>(e)] += count;
     if (is_missed && ++missed > kMostMissed)
-      throw InputError(fmt::format("misses more than {} occupied voxels: compare coarser ones", kMostMissed));
+      throw InputError(file,
+                       fmt::format("misses more than {} occupied voxels: compare coarser ones", kMostMissed));
     if (t == Cell::occupied && (!is_missed || is_near(cube))) result.complete += count;
   }
 };
