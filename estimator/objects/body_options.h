@@ -68,7 +68,7 @@ void visit(Io& io, ShortWindowOptions& o) {
   io.number("keyframes", o.keyframes, 3, 100);
   io.positive("keyframe_turn_deg", o.keyframe_turn_deg);
   io.number("keyframe_share", o.keyframe_share, 0.0, 1.0);
-  io.positive("keyframe_gap_s", o.keyframe_gap_s);
+  io.number("keyframe_gap_s", o.keyframe_gap_s, 1e-3, 1e6);
   io.flag("motion_model", o.motion_model);
   io.positive("acceleration_noise", o.motion_noise.acceleration);
   io.positive("angular_acceleration_noise", o.motion_noise.angular_acceleration);

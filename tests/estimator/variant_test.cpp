@@ -109,6 +109,8 @@ TEST(VariantFile, BadFilesAreRefusedByLine) {
       {"schema: 1\nshape: {cloud: {voxel_m: 0}}\n", ":2: shape.cloud.voxel_m: expected 0.0001 to 1, found 0"},
       {"schema: 1\nshape: {surface_cloud: {min_hits: 0}}\n", "min_hits: expected 1 to 1000, found 0"},
       {"schema: 1\nshape: {axis_fusion: {literal_alpha: 1}}\n", "literal_alpha: expected 0 to 0.99, found 1"},
+      {"schema: 1\nshort_window: {keyframe_gap_s: 1e-10}\n",
+       ":2: short_window.keyframe_gap_s: expected 0.001 to 1000000, found 1e-10"},
       {"schema: 1\nlifecycle: {acceleration_mps2: 0}\n", "expected a number greater than 0"},
       {"schema: 1\nshape: [1]\n", ":2: shape: expected a map"},
       {"schema: 1\nname: [\n", "malformed YAML"},
