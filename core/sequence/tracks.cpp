@@ -147,6 +147,10 @@ std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
           throw InputError(file, line,
                            fmt::format("timestamp {} of object {} does not come after {}", state.stamp_ns, id,
                                        track.states.back().stamp_ns));
+        if (!track.states.empty() && state.frame <= track.states.back().frame)
+          throw InputError(file, line,
+                           fmt::format("frame {} of object {} does not come after {}", state.frame, id,
+                                       track.states.back().frame));
         track.states.push_back(state);
       },
       ',');

@@ -116,6 +116,7 @@ TEST(Tracks, BadFoldersAreRefusedByFileAndLine) {
             ":2: column motion: 'idle' is not a valid value");
   EXPECT_EQ(message("active,unknown\n1,", "active\n1,"), ":2: expected 18 columns, found 17");
   EXPECT_EQ(message("\n1,100,3", "\n1,0,3"), ":3: timestamp 0 of object 3 does not come after 0");
+  EXPECT_EQ(message("\n1,100,3", "\n0,100,3"), ":3: frame 0 of object 3 does not come after 0");
   EXPECT_EQ(message("frame,", "fraem,").substr(0, 22), ":1: expected the heade");
   write_text(csv, good);
   fs::remove(temp.path() / "objects/7.tum");
