@@ -17,9 +17,10 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr double kEarthRadiusM = 6378137;  // the devkit's
-constexpr std::size_t kOxtsFields = 30;    // of which the first six are the pose
-constexpr std::size_t kLabelFields = 17;   // results have a score besides
+constexpr double kEarthRadiusM = 6378137;         // the devkit's
+constexpr std::size_t kOxtsFields = 30;           // of which the first six are the pose
+constexpr std::size_t kLabelFields = 17;          // results have a score besides
+constexpr double kMostPrincipalPoint_px = 16384;  // as far as the largest image goes
 
 struct Row {
   int line = 0;
@@ -50,6 +51,11 @@ void read_projection(const fs::path& path, const Row& row, KittiCalibration& cal
   camera.fx = p[0], camera.cx = p[2], camera.fy = p[5], camera.cy = p[6];
   if (!(camera.fx > 0 && camera.fy > 0) || p[1] != 0 || p[4] != 0 || p[8] != 0 || p[9] != 0 || p[10] != 1)
     throw InputError(path, row.line, "P2: expected fx 0 cx ? 0 fy cy ? 0 0 1 ?");
+  for (const double place : {camera.cx, camera.cy})
+    if (!(place > 0 && place < kMostPrincipalPoint_px))
+      throw InputError(path, row.line,
+                       fmt::format("P2: expected a principal point from 0 to {} px, found {}",
+                                   kMostPrincipalPoint_px, place));
   const Eigen::Vector3d last(p[3], p[7], p[11]);
   calibration.camera_from_rectified.translation = camera.matrix().inverse() * last;
 }

@@ -16,11 +16,13 @@ std::vector<double> numbers(const ConfigNode& node, const std::string& key, std:
 }
 
 void require_sizes(const ConfigNode& width, const ConfigNode& height, const ConfigNode& fx,
-                   const ConfigNode& fy, const Camera& camera) {
+                   const ConfigNode& fy, const ConfigNode& cx, const ConfigNode& cy, const Camera& camera) {
   require_image_side(width, camera.width);
   require_image_side(height, camera.height);
   require_focal_length(fx, camera.fx, camera.width);
   require_focal_length(fy, camera.fy, camera.height);
+  require_principal_point(cx, camera.cx, camera.width);
+  require_principal_point(cy, camera.cy, camera.height);
 }
 
 }  // namespace
@@ -32,8 +34,8 @@ Camera read_pinhole_camera(const ConfigNode& node, const std::string& coefficien
   if (size.size() != 2) node.at("resolution").fail("expected width and height");
   const auto k = numbers(node, "intrinsics", 4, "fx, fy, cx, cy");
   Camera camera{size[0].as<int>(), size[1].as<int>(), k[0], k[1], k[2], k[3], {}};
-  const ConfigNode focal = node.at("intrinsics");
-  require_sizes(size[0], size[1], focal, focal, camera);
+  const ConfigNode all = node.at("intrinsics");
+  require_sizes(size[0], size[1], all, all, all, all, camera);
   if (model == "none") return camera;
   const auto d = numbers(node, coefficients, 4, "k1, k2, p1, p2");
   std::copy(d.begin(), d.end(), camera.distortion.begin());
@@ -50,7 +52,7 @@ Camera read_settings_camera(const ConfigNode& node) {
                 node.get<double>(key("cy")),
                 {}};
   require_sizes(node.at(key("width")), node.at(key("height")), node.at(key("fx")), node.at(key("fy")),
-                camera);
+                node.at(key("cx")), node.at(key("cy")), camera);
   const char* const names[] = {"k1", "k2", "p1", "p2", "k3"};
   for (std::size_t i = 0; i < camera.distortion.size(); ++i)
     camera.distortion[i] = node.get<double>(key(names[i]), 0.0);

@@ -20,6 +20,12 @@ int image_side(const ConfigNode& node, const std::string& key) {
   return side;
 }
 
+double principal_point(const ConfigNode& node, const std::string& key, int side_px) {
+  const double place = node.get<double>(key);
+  require_principal_point(node.at(key), place, side_px);
+  return place;
+}
+
 double focal_length(const ConfigNode& node, const std::string& key, int side_px) {
   const double focal = node.positive(key);
   require_focal_length(node.at(key), focal, side_px);
@@ -38,14 +44,21 @@ void require_focal_length(const ConfigNode& node, double focal_px, int side_px) 
     node.fail(fmt::format("expected {} to {} px, found {}", 0.01 * side_px, 1000 * side_px, focal_px));
 }
 
+// A cut-out or a shifted lens has it outside the image, but not by far.
+void require_principal_point(const ConfigNode& node, double place_px, int side_px) {
+  const double most = 10.0 * side_px;
+  if (!(std::abs(place_px) <= most))
+    node.fail(fmt::format("expected {} to {} px, found {}", -most, most, place_px));
+}
+
 Camera read_camera(const ConfigNode& node) {
   Camera camera;
   camera.width = image_side(node, "width");
   camera.height = image_side(node, "height");
   camera.fx = focal_length(node, "fx", camera.width);
   camera.fy = focal_length(node, "fy", camera.height);
-  camera.cx = node.get<double>("cx");
-  camera.cy = node.get<double>("cy");
+  camera.cx = principal_point(node, "cx", camera.width);
+  camera.cy = principal_point(node, "cy", camera.height);
   if (const auto distortion = node.find("distortion")) {
     const auto values = distortion->as<std::vector<double>>();
     if (values.size() != camera.distortion.size())

@@ -28,10 +28,11 @@ struct ObjectDescription {
 std::vector<ObjectDescription> read_objects_yaml(const std::filesystem::path& path);
 void write_objects_yaml(const std::filesystem::path& path, const std::vector<ObjectDescription>& objects);
 
-/// Throw InputError with the node's file and line for a size of an image [px] or a focal length [px] that no
-/// camera has: it is in another unit.
+/// Throw InputError with the node's file and line for a size of an image [px], a focal length [px] or a
+/// coordinate of the principal point [px] that no camera has: it is in another unit.
 void require_image_side(const ConfigNode& node, int side_px);
 void require_focal_length(const ConfigNode& node, double focal_px, int side_px);
+void require_principal_point(const ConfigNode& node, double place_px, int side_px);
 
 /// Keys of a camera's calibration: width, height, fx, fy, cx, cy, distortion [k1 k2 p1 p2 k3]. Leaves other
 /// keys of the map to the caller's check.

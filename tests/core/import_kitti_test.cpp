@@ -232,6 +232,7 @@ TEST_F(ImportKitti, PcdScansKeepTheirTimes) {
 TEST_F(ImportKitti, RefusesWhatItCannotBelieve) {
   const fs::path calib = "calib/0007.txt", labels = "label_02/0007.txt", poses = "poses/0007.txt";
   expect_refused(calib, "P2:", "P9:", ": has no P2");
+  expect_refused(calib, " 3.500000000000", " 1e7", ":2: P2: expected a principal point from 0 to 16384 px");
   expect_refused(calib, "R_rect 0.9", "R_rect 0.8", ":3: the matrix is no rotation");
   expect_refused(calib, "Tr_velo_cam ", "Tr_velo_cam x ", ":4: 'x' is not a finite number");
   expect_refused(labels, "1 0 Car", "4 0 Car", ":3: frame '4' is no whole number from 0 to 3");

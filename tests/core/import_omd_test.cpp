@@ -191,6 +191,8 @@ TEST(ImportOmdRefusals, OfTheRawLayoutNameFileAndLine) {
            [&](auto r) { edit(kalibr(r), "[0, 0, 0, 1]", "[0, 0, 0, 2]"); }},
           {"kalibr_2019_06_14.yaml:35: cam2.intrinsics: expected 0.08 to 8000 px, found 0.01",
            [&](auto r) { edit(kalibr(r), "[10, 11", "[0.01, 11"); }},
+          {"kalibr_2019_06_14.yaml:35: cam2.intrinsics: expected -80 to 80 px, found 10000000",
+           [&](auto r) { edit(kalibr(r), "[10, 11, 3.5", "[10, 11, 1e7"); }},
           {"vicon_2019_06_14.yaml:2: T_apparatus_left: the last row of the matrix",
            [](auto r) { edit(r / "vicon_2019_06_14.yaml", "[0, 0, 0, 1]", "[0, 0, 0, 0]"); }},
           {"rgbd.csv:3: nanoseconds '1000000000' is no whole number from 0 to 999999999",

@@ -144,6 +144,12 @@ TEST_F(SequenceFolder, RefusesBadIndexes) {
   replace("sequence.yaml", "fx: 10", "fx: 0");
   expect_error("sequence.yaml", ":4: camera.fx: expected a number greater than 0, found 0");
   SetUp();
+  replace("sequence.yaml", "cx: 3.5", "cx: 1e7");
+  expect_error("sequence.yaml", ":4: camera.cx: expected -80 to 80 px, found 10000000");
+  SetUp();
+  replace("sequence.yaml", "cy: 2.5", "cy: -61");
+  expect_error("sequence.yaml", ":4: camera.cy: expected -60 to 60 px, found -61");
+  SetUp();
   replace("sequence.yaml", "schema: 1", "schema: 9");
   expect_error("sequence.yaml", ":1: schema: version 9 is not supported");
   SetUp();
