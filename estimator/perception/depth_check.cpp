@@ -37,34 +37,51 @@ Values values_in(const cv::Mat& depth) {
   return values;
 }
 
-}  // namespace
-
-// Share of the pixels whose depth is that of the last measurement; nothing where none is near enough in time.
-std::optional<double> DepthCheck::agreement(std::int64_t stamp_ns, const cv::Mat& thinned) const {
-  if (last_.empty() || seconds(last_ns_, stamp_ns) > options_.max_gap_s) return std::nullopt;
+// Share of the pixels whose depth is that of an image before; nothing where none is near enough in time.
+std::optional<double> agreement(const DepthRun& before, std::int64_t stamp_ns, const cv::Mat& thinned,
+                                const DepthCheckOptions& options) {
+  if (before.images == 0 || seconds(before.last_ns, stamp_ns) > options.max_gap_s) return std::nullopt;
   int both = 0, agreeing = 0;
   for (int v = 0; v < thinned.rows; ++v)
     for (int u = 0; u < thinned.cols; ++u) {
-      const float now = thinned.at<float>(v, u), before = last_.at<float>(v, u);
-      if (!(now > 0 && before > 0)) continue;
+      const float now = thinned.at<float>(v, u), then = before.last.at<float>(v, u);
+      if (!(now > 0 && then > 0)) continue;
       ++both;
-      agreeing += std::abs(now - before) <= options_.max_change * before;
+      agreeing += std::abs(now - then) <= options.max_change * then;
     }
   if (both < kLeastPixels) return std::nullopt;
   return static_cast<double>(agreeing) / both;
 }
+
+void go_on(DepthRun& run, std::int64_t stamp_ns, const cv::Mat& thinned) {
+  ++run.images;
+  run.last_ns = stamp_ns;
+  run.last = thinned;
+}
+
+}  // namespace
 
 bool DepthCheck::is_measurement(std::int64_t stamp_ns, const cv::Mat& depth) {
   if (!options_.enabled) return true;
   const cv::Mat thinned = thinned_out(depth);
   const Values values = values_in(thinned);
   if (values.count < kLeastPixels) return true;
-  const auto agreeing = agreement(stamp_ns, thinned);
+  const auto agreeing = agreement(believed_, stamp_ns, thinned, options_);
   // one value is a wall that is looked at straight where it was one before
-  if (agreeing ? *agreeing < options_.min_agreement : values.all_same) return false;
-  last_ = thinned;
-  last_ns_ = stamp_ns;
+  const bool fits = agreeing ? *agreeing >= options_.min_agreement : !values.all_same;
+  if (!fits && (values.all_same || !outnumber(stamp_ns, thinned))) return false;
+  if (!fits) believed_ = {};
+  refused_ = {};
+  go_on(believed_, stamp_ns, thinned);
   return true;
+}
+
+// Whether this image and the refused ones that it goes on from are more than those that were believed.
+bool DepthCheck::outnumber(std::int64_t stamp_ns, const cv::Mat& thinned) {
+  const auto agreeing = agreement(refused_, stamp_ns, thinned, options_);
+  if (!agreeing || *agreeing < options_.min_agreement) refused_ = {};
+  go_on(refused_, stamp_ns, thinned);
+  return refused_.images > believed_.images;
 }
 
 }  // namespace uniquadric

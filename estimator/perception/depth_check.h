@@ -17,8 +17,16 @@ struct DepthCheckOptions {
   double max_gap_s = 0.25;
 };
 
+/// Depth images that go on from one another.
+struct DepthRun {
+  int images = 0;
+  cv::Mat last;  // thinned out
+  std::int64_t last_ns = 0;
+};
+
 /// Goes through the depth images of a sequence and says of each whether it is one: a sensor that fails gives
-/// one value everywhere, or other depths than a moment before over the whole image.
+/// one value everywhere, or other depths than a moment before over the whole image. Of two runs of images
+/// that contradict each other the longer one is believed: the first image may be the one that failed.
 class DepthCheck {
  public:
   explicit DepthCheck(const DepthCheckOptions& options) : options_(options) {}
@@ -28,11 +36,10 @@ class DepthCheck {
   bool is_measurement(std::int64_t stamp_ns, const cv::Mat& depth);
 
  private:
-  std::optional<double> agreement(std::int64_t stamp_ns, const cv::Mat& thinned) const;
+  bool outnumber(std::int64_t stamp_ns, const cv::Mat& thinned);
 
   DepthCheckOptions options_;
-  cv::Mat last_;  // the last measurement, thinned out
-  std::int64_t last_ns_ = 0;
+  DepthRun believed_, refused_;
 };
 
 }  // namespace uniquadric

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <vector>
 
 namespace uniquadric {
 namespace {
@@ -32,7 +33,7 @@ TEST(DepthCheck, OneValueAndAJumpOfTheWholeImageAreNone) {
   };
   const cv::Mat uniform(slanting_wall().size(), CV_32FC1, cv::Scalar(3));
   EXPECT_FALSE(is_measurement(uniform));  // before anything else was seen, too
-  EXPECT_TRUE(is_measurement(slanting_wall()));
+  for (int n = 0; n < 5; ++n) EXPECT_TRUE(is_measurement(slanting_wall()));
   EXPECT_FALSE(is_measurement(uniform));
   EXPECT_FALSE(is_measurement(slanting_wall() * 1.3));
   EXPECT_FALSE(is_measurement(slanting_wall() * 1.3));
@@ -50,10 +51,27 @@ TEST(DepthCheck, WhatComesIntoViewIsNoFailure) {
   EXPECT_TRUE(check.is_measurement(kPeriodNs, covered));
 }
 
+// The second one is refused, as nobody knows better yet; the third decides. What has one value decides
+// nothing.
+TEST(DepthCheck, TwoThatAgreeAreBelievedAgainstTheFirst) {
+  for (const double factor : {0.5, 2.0}) {
+    DepthCheck check(DepthCheckOptions{});
+    std::vector<bool> believed;
+    for (int n = 0; n < 6; ++n)
+      believed.push_back(check.is_measurement(n * kPeriodNs, slanting_wall() * (n == 0 ? factor : 1)));
+    EXPECT_EQ(believed, (std::vector<bool>{true, false, true, true, true, true})) << factor;
+  }
+  DepthCheck check(DepthCheckOptions{});
+  EXPECT_TRUE(check.is_measurement(0, slanting_wall()));
+  for (int n = 1; n < 4; ++n)
+    EXPECT_FALSE(check.is_measurement(n * kPeriodNs, cv::Mat(120, 160, CV_32FC1, cv::Scalar(9))));
+  EXPECT_TRUE(check.is_measurement(4 * kPeriodNs, slanting_wall()));
+}
+
 TEST(DepthCheck, WhatStaysOtherwiseIsHowItIs) {
   DepthCheckOptions options;
   DepthCheck check(options);
-  EXPECT_TRUE(check.is_measurement(0, slanting_wall()));
+  for (int n = -20; n <= 0; ++n) EXPECT_TRUE(check.is_measurement(n * kPeriodNs, slanting_wall()));
   int refused = 0;
   for (int n = 1; n < 30; ++n) refused += !check.is_measurement(n * kPeriodNs, slanting_wall() * 1.5);
   EXPECT_EQ(refused, static_cast<int>(options.max_gap_s * 1e9 / kPeriodNs));
