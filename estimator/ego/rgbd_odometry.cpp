@@ -4,6 +4,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/base/seconds.h"
 #include "estimator/ego/ego_map.h"
 
 namespace uniquadric {
@@ -26,7 +27,18 @@ struct FramePose {
   int keyframe = 0;
   Pose camera_from_keyframe;
   std::vector<Feature> features;
+  std::optional<Pose> motion{};  // of the background since the frame before
 };
+
+// A map and the frames it placed. `before`: those that came earlier and had no place in the map of then.
+struct Stretch {
+  EgoMap map;
+  std::vector<FramePose> frames, before;
+};
+
+std::int64_t count_with_depth(const std::vector<Feature>& features) {
+  return std::count_if(features.begin(), features.end(), [](const Feature& f) { return f.depth_m > 0; });
+}
 
 std::vector<PointSighting> sightings_of(const EgoMap& map, const std::vector<Feature>& features) {
   std::vector<PointSighting> sightings;
@@ -42,9 +54,12 @@ struct RgbdOdometry::State {
   Camera camera;  // without distortion
   EgoOptions options;
   std::uint64_t seed = 0;
+  std::vector<Stretch> given_up;
   EgoMap map;
-  std::vector<FramePose> frames;
+  std::vector<FramePose> frames, before;  // of the map, as in Stretch
+  std::vector<FramePose> lost;            // since the last frame with a pose
   std::optional<Pose> camera_from_world;  // of the last frame
+  Pose presumed;                          // the same, where it is not known: the last known, moved on
   std::optional<Eigen::Vector3d> up;      // in the map's world, the first camera
   int frames_seen = 0;
 
@@ -52,6 +67,10 @@ struct RgbdOdometry::State {
                                     const std::optional<Pose>& prior, std::int64_t frame) const;
   bool wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const;
   void insert_keyframe(std::int64_t frame, const std::vector<Feature>& features);
+  void begin_map(const Pose& pose, std::int64_t frame, const std::vector<Feature>& features);
+  bool follow(std::int64_t frame, const TrackedFeatures& features);
+  bool begin_anew(const SequenceFrame& frame, const std::vector<Feature>& features);
+  void append(const Stretch& stretch, Trajectory& trajectory) const;
   void look_for_floor(const cv::Mat& depth, const cv::Mat& masks, std::int64_t frame);
   Pose world_from_map() const { return upright_world_from_camera(up.value_or(-Eigen::Vector3d::UnitY())); }
 };
@@ -95,6 +114,48 @@ void RgbdOdometry::State::look_for_floor(const cv::Mat& depth, const cv::Mat& ma
     up = camera_from_world->rotation.conjugate() * *found;
 }
 
+void RgbdOdometry::State::begin_map(const Pose& pose, std::int64_t frame,
+                                    const std::vector<Feature>& features) {
+  camera_from_world = pose;
+  insert_keyframe(frame, features);
+}
+
+// Places the camera in the map; false where it is lost.
+bool RgbdOdometry::State::follow(std::int64_t frame, const TrackedFeatures& features) {
+  const auto& motion = features.background_motion;
+  if (motion) presumed = *motion * presumed;
+  const auto prior = camera_from_world ? std::optional(presumed) : std::nullopt;
+  const auto fit = locate(map, features.background, prior, frame);
+  camera_from_world.reset();
+  if (!fit) return false;
+  camera_from_world = fit->camera_from_body;
+  if (wants_keyframe(features.background, frame)) insert_keyframe(frame, features.background);
+  return true;
+}
+
+// A young map is no loss: its frames are looked for in the new one, as are those that were lost.
+bool RgbdOdometry::State::begin_anew(const SequenceFrame& frame, const std::vector<Feature>& features) {
+  const auto with_depth = count_with_depth(features);
+  if (given_up.empty() && std::ssize(frames) < options.young_frames) {
+    if (std::ssize(lost) < options.young_lost_frames || with_depth < options.pose.min_inliers) return false;
+    before.insert(before.end(), frames.begin(), frames.end());
+    presumed = {};
+    up.reset();
+    frames_seen = 1;
+  } else {
+    if (seconds(frames.back().stamp_ns, frame.stamp_ns) < options.restart_after_s ||
+        with_depth < options.restart_features)
+      return false;
+    given_up.push_back({std::move(map), std::move(frames), std::move(before)});
+    before.clear();
+  }
+  before.insert(before.end(), lost.begin(), lost.end() - 1);
+  map = {};
+  frames.clear();
+  begin_map(presumed, frame.frame, features);
+  return true;
+}
+
 RgbdOdometry::RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed)
     : state_(std::make_unique<State>()) {
   state_->camera = without_distortion(camera);
@@ -110,23 +171,17 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
   ++s.frames_seen;
   const auto& seen = features.background;
   if (s.map.keyframes.empty()) {
-    const auto with_depth =
-        std::count_if(seen.begin(), seen.end(), [](const Feature& f) { return f.depth_m > 0; });
-    if (with_depth < s.options.pose.min_inliers) return;
-    s.camera_from_world = Pose{};
-    s.insert_keyframe(frame.frame, seen);
-  } else {
-    std::optional<Pose> prior = s.camera_from_world;
-    if (prior && features.background_motion) prior = *features.background_motion * *prior;
-    const auto fit = s.locate(s.map, seen, prior, frame.frame);
-    s.camera_from_world.reset();
-    if (!fit) return;
-    s.camera_from_world = fit->camera_from_body;
-    if (s.wants_keyframe(seen, frame.frame)) s.insert_keyframe(frame.frame, seen);
+    if (count_with_depth(seen) < s.options.pose.min_inliers) return;
+    s.begin_map(Pose{}, frame.frame, seen);
+  } else if (!s.follow(frame.frame, features)) {
+    s.lost.push_back({frame.frame, frame.stamp_ns, 0, {}, seen, features.background_motion});
+    if (!s.begin_anew(frame, seen)) return;
   }
+  s.lost.clear();
+  s.presumed = *s.camera_from_world;
   const Pose camera_from_keyframe = *s.camera_from_world * s.map.keyframes.back().camera_from_world.inverse();
-  s.frames.push_back(
-      {frame.frame, frame.stamp_ns, int(s.map.keyframes.size()) - 1, camera_from_keyframe, seen});
+  s.frames.push_back({frame.frame, frame.stamp_ns, int(s.map.keyframes.size()) - 1, camera_from_keyframe,
+                      seen, features.background_motion});
   s.look_for_floor(depth, masks, frame.frame);
 }
 
@@ -135,26 +190,50 @@ std::optional<Pose> RgbdOdometry::pose() const {
   return state_->world_from_map() * state_->camera_from_world->inverse();
 }
 
-Trajectory RgbdOdometry::trajectory() const {
-  const State& s = *state_;
-  EgoMap map = s.map;
-  if (s.options.final_adjustment) {
+// Frames that came before the map are placed by it backwards, from neighbour to neighbour.
+void RgbdOdometry::State::append(const Stretch& stretch, Trajectory& trajectory) const {
+  EgoMap map = stretch.map;
+  if (options.final_adjustment) {
     std::vector<int> all(map.keyframes.size());
     std::iota(all.begin(), all.end(), 0);
-    BundleOptions bundle = s.options.bundle;
-    bundle.iterations = s.options.final_iterations;
-    adjust_bundle(map, s.camera, all, bundle);
+    BundleOptions bundle = options.bundle;
+    bundle.iterations = options.final_iterations;
+    adjust_bundle(map, camera, all, bundle);
   }
-  Trajectory trajectory;
-  for (const FramePose& frame : s.frames) {
+  const auto world_from_camera = [&](const FramePose& frame, const Pose& camera_from_map) {
+    Pose pose = world_from_map() * camera_from_map.inverse();
+    pose.rotation.normalize();
+    return StampedPose{frame.stamp_ns, pose};
+  };
+  Trajectory earlier;
+  Pose next = map.keyframes.front().camera_from_world;
+  auto motion = stretch.frames.front().motion;
+  for (auto frame = stretch.before.rbegin(); frame != stretch.before.rend(); ++frame) {
+    if (motion) next = motion->inverse() * next;
+    motion = frame->motion;
+    const auto fit = locate(map, frame->features, next, frame->frame);
+    if (!fit) continue;
+    next = fit->camera_from_body;
+    earlier.push_back(world_from_camera(*frame, next));
+  }
+  trajectory.insert(trajectory.end(), earlier.rbegin(), earlier.rend());
+  for (const FramePose& frame : stretch.frames) {
     const Pose expected = frame.camera_from_keyframe * map.keyframes[frame.keyframe].camera_from_world;
     const bool is_keyframe = map.keyframes[frame.keyframe].frame == frame.frame;
-    const auto fit = is_keyframe ? std::nullopt : s.locate(map, frame.features, expected, frame.frame);
-    Pose pose = s.world_from_map() * (fit ? fit->camera_from_body : expected).inverse();
-    pose.rotation.normalize();
-    trajectory.push_back({frame.stamp_ns, pose});
+    const auto fit = is_keyframe ? std::nullopt : locate(map, frame.features, expected, frame.frame);
+    trajectory.push_back(world_from_camera(frame, fit ? fit->camera_from_body : expected));
   }
+}
+
+Trajectory RgbdOdometry::trajectory() const {
+  Trajectory trajectory;
+  for (const Stretch& stretch : state_->given_up) state_->append(stretch, trajectory);
+  if (!state_->frames.empty()) state_->append({state_->map, state_->frames, state_->before}, trajectory);
   return trajectory;
+}
+
+int RgbdOdometry::restarts() const {
+  return static_cast<int>(state_->given_up.size());
 }
 
 }  // namespace uniquadric

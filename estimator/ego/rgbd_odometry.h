@@ -33,6 +33,13 @@ struct EgoOptions {
   int window_keyframes = 8;      // that move in the local bundle adjustment
   bool final_adjustment = true;  // of all keyframes, when the trajectory is asked for
   int final_iterations = 20;
+  /// Frames: a map that is lost for young_lost_frames before it has placed young_frames was begun on a bad
+  /// one.
+  int young_frames = 10, young_lost_frames = 3;
+  /// After this time [s] with at least this many background features with depth the world is not the map's
+  /// any more (the depth has another scale, or all has been moved): a new one begins.
+  double restart_after_s = 1;
+  int restart_features = 40;
   BundleOptions bundle;
   LoopOptions loop;
   UprightOptions upright;
@@ -40,8 +47,9 @@ struct EgoOptions {
 
 /// Visual odometry with depth: each frame's pose by the points of the map that its features are (RANSAC with
 /// the motion prior, robust least squares), keyframes, local bundle adjustment, and a pose graph where old
-/// points come back. The world has its origin at the first camera and z up, by the floor where the first
-/// frames show one, else by the camera's own up.
+/// points come back. A map that nothing fits any more is given up: at the start as if it had never been,
+/// later a new one goes on from the last known pose. The world has its origin at the first camera and z up,
+/// by the floor where the first frames show one, else by the camera's own up.
 class RgbdOdometry {
  public:
   RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed);
@@ -56,6 +64,9 @@ class RgbdOdometry {
 
   /// world_from_camera of all frames but those where the camera was lost, with all that is known now.
   Trajectory trajectory() const;
+
+  /// How often a new map went on from the last known pose: what moved meanwhile is missing there.
+  int restarts() const;
 
  private:
   struct State;

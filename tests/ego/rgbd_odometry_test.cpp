@@ -33,6 +33,8 @@ struct Walk {
     return {Eigen::Quaterniond(R), {radius_m * std::cos(a), radius_m * std::sin(a), 0.05 * std::sin(2 * a)}};
   }
 
+  Pose motion(int i) const { return relative_pose(world_from_camera(i), world_from_camera(i - 1)); }
+
   SequenceFrame frame(int i) const {
     SequenceFrame frame;
     frame.frame = i;
@@ -189,6 +191,63 @@ TEST(RgbdOdometry, IsLostWithoutFeaturesAndFindsBack) {
   const Errors errors = errors_of(walk, odometry.trajectory());
   EXPECT_EQ(errors.poses, 7);
   EXPECT_LT(errors.worst_m, 1e-6);
+}
+
+// The second frame has no depth: its pixels fit the wrong map as well as the true one.
+TEST(RgbdOdometry, BeginsAnewWhenTheFirstFrameWasWrong) {
+  const Walk walk(8);
+  for (const double factor : {0.5, 2.0}) {
+    RgbdOdometry odometry(walk.camera, {}, 1);
+    for (int i = 0; i < 40; ++i) {
+      TrackedFeatures seen = walk.see(i);
+      for (auto& f : seen.background) {
+        if (i == 0) f.depth_m *= factor;
+        if (i == 1) f.depth_m = 0;
+      }
+      if (i > 0) seen.background_motion = walk.motion(i);
+      odometry.track(walk.frame(i), seen, {}, {});
+    }
+    const Trajectory trajectory = odometry.trajectory();
+    ASSERT_EQ(trajectory.size(), 39u) << factor;  // all but the first, which fits no map
+    EXPECT_EQ(trajectory[0].stamp_ns, walk.frame(1).stamp_ns);
+    EXPECT_LT(errors_of(walk, trajectory).worst_m, 1e-6);
+    EXPECT_EQ(odometry.restarts(), 0);
+  }
+}
+
+// From frame 40 on all depths are 8 % more: the world is larger from there, and the path in it.
+TEST(RgbdOdometry, AStepOfTheScaleBeginsANewMapAtTheLastPose) {
+  Walk walk(9);
+  walk.turn_rad = 0.02;  // so that the last lost frames see what the first ones saw
+  RgbdOdometry odometry(walk.camera, {}, 1);
+  for (int i = 0; i < 100; ++i) {
+    TrackedFeatures seen = walk.see(i);
+    for (auto& f : seen.background) f.depth_m *= i < 40 ? 1 : 1.08;
+    if (i > 0) seen.background_motion = walk.motion(i);
+    odometry.track(walk.frame(i), seen, {}, {});
+  }
+  EXPECT_EQ(odometry.restarts(), 1);
+  EXPECT_TRUE(odometry.pose());
+  const Trajectory trajectory = odometry.trajectory();
+  ASSERT_EQ(trajectory.size(), 100u);  // those that were lost have a place in the new map
+  for (int i = 1; i < 100; ++i) {
+    const Pose estimate = relative_pose(trajectory[i - 1].pose, trajectory[i].pose);
+    const Pose truth = relative_pose(walk.world_from_camera(i - 1), walk.world_from_camera(i));
+    const double scale = i < 40 ? 1 : 1.08;
+    EXPECT_LT((estimate.translation - scale * truth.translation).norm(), i == 40 ? 0.15 : 1e-6) << i;
+  }
+}
+
+TEST(RgbdOdometry, ACameraThatIsCoveredFindsBackToItsMap) {
+  const Walk walk(10);
+  RgbdOdometry odometry(walk.camera, {}, 1);
+  for (int i = 0; i < 120; ++i) {
+    TrackedFeatures seen = walk.see(0);
+    if (i >= 30 && i < 90) seen.background.resize(10);
+    odometry.track(walk.frame(i), seen, {}, {});
+  }
+  EXPECT_EQ(odometry.restarts(), 0);
+  EXPECT_EQ(odometry.trajectory().size(), 60u);
 }
 
 TEST(RgbdOdometry, TheSameFrameTwiceIsTheSamePlace) {
