@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/hash.h"
+#include "core/base/seconds.h"
 #include "core/base/source_hashes.h"
 #include "core/base/text.h"
 #include "core/base/threads.h"
@@ -21,6 +22,8 @@
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
+
+constexpr double kLongGap_s = 1;  // without a camera pose, that is told
 
 std::uint64_t seed_of_perception(const EstimateOptions& options) {
   return options.perception_seed.value_or(options.seed);
@@ -185,8 +188,10 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   text += fmt::format("frames_with_states: {}\n", with_states.size());
   text += fmt::format("frames_without_pose: {}\n",
                       count(perception.frames(), [](const auto& f) { return !f.world_from_camera; }));
+  text += fmt::format("ego_restarts: {}\n", perception.ego_restarts());
   text += fmt::format("frames_without_depth: {}\n",
-                      count(sequence.frames, [](const auto& f) { return f.depth.empty(); }));
+                      count(sequence.frames, [](const auto& f) { return f.depth.empty(); }) +
+                          count(perception.frames(), [](const auto& f) { return f.depth_refused; }));
   text += fmt::format("frames_without_masks: {}\n",
                       count(perception.frames(), [](const auto& f) { return !f.has_masks; }));
   text += fmt::format("objects_without_state: {}\n", without_state);
@@ -200,12 +205,45 @@ void copy_masks(const fs::path& from, const fs::path& to) {
     duplicate_file(entry.path(), to / entry.path().filename());
 }
 
+struct Gap {
+  std::int64_t first_frame = 0, last_frame = 0;
+  double duration_s = 0;
+};
+
+// The longest stretch of frames without a pose, from pose to pose, or the sequence's end.
+Gap longest_gap(const std::vector<FrameInfo>& frames) {
+  Gap longest;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (frames[i].world_from_camera) continue;
+    const std::size_t first = i;
+    while (i < frames.size() && !frames[i].world_from_camera) ++i;
+    const double duration_s =
+        seconds(frames[first > 0 ? first - 1 : 0].stamp_ns, frames[std::min(i, frames.size() - 1)].stamp_ns);
+    if (duration_s > longest.duration_s) longest = {frames[first].frame, frames[i - 1].frame, duration_s};
+  }
+  return longest;
+}
+
+void warn_of_the_camera(const Perception& perception) {
+  const Gap gap = longest_gap(perception.frames());
+  if (gap.duration_s > kLongGap_s)
+    fmt::print(stderr, "warning: the camera has no pose for {:.1f} s (frames {} to {})\n", gap.duration_s,
+               gap.first_frame, gap.last_frame);
+  if (const int restarts = perception.ego_restarts(); restarts > 0)
+    fmt::print(
+        stderr,
+        "warning: the camera lost its map {} times, and went on with a new one from the last known pose "
+        "(run.yaml: ego_restarts)\n",
+        restarts);
+}
+
 // A result with hardly anything in it is one, but should not be taken for a good one.
 void warn_of_little(const Perception& perception, const Tracks& tracks) {
   const std::size_t frames = perception.frames().size(), lost = frames - tracks.camera.size();
   if (2 * lost > frames)
     fmt::print(stderr, "warning: {} of {} frames have no camera pose (run.yaml: frames_without_pose)\n", lost,
                frames);
+  warn_of_the_camera(perception);
   if (tracks.objects.empty())
     fmt::print(stderr, "warning: no object has a state (run.yaml counts masks, depth and poses)\n");
 }

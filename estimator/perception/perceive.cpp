@@ -239,6 +239,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   const auto check = [&](std::shared_ptr<Work> work) {
     if (!work->depth.empty() && !depth_check.is_measurement(work->result.stamp_ns, work->depth)) {
       work->depth.setTo(0);
+      work->result.depth_refused = true;
       ++unusable;
     }
     return work;
@@ -338,7 +339,8 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
                unusable);
   if (lidar) lidar->finish();
   for (const PerceivedFrame& frame : waiting) out.add(frame);
-  out.finish(is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()));
+  out.finish(is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()),
+             odometry.restarts());
 }
 
 }  // namespace uniquadric

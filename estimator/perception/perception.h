@@ -64,6 +64,7 @@ struct FrameInfo {
   std::int64_t frame = 0, stamp_ns = 0;
   std::optional<Pose> world_from_camera;  ///< nothing: the camera was lost
   bool has_masks = false;                 ///< whether its masks are known: segmented, or carried to it
+  bool depth_refused = false;             ///< its depth image is no measurement
 };
 
 struct PerceivedFrame : FrameInfo {

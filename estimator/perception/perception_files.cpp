@@ -24,7 +24,7 @@ constexpr int kSchema = 1;
 // The magic, the bodies of each frame, the index of the frames, and where that is.
 constexpr const char* kObservations = "observations.bin";
 constexpr const char* kMasks = "masks";
-constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '4'};
+constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '5'};
 constexpr std::uint64_t kMaxCount = 1u << 28;  // of anything in a list; more is a damaged file
 
 [[noreturn]] void throw_damaged(const fs::path& path) {
@@ -249,7 +249,7 @@ void PerceptionWriter::add(const PerceivedFrame& frame) {
   write(bodies.bytes());
 }
 
-void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_camera) {
+void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_camera, int ego_restarts) {
   Trajectory camera;
   Writer index, end;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -259,6 +259,7 @@ void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_cam
     index.put(frames_[i].frame);
     index.put(frames_[i].stamp_ns);
     index.put(frames_[i].has_masks);
+    index.put(frames_[i].depth_refused);
     index.put(has_pose);
     if (has_pose) put(index, pose->second);
     index.put(places_[i]);
@@ -270,10 +271,10 @@ void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_cam
   write_camera_yaml(folder_ / "camera.yaml", camera_);
   write_text(folder_ / "perception.yaml",
              fmt::format("schema: {}\nprogram: {}\nkey: {}\nsequence: {}\nsequence_hash: {}\nframes: {}\n"
-                         "camera_hash: \"{}\"\n",
+                         "ego_restarts: {}\ncamera_hash: \"{}\"\n",
                          kSchema, yaml_quoted(kProgram), yaml_quoted(source_.key),
                          yaml_quoted(source_.sequence), yaml_quoted(source_.sequence_hash), frames_.size(),
-                         hex(hash_file(folder_ / "camera.yaml"))));
+                         ego_restarts, hex(hash_file(folder_ / "camera.yaml"))));
 }
 
 std::vector<fs::path> foreign_files(const fs::path& folder) {
@@ -301,6 +302,7 @@ Perception::Perception(const fs::path& folder)
     : file_(folder / kObservations), camera_(read_camera_yaml(folder / "camera.yaml")) {
   const ConfigNode root = load_description(folder);
   source_ = source_in(root);
+  ego_restarts_ = root.get<int>("ego_restarts", 0);
   if (read_part(file_, 0, sizeof kMagic) != std::string_view(kMagic, sizeof kMagic))
     throw InputError(file_, "holds no observations of this version");
   const std::string end = read_part(file_, fs::file_size(file_) - sizeof(FilePlace), sizeof(FilePlace));
@@ -310,6 +312,7 @@ Perception::Perception(const fs::path& folder)
     frame.frame = index.get<std::int64_t>();
     frame.stamp_ns = index.get<std::int64_t>();
     frame.has_masks = index.get<char>() != 0;
+    frame.depth_refused = index.get<char>() != 0;
     if (index.get<char>() != 0) frame.world_from_camera = get_pose(index);
     places_.push_back(index.get<FilePlace>());
   }

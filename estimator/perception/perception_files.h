@@ -37,8 +37,8 @@ class PerceptionWriter {
   void add(const PerceivedFrame& frame);
 
   /// To be called last. The poses of the frames by stamp; a frame without one is one where the camera was
-  /// lost.
-  void finish(const std::map<std::int64_t, Pose>& world_from_camera);
+  /// lost. `ego_restarts`: how often a new map went on from the last known pose.
+  void finish(const std::map<std::int64_t, Pose>& world_from_camera, int ego_restarts = 0);
 
  private:
   void write(const std::string& bytes);
@@ -62,6 +62,7 @@ class Perception {
   const Camera& camera() const { return camera_; }  ///< without distortion
   const PerceptionSource& source() const { return source_; }
   const std::vector<FrameInfo>& frames() const { return frames_; }
+  int ego_restarts() const { return ego_restarts_; }
 
   /// One frame with its bodies; from any thread. Throws InputError when the file is damaged.
   PerceivedFrame read(std::size_t index) const;
@@ -72,6 +73,7 @@ class Perception {
   PerceptionSource source_;
   std::vector<FrameInfo> frames_;
   std::vector<FilePlace> places_;
+  int ego_restarts_ = 0;
 };
 
 /// What lies in a folder (below it, in order) that no kept perception has.

@@ -25,6 +25,7 @@ SyntheticPerception two_frames() {
   perception.frames[1].world_from_camera.reset();
   perception.frames[1].bodies[0].colors = Eigen::Matrix3Xf::Constant(3, 7, 42.5F);
   perception.frames[0].has_masks = true;
+  perception.frames[1].depth_refused = true;
   perception.frames[0].bodies[0].silhouette->support[3].free = false;
   Silhouette late = *perception.frames[0].bodies[0].silhouette;
   late.segmented = true;
@@ -41,7 +42,7 @@ void write(const fs::path& folder, const std::vector<PerceivedFrame>& frames, co
     out.add(frame);
     if (frame.world_from_camera) poses.emplace(frame.stamp_ns, *frame.world_from_camera);
   }
-  out.finish(poses);
+  out.finish(poses, 2);
 }
 
 void read_all(const fs::path& folder) {
@@ -65,6 +66,9 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   EXPECT_EQ(back.source().sequence_hash, "its hash");
   EXPECT_TRUE(back.frames()[0].has_masks);
   EXPECT_FALSE(back.frames()[1].has_masks);
+  EXPECT_FALSE(back.frames()[0].depth_refused);
+  EXPECT_TRUE(back.frames()[1].depth_refused);
+  EXPECT_EQ(back.ego_restarts(), 2);
   EXPECT_EQ(frames[0].world_from_camera->translation, perception.frames[0].world_from_camera->translation);
   EXPECT_FALSE(frames[1].world_from_camera);
   const BodyObservation &a = perception.frames[1].bodies[0], &b = frames[1].bodies[0];

@@ -246,6 +246,53 @@ TEST(Robustness, BadDepthImagesInARowCostNoBody) {
   }
 }
 
+// The second image is refused in the first one's favour, with which its frame has no place in the new map.
+TEST(Robustness, AFirstDepthImageThatIsWrongCostsAMomentAlone) {
+  for (const double factor : {0.5, 2.0}) {
+    const TempFolder temp;
+    write_drawn_sequence(temp.path(), {kRed}, 36, [&](DrawnFrame& drawn) {
+      if (drawn.frame.frame == 0) drawn.depth *= factor;
+    });
+    const Outcome outcome = run(temp.path(), 2, windows(EgoSource::rgbd));
+    EXPECT_GE(outcome.tracks.camera.size(), 34u) << factor;
+    ASSERT_GE(outcome.tracks.objects.size(), 1u) << factor;
+    const auto& last = outcome.tracks.objects.back().states.back();
+    EXPECT_EQ(last.frame, 35) << factor;
+    EXPECT_EQ(last.status, ObjectStatus::active) << factor;
+    const ConfigNode run = ConfigNode::parse(outcome.files.at("out/run.yaml"), "run.yaml");
+    EXPECT_EQ(run.get<int>("frames_without_depth"), 1) << factor;
+    EXPECT_EQ(run.get<int>("ego_restarts"), 0) << factor;
+  }
+}
+
+// From frame 20 on all is 30 % further away and 30 % faster: the same images, and no depth that fits.
+TEST(Robustness, AStepOfTheDepthsScaleIsToldAndLeavesTheCameraAPose) {
+  const TempFolder temp;
+  write_drawn_sequence(temp.path(), {kRed}, 70, [&](DrawnFrame& drawn) {
+    if (drawn.frame.frame >= 20) drawn.depth *= 1.3;
+  });
+  testing::internal::CaptureStderr();
+  const Outcome outcome = run(temp.path(), 2, windows(EgoSource::rgbd));
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("lost its map 1 times, and went on"), std::string::npos) << said;
+  ASSERT_GE(outcome.tracks.camera.size(), 55u);
+  EXPECT_EQ(outcome.tracks.camera.back().stamp_ns, draw_world({}, 69).frame.stamp_ns);
+  EXPECT_EQ(ConfigNode::parse(outcome.files.at("out/run.yaml"), "run.yaml").get<int>("ego_restarts"), 1);
+}
+
+// Less than half of the frames, but more than a second.
+TEST(Robustness, ALongTimeWithoutACameraPoseIsTold) {
+  const TempFolder temp;
+  Sequence sequence = write_drawn_sequence(temp.path(), {}, 90);
+  auto& poses = *sequence.given_camera;
+  poses.erase(poses.begin() + 30, poses.begin() + 61);
+  write_sequence_index(temp.path(), sequence);
+  testing::internal::CaptureStderr();
+  run(temp.path());
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("the camera has no pose for 1.1 s (frames 30 to 60)"), std::string::npos) << said;
+}
+
 // The camera that follows itself: nothing to follow is no pose; a black frame has none, and the next ones do.
 TEST(Robustness, TheCamerasOwnWayIsLostWhereNothingIsSeenAndFoundAgain) {
   const TempFolder temp;
