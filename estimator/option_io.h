@@ -18,6 +18,14 @@ using Choices = std::vector<std::pair<const char*, E>>;
 
 inline constexpr int kMostIterations = 1'000'000;  // of any option: hours, a typing error
 
+/// What a number greater than 0 may be: beyond, squares and counts made of it are no numbers any more.
+struct OptionRange {
+  double low = 1e-9, high = 1e9;
+};
+/// What a standard deviation may be: no sensor and no model is better, and what is worse says nothing.
+inline constexpr OptionRange kSigma_px{0.01, 1000}, kSigma_m{1e-5, 10}, kSigma_rad{1e-6, 10},
+    kSigmaOfRatio{1e-4, 1000};
+
 /// Fills option structs from a YAML map. Reader and writer have the same calls, so that one function per
 /// struct names its keys for both.
 class OptionReader {
@@ -38,10 +46,15 @@ class OptionReader {
   }
 
   /// A length or another number greater than 0.
-  void positive(const char* key, double& value) { value = node_.positive(key, value); }
+  void positive(const char* key, double& value, const OptionRange& range = {}) {
+    value = node_.positive(key, value);
+    number(key, value, range.low, range.high);
+  }
   /// The same, where nothing is said otherwise.
-  void positive(const char* key, std::optional<double>& value) {
-    if (node_.find(key)) value = node_.positive(key);
+  void positive(const char* key, std::optional<double>& value, const OptionRange& range = {}) {
+    if (!node_.find(key)) return;
+    value = node_.positive(key);
+    number(key, *value, range.low, range.high);
   }
 
   template <typename E>
@@ -75,8 +88,10 @@ class OptionWriter {
   void number(const char* key, T value, T /*low*/, T /*high*/ = T{}) {
     line(key, fmt::format("{}", value));
   }
-  void positive(const char* key, double value) { line(key, fmt::format("{}", value)); }
-  void positive(const char* key, const std::optional<double>& value) {
+  void positive(const char* key, double value, const OptionRange& /*range*/ = {}) {
+    line(key, fmt::format("{}", value));
+  }
+  void positive(const char* key, const std::optional<double>& value, const OptionRange& /*range*/ = {}) {
     if (value) positive(key, *value);
   }
   template <typename E>

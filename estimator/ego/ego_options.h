@@ -26,7 +26,7 @@ void visit(Io& io, EgoOptions& o) {
   io.number("restart_features", o.restart_features, 4, 100'000);
   io.section("pose", [&](auto& inner) { visit(inner, o.pose); });
   io.section("bundle", [&](auto& inner) {
-    inner.positive("pixel_sigma", o.bundle.pixel_sigma);
+    inner.positive("pixel_sigma", o.bundle.pixel_sigma, kSigma_px);
     inner.positive("huber_sigmas", o.bundle.huber_sigmas);
     inner.positive("outlier_sigmas", o.bundle.outlier_sigmas);
     inner.number("iterations", o.bundle.iterations, 1, 1000);
@@ -35,7 +35,7 @@ void visit(Io& io, EgoOptions& o) {
     inner.number("min_gap_keyframes", o.loop.min_gap_keyframes, 1, 10'000);
     inner.number("min_points", o.loop.min_points, 3, 10'000);
     inner.positive("min_disagreement_px", o.loop.min_disagreement_px);
-    inner.positive("loop_sigma", o.loop.loop_sigma);
+    inner.positive("loop_sigma", o.loop.loop_sigma, kSigmaOfRatio);
     inner.section("motion", [&](auto& innermost) { visit(innermost, o.loop.motion); });
   });
   io.section("upright", [&](auto& inner) {
@@ -75,9 +75,9 @@ void visit(Io& io, LidarEgoOptions& o) {
   io.section("map", [&](auto& inner) { visit(inner, odometry.map); });
   io.positive("acceleration_mps2_rthz", odometry.acceleration_mps2_rthz);
   io.positive("angular_acceleration_radps2_rthz", odometry.angular_acceleration_radps2_rthz);
-  io.positive("range_sigma_m", odometry.sight.range_sigma_m);
-  io.positive("beam_sigma_rad", odometry.sight.beam_sigma_rad);
-  io.positive("plane_sigma_m", odometry.sight.plane_sigma_m);
+  io.positive("range_sigma_m", odometry.sight.range_sigma_m, kSigma_m);
+  io.positive("beam_sigma_rad", odometry.sight.beam_sigma_rad, kSigma_rad);
+  io.positive("plane_sigma_m", odometry.sight.plane_sigma_m, kSigma_m);
   io.positive("max_thickness", odometry.sight.max_thickness);
   io.number("min_breadth", odometry.sight.min_breadth, 0.0, 1000.0);
   io.positive("side_points", odometry.sight.side_points);

@@ -31,7 +31,7 @@ void visit(Io& io, CloudOptions& o) {
   io.number("voxel_m", o.voxel_m, 1e-4, 1.0);
   io.number("max_voxels", o.max_voxels, 100, 10'000'000);
   io.number("noise_per_range", o.noise_per_range, 0.0, 1.0);
-  io.positive("noise_floor_m", o.noise_floor_m);
+  io.positive("noise_floor_m", o.noise_floor_m, kSigma_m);
 }
 
 template <typename Io>
@@ -46,7 +46,7 @@ template <typename Io>
 void visit(Io& io, AxisFusionOptions& o) {
   io.number("bandwidth", o.bandwidth, 0.01, 100.0);
   io.flag("weighted_spread", o.weighted_spread);
-  io.positive("min_sigma_m", o.min_sigma_m);
+  io.positive("min_sigma_m", o.min_sigma_m, kSigma_m);
   io.number("iterations", o.iterations, 1, kMostIterations);
   io.number("literal_alpha", o.literal_alpha, 0.0, 0.99);
   io.positive("literal_step", o.literal_step);
@@ -59,7 +59,7 @@ void visit(Io& io, ShapeOptions& o) {
   io.section("cloud", [&](auto& inner) { visit(inner, o.cloud); });
   io.section("surface_cloud", [&](auto& inner) { visit(inner, o.surface); });
   io.section("axis_fusion", [&](auto& inner) { visit(inner, o.fusion); });
-  io.positive("sphere_sigma", o.sphere_sigma);
+  io.positive("sphere_sigma", o.sphere_sigma, kSigmaOfRatio);
   io.number("search_keyframes", o.search_keyframes, 0, 1000);
 }
 
@@ -75,7 +75,7 @@ void visit(Io& io, ShortWindowOptions& o) {
   io.flag("rest_factor", o.rest_factor);
   io.flag("marginal_prior", o.marginal_prior);
   io.number("max_landmarks", o.max_landmarks, 10);
-  io.positive("pixel_sigma_px", o.pose.pixel_sigma_px);
+  io.positive("pixel_sigma_px", o.pose.pixel_sigma_px, kSigma_px);
   io.positive("gate_sigmas", o.pose.gate_sigmas);
   io.number("min_inliers", o.pose.min_inliers, 4);
   io.number("ransac_iterations", o.pose.ransac_iterations, 1, kMostIterations);
@@ -93,7 +93,7 @@ void visit(Io& io, LongWindowOptions& o) {
       "outline", o.outline,
       Choices<Outline>{{"bbox", Outline::bbox}, {"rot_bbox", Outline::rot_bbox}, {"hull", Outline::hull}});
   io.choice("exponents", o.exponents, Choices<int>{{"0", 0}, {"1", 1}, {"3", 3}});
-  io.positive("outline_sigma_px", o.outline_sigma_px);
+  io.positive("outline_sigma_px", o.outline_sigma_px, kSigma_px);
   io.choice("outline_noise", o.outline_noise,
             Choices<OutlineNoise>{{"given", OutlineNoise::given}, {"measured", OutlineNoise::measured}});
   io.flag("segmented_outlines", o.segmented_outlines);
@@ -109,11 +109,11 @@ void visit(Io& io, LongWindowOptions& o) {
   io.choice("rigid_prior", o.rigid_prior,
             Choices<RigidPrior>{
                 {"none", RigidPrior::none}, {"soft", RigidPrior::soft}, {"hard", RigidPrior::hard}});
-  io.positive("rigid_sigma_m", o.rigid_sigmas.translation_m);
-  io.positive("rigid_sigma_rad", o.rigid_sigmas.rotation_rad);
-  io.positive("profile_sigma", o.profile_sigma);
+  io.positive("rigid_sigma_m", o.rigid_sigmas.translation_m, kSigma_m);
+  io.positive("rigid_sigma_rad", o.rigid_sigmas.rotation_rad, kSigma_rad);
+  io.positive("profile_sigma", o.profile_sigma, kSigmaOfRatio);
   io.flag("surface_points", o.surface_points);
-  io.positive("surface_sigma_m", o.surface_sigma_m);
+  io.positive("surface_sigma_m", o.surface_sigma_m, kSigma_m);
   io.flag("extents", o.extents);
   io.flag("depth_sides", o.depth_sides);
   io.number("max_iterations", o.max_iterations, 1, kMostIterations);
@@ -131,10 +131,10 @@ void visit(Io& io, LifecycleOptions& o) {
 
 template <typename Io>
 void visit(Io& io, TrajectorySmootherOptions& o) {
-  io.positive("least_translation_sigma_m", o.least_translation_sigma_m);
-  io.positive("least_rotation_sigma_rad", o.least_rotation_sigma_rad);
-  io.positive("guess_sigma_m", o.guess_sigma_m);
-  io.positive("guess_sigma_rad", o.guess_sigma_rad);
+  io.positive("least_translation_sigma_m", o.least_translation_sigma_m, kSigma_m);
+  io.positive("least_rotation_sigma_rad", o.least_rotation_sigma_rad, kSigma_rad);
+  io.positive("guess_sigma_m", o.guess_sigma_m, kSigma_m);
+  io.positive("guess_sigma_rad", o.guess_sigma_rad, kSigma_rad);
   io.positive("outlier", o.outlier);
   io.number("robust_rounds", o.robust_rounds, 1, 100);
 }
@@ -146,16 +146,16 @@ void visit(Io& io, MotionDecisionOptions& o) {
   io.number("rest_poses", o.rest_poses, 2, 1000);
   io.positive("rest_sigmas", o.rest_sigmas);
   io.positive("moving_sigmas", o.moving_sigmas);
-  io.positive("camera_sigma_m", o.camera_sigmas.translation_m);
-  io.positive("camera_sigma_rad", o.camera_sigmas.rotation_rad);
-  io.positive("surface_sigma_m", o.surface_sigma_m);
+  io.positive("camera_sigma_m", o.camera_sigmas.translation_m, kSigma_m);
+  io.positive("camera_sigma_rad", o.camera_sigmas.rotation_rad, kSigma_rad);
+  io.positive("surface_sigma_m", o.surface_sigma_m, kSigma_m);
 }
 
 template <typename Io>
 void visit(Io& io, CloudAlignmentOptions& o) {
   io.number("max_points", o.max_points, 10, 1'000'000);
-  io.positive("point_sigma_m", o.point_sigma_m);
-  io.positive("outline_sigma_px", o.outline_sigma_px);
+  io.positive("point_sigma_m", o.point_sigma_m, kSigma_m);
+  io.positive("outline_sigma_px", o.outline_sigma_px, kSigma_px);
   io.positive("far_m", o.far_m);
   io.positive("near_m", o.near_m);
   io.number("min_normal_cosine", o.min_normal_cosine, 0.0, 1.0);
@@ -166,7 +166,7 @@ void visit(Io& io, CloudAlignmentOptions& o) {
   io.number("max_outline_share", o.max_outline_share, 0.0, 1.0);
   io.positive("turn_rad", o.turn_rad);
   io.number("turns", o.turns, 0, 6);
-  io.positive("color_sigma", o.color_sigma);
+  io.positive("color_sigma", o.color_sigma, kSigmaOfRatio);
 }
 
 }  // namespace uniquadric

@@ -11,7 +11,7 @@ inline constexpr double kLeastJump = 1e-4,
 /// Names the options' keys, for reading and writing (option_io.h).
 template <typename Io>
 void visit(Io& io, RigidMotionOptions& o) {
-  io.positive("pixel_sigma", o.pixel_sigma);
+  io.positive("pixel_sigma", o.pixel_sigma, kSigma_px);
   io.positive("pixel_gate", o.pixel_gate);
   io.positive("depth_gate", o.depth_gate);
   io.number("depth_slack_m", o.depth_slack_m, 0.0, 10.0);
@@ -56,7 +56,7 @@ void visit(Io& io, FeatureOptions& o) {
   io.number("max_prediction_gap_s", o.max_prediction_gap_s, 0.0, 1e6);
   io.number("max_anchor_warp", o.max_anchor_warp, 1.0, 10.0);
   io.number("min_anchor_correlation", o.min_anchor_correlation, 0.0, 1.0);
-  io.positive("max_pixel_sigma", o.max_pixel_sigma);
+  io.positive("max_pixel_sigma", o.max_pixel_sigma, kSigma_px);
   io.positive("max_slip_px", o.max_slip_px);
   io.positive("aligned_pixel_gate", o.aligned_pixel_gate);
   io.section("flow", [&](auto& inner) {

@@ -55,7 +55,7 @@ void visit(Io& io, BodyTwistOptions& o) {
   io.number("neighbours", o.neighbours, 5, 1000);
   io.number("max_jump", o.max_jump, kLeastJump, kMostJump);
   io.number("max_points", o.max_points, 10, 1'000'000);
-  io.positive("pixel_sigma", o.pixel_sigma);
+  io.positive("pixel_sigma", o.pixel_sigma, kSigma_px);
   io.number("rows_as_one", o.rows_as_one, 1.0, 1e6);
 }
 
