@@ -17,6 +17,7 @@
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
 #include "estimator/backend.h"
+#include "estimator/factors/solver_log.h"
 #include "estimator/single_frame.h"
 
 namespace uniquadric {
@@ -252,6 +253,7 @@ void warn_of_little(const Perception& perception, const Tracks& tracks) {
 
 void estimate(const fs::path& sequence_folder, const Variant& variant, const EstimateOptions& options,
               const fs::path& out) {
+  keep_solver_silent();
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
   PendingFolder pending(out, options.force);
@@ -281,6 +283,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
 
 void keep_perception(const fs::path& sequence_folder, const Variant& variant,
                      const EstimateOptions& options) {
+  keep_solver_silent();
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
   kept_perception(sequence, variant, options, options.force ? Replace::always : Replace::its_own);

@@ -279,7 +279,7 @@ void write_estimate(const fs::path& folder, const Tracks& tracks) {
     text += fmt::format("{},{},{},{},{},{},{}", state->frame, state->stamp_ns, id, a.x(), a.y(), a.z(),
                         state->exponent);
     for (const double variance : state->covariance_diagonal)
-      text += std::isnan(variance) ? "," : fmt::format(",{}", variance);
+      text += std::isfinite(variance) && variance >= 0 ? fmt::format(",{}", variance) : ",";
     text += fmt::format(",{},{}\n", to_string(state->status), to_string(state->motion));
   }
   write_text(folder / "objects.csv", text);

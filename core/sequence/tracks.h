@@ -56,7 +56,8 @@ struct Tracks {
 /// time). Throws InputError with file and line.
 Tracks read_tracks(const std::filesystem::path& folder);
 
-/// Writes `camera.tum`, `objects/ID.tum` and `objects.csv` of an estimate into an existing folder.
+/// Writes `camera.tum`, `objects/ID.tum` and `objects.csv` of an estimate into an existing folder. A variance
+/// that is not finite or negative is written as one that was not estimated.
 void write_estimate(const std::filesystem::path& folder, const Tracks& tracks);
 
 }  // namespace uniquadric

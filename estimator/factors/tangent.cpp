@@ -29,7 +29,7 @@ class Tangent final : public ceres::SizedCostFunction<1, 7, 7, 3, Exponents> {
     const double distance = plane_.normal.dot(world_from_body.translation) + plane_.offset_m +
                             in_body.dot(body_from_shape.translation) + h.value;
     residuals[0] = weight_ * distance;
-    if (!std::isfinite(distance)) return false;  // axes beyond the numbers: the solver takes a shorter step
+    if (!std::isfinite(residuals[0]) || !are_numbers(h)) return false;  // the solver takes a shorter step
     if (!jacobians) return true;
 
     // The normal turns by -phi x n; the point it supports, in the frame that turns, takes it up.
@@ -44,6 +44,12 @@ class Tangent final : public ceres::SizedCostFunction<1, 7, 7, 3, Exponents> {
   }
 
  private:
+  // With the weight on them, as they are written.
+  bool are_numbers(const SupportDerivatives& h) const {
+    return (weight_ * h.by_normal).allFinite() && (weight_ * h.by_log_axes).allFinite() &&
+           std::isfinite(weight_ * h.by_outline) && std::isfinite(weight_ * h.by_profile);
+  }
+
   void write_pose(const Eigen::Vector3d& normal, const Eigen::Vector3d& support, const Pose& pose,
                   double* out) const {
     Eigen::Matrix<double, 1, 6> local;

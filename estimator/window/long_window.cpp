@@ -118,7 +118,8 @@ Blocks make_blocks(const std::vector<ShapeView>& views, const Shape& start,
 }
 
 // Variances of axes [m^2], translation and rotation from the inverse of the normal equations of the blocks
-// that belong to the body; poses that are free are marginalised with them.
+// that belong to the body; poses that are free are marginalised with them. NaN where
+// the normal equations give none.
 Vector9d variances_of(ceres::Problem& problem, Blocks& blocks) {
   ceres::Problem::EvaluateOptions evaluate;
   problem.GetParameterBlocks(&evaluate.parameter_blocks);
@@ -129,7 +130,8 @@ Vector9d variances_of(ceres::Problem& problem, Blocks& blocks) {
   std::stable_partition(order.begin(), order.end(),
                         [&](double* block) { return block == blocks.offset.data(); });
   ceres::CRSMatrix crs;
-  problem.Evaluate(evaluate, nullptr, nullptr, nullptr, &crs);
+  Vector9d variances = Vector9d::Constant(std::numeric_limits<double>::quiet_NaN());
+  if (!problem.Evaluate(evaluate, nullptr, nullptr, nullptr, &crs)) return variances;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(crs.num_cols, crs.num_cols);
   for (int row = 0; row < crs.num_rows; ++row)
     for (int i = crs.rows[row]; i < crs.rows[row + 1]; ++i)
@@ -138,11 +140,13 @@ Vector9d variances_of(ceres::Problem& problem, Blocks& blocks) {
   const bool has_offset = !problem.IsParameterBlockConstant(blocks.offset.data());
   const int wanted = has_offset ? 9 : 3;
   const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
-  Vector9d variances = Vector9d::Zero();
+  variances.setZero();
   for (int k = 0; k < wanted; ++k) {
     const double variance = solver.solve(Eigen::VectorXd::Unit(crs.num_cols, k))[k];
     const int axis = has_offset ? k - 6 : k;
-    if (axis >= 0)
+    if (!(variance >= 0 && std::isfinite(variance)))
+      variances[axis >= 0 ? axis : 3 + k] = std::numeric_limits<double>::quiet_NaN();
+    else if (axis >= 0)
       variances[axis] = variance * std::exp(2 * blocks.axes[axis]);
     else
       variances[3 + k] = variance;

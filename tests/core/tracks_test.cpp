@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "core/base/files.h"
 #include "core/sequence/calibration.h"
@@ -57,6 +58,23 @@ TEST(Tracks, AnEstimateReadsBackAsItWasWritten) {
       EXPECT_EQ(b.covariance_diagonal[0], 1e-4);
       EXPECT_TRUE(std::isnan(b.covariance_diagonal[1]));
     }
+}
+
+TEST(Tracks, AVarianceThatIsNoneIsNotWritten) {
+  const TempFolder temp;
+  Tracks tracks = two_objects();
+  Vector9d& variances = tracks.objects[0].states[1].covariance_diagonal;
+  variances.setConstant(1e-6);
+  variances[2] = std::numeric_limits<double>::infinity();
+  variances[4] = -1e-150;
+  variances[7] = 0;
+  write_estimate(temp.path(), tracks);
+  const Vector9d read = read_tracks(temp.path()).objects[0].states[1].covariance_diagonal;
+  for (int i = 0; i < 9; ++i)
+    if (i == 2 || i == 4)
+      EXPECT_TRUE(std::isnan(read[i])) << i;
+    else
+      EXPECT_EQ(read[i], i == 7 ? 0 : 1e-6) << i;
 }
 
 TEST(Tracks, AnEstimateWithoutTheColumnOfMotionReadsAsUnknown) {

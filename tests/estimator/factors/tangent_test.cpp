@@ -1,14 +1,19 @@
 #include "estimator/factors/tangent.h"
 
 #include <ceres/cost_function.h>
+#include <ceres/problem.h>
+#include <ceres/sized_cost_function.h>
+#include <ceres/solver.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/geometry/ellipsoid.h"
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/shape_block.h"
+#include "estimator/factors/solver_log.h"
 #include "tests/estimator/factors/jacobian_check.h"
 
 namespace uniquadric {
@@ -105,6 +110,48 @@ TEST(TangentFactor, ResidualIsThePixelsByWhichTheLineIsOff) {
     EXPECT_NEAR(residuals_of(*cost, blocks_at(body, exponents(2, 1)))[0], 2 / 0.5,
                 0.4);  // depth varies by 10 %
   }
+}
+
+// With axes of exp(700) m the distance is a number still, its pixels and derivatives by the sigma are none.
+TEST(TangentFactor, WhatIsNoNumberIsRefused) {
+  const TangentPlane plane = tangent_plane(kCamera, kWorldFromCamera, {direction(1, 16), 300, true}, kDepth);
+  Blocks blocks = blocks_at(body_at(test_rotations()[0]), exponents(1.5, 1));
+  const auto is_usable = [&](double sigma_px) {
+    std::vector<const double*> pointers;
+    for (const auto& block : blocks) pointers.push_back(block.data());
+    double residual = 0;
+    return tangent_factor(plane, {1, sigma_px, 1e-3})->Evaluate(pointers.data(), &residual, nullptr);
+  };
+  EXPECT_TRUE(is_usable(0.01));
+  blocks[2] = {700, 700, 700};
+  EXPECT_TRUE(is_usable(1000));
+  EXPECT_FALSE(is_usable(0.001));
+}
+
+// A cost that is no number makes the solver warn, several times.
+TEST(SolverLog, IsSilentOnceItIsToldTo) {
+  struct NoNumber : ceres::SizedCostFunction<1, 1> {
+    bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+      residuals[0] = NAN;
+      if (jacobians && jacobians[0]) jacobians[0][0] = NAN;
+      return true;
+    }
+  };
+  const auto said = [] {
+    double x = 1;
+    ceres::Problem problem;
+    problem.AddResidualBlock(new NoNumber, nullptr, &x);
+    ceres::Solver::Options options;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    testing::internal::CaptureStderr();
+    ceres::Solve(options, &problem, &summary);
+    EXPECT_FALSE(summary.IsSolutionUsable());
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_NE(said(), "");
+  keep_solver_silent();
+  EXPECT_EQ(said(), "");
 }
 
 TEST(TangentFactor, JacobianMatchesDifferences) {
