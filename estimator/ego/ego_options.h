@@ -21,7 +21,7 @@ void visit(Io& io, EgoOptions& o) {
   io.flag("final_adjustment", o.final_adjustment);
   io.number("final_iterations", o.final_iterations, 1, 1000);
   io.number("young_frames", o.young_frames, 0, 10'000);
-  io.number("young_lost_frames", o.young_lost_frames, 1, 10'000);
+  io.number("young_lost_frames", o.young_lost_frames, 2, 10'000);
   io.number("restart_after_s", o.restart_after_s, 0.0, 1e6);
   io.number("restart_features", o.restart_features, 4, 100'000);
   io.section("pose", [&](auto& inner) { visit(inner, o.pose); });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 #include <vector>
 
 #include "core/base/seconds.h"
@@ -38,6 +39,17 @@ struct Stretch {
 
 std::int64_t count_with_depth(const std::vector<Feature>& features) {
   return std::count_if(features.begin(), features.end(), [](const Feature& f) { return f.depth_m > 0; });
+}
+
+// Those with depth that the last lost frame but one had too. Where nothing is followed from frame to frame a
+// new map would be lost as soon as it was made.
+std::int64_t count_followed(const std::vector<FramePose>& lost) {
+  if (lost.size() < 2) return 0;
+  std::set<std::int64_t> before;
+  for (const Feature& f : (lost.end() - 2)->features) before.insert(f.track);
+  const auto& now = lost.back().features;
+  return std::count_if(now.begin(), now.end(),
+                       [&](const Feature& f) { return f.depth_m > 0 && before.contains(f.track); });
 }
 
 std::vector<PointSighting> sightings_of(const EgoMap& map, const std::vector<Feature>& features) {
@@ -135,16 +147,16 @@ bool RgbdOdometry::State::follow(std::int64_t frame, const TrackedFeatures& feat
 
 // A young map is no loss: its frames are looked for in the new one, as are those that were lost.
 bool RgbdOdometry::State::begin_anew(const SequenceFrame& frame, const std::vector<Feature>& features) {
-  const auto with_depth = count_with_depth(features);
+  const auto followed = count_followed(lost);
   if (given_up.empty() && std::ssize(frames) < options.young_frames) {
-    if (std::ssize(lost) < options.young_lost_frames || with_depth < options.pose.min_inliers) return false;
+    if (std::ssize(lost) < options.young_lost_frames || followed < options.pose.min_inliers) return false;
     before.insert(before.end(), frames.begin(), frames.end());
     presumed = {};
     up.reset();
     frames_seen = 1;
   } else {
     if (seconds(frames.back().stamp_ns, frame.stamp_ns) < options.restart_after_s ||
-        with_depth < options.restart_features)
+        followed < options.restart_features)
       return false;
     given_up.push_back({std::move(map), std::move(frames), std::move(before)});
     before.clear();

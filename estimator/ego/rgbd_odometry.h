@@ -36,8 +36,9 @@ struct EgoOptions {
   /// Frames: a map that is lost for young_lost_frames before it has placed young_frames was begun on a bad
   /// one.
   int young_frames = 10, young_lost_frames = 3;
-  /// After this time [s] with at least this many background features with depth the world is not the map's
-  /// any more (the depth has another scale, or all has been moved): a new one begins.
+  /// After this time [s], while at least this many background features with depth are followed from frame to
+  /// frame, the world is not the map's any more (the depth has another scale, or all has been moved): a new
+  /// one begins.
   double restart_after_s = 1;
   int restart_features = 40;
   BundleOptions bundle;

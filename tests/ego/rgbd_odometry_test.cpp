@@ -238,6 +238,24 @@ TEST(RgbdOdometry, AStepOfTheScaleBeginsANewMapAtTheLastPose) {
   }
 }
 
+// Features that are new in every frame: any map would be lost in the next one, and the first stays.
+TEST(RgbdOdometry, WithoutFeaturesToFollowNoMapBeginsAnew) {
+  const Walk walk(11);
+  for (const int placed : {1, 20}) {
+    RgbdOdometry odometry(walk.camera, {}, 1);
+    for (int i = 0; i < 80; ++i) {
+      TrackedFeatures seen = walk.see(i);
+      if (i >= placed)
+        for (auto& f : seen.background) f.track += 10'000 * i;
+      odometry.track(walk.frame(i), seen, {}, {});
+    }
+    EXPECT_EQ(odometry.restarts(), 0);
+    const Trajectory trajectory = odometry.trajectory();
+    ASSERT_EQ(std::ssize(trajectory), placed);
+    EXPECT_EQ(trajectory[0].stamp_ns, walk.frame(0).stamp_ns);
+  }
+}
+
 TEST(RgbdOdometry, ACameraThatIsCoveredFindsBackToItsMap) {
   const Walk walk(10);
   RgbdOdometry odometry(walk.camera, {}, 1);
