@@ -97,9 +97,13 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   Matrix6d covariance = recent_.back().covariance;
   covariance.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
   covariance.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
-  BodyState state = state_at(frame, predict(frame, body), covariance);
+  Pose world_from_body = predict(frame, body);
+  const auto center = body && is_stale(frame) ? shape_.center_of(frame, *body) : std::nullopt;
+  if (center) place_center(world_from_body, *center);
+  BodyState state = state_at(frame, world_from_body, covariance);
   state.status = is_lost ? ObjectStatus::lost : ObjectStatus::occluded;
-  state.evidence = PoseEvidence::none;
+  // of a part alone the centre is not known well enough to count
+  state.evidence = center && is_whole(*body->silhouette) ? PoseEvidence::guess : PoseEvidence::none;
   return state;
 }
 
@@ -188,15 +192,18 @@ PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) cons
           kPredictionSigma + o.angular_acceleration_radps2 * t * t / 2};
 }
 
+void BodyEstimator::place_center(Pose& world_from_body, const Eigen::Vector3d& center) const {
+  world_from_body.translation =
+      center - world_from_body.rotation * shape_.shape().body_from_object.translation;
+}
+
 // The body is in view and too few of its points are found again: its surface places it. When that goes on,
 // the short window starts anew from there.
 std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
   Pose predicted = predict(frame, &body);
   const bool stale = is_stale(frame);
-  const Eigen::Vector3d center_in_body = shape_.shape().body_from_object.translation;
   if (stale)
-    if (const auto center = shape_.center_of(frame, body))
-      predicted.translation = *center - predicted.rotation * center_in_body;
+    if (const auto center = shape_.center_of(frame, body)) place_center(predicted, *center);
   const auto found =
       align_to_cloud(camera_, body, shape_.surface(), frame.world_from_camera->inverse() * predicted,
                      prediction_sigmas_at(frame), stale, options_.alignment);

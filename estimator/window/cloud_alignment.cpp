@@ -73,7 +73,8 @@ struct Fit {
   Pose pose;
   Matrix6d information = Matrix6d::Zero();
   double cost = std::numeric_limits<double>::infinity();
-  double matched = 0, distance_m = 0, outline_px = 0;
+  double matched = 0, distance_m = 0;
+  double outline_px = 0, beyond_px = 0;  // mean distance off the tangents; of it what lies outside
 };
 
 class Aligner {
@@ -193,7 +194,7 @@ class Aligner {
         camera_.fx * in_camera.row(0).cwiseQuotient(in_camera.row(2)).array() + camera_.cx;
     const Eigen::RowVectorXd v =
         camera_.fy * in_camera.row(1).cwiseQuotient(in_camera.row(2)).array() + camera_.cy;
-    double sum = 0;
+    double sum = 0, beyond = 0;
     for (const SupportLine& line : lines_) {
       Eigen::Index at = 0;
       const double off = (line.normal.x() * u + line.normal.y() * v).maxCoeff(&at) - line.offset_px;
@@ -207,8 +208,11 @@ class Aligner {
       row << turned.transpose(), body.cross(Eigen::Vector3d(turned.transpose()));
       equations.add(row / options_.outline_sigma_px, off / options_.outline_sigma_px);
       sum += std::abs(off);
+      beyond += std::max(0.0, off);
     }
-    fit.outline_px = lines_.empty() ? 0 : sum / static_cast<double>(std::ssize(lines_));
+    const auto count = static_cast<double>(std::max<std::ptrdiff_t>(1, lines()));
+    fit.outline_px = sum / count;
+    fit.beyond_px = beyond / count;
     return true;
   }
 
@@ -265,7 +269,9 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
   const bool known = best.matched > options.min_matched;
   const double most_px =
       std::max(options.max_outline_px, options.max_outline_share * 2 * body.silhouette->rot_bbox.semi_minor);
-  if (best.distance_m > options.max_distance_m || best.outline_px > most_px ||
+  // What is known of a body may well end inside its outline, if its points lie where they were.
+  const double off_px = known ? best.beyond_px : best.outline_px;
+  if (best.distance_m > options.max_distance_m || off_px > most_px ||
       (!known && aligner.lines() < options.min_lines))
     return std::nullopt;
   return CloudAlignment{

@@ -123,6 +123,30 @@ TEST(BodyEstimator, AndOfARod) {
   EXPECT_LT(errors.axes_m, 0.01);
 }
 
+// What is in its mask later is no more its surface: it stays where that is seen, and is not carried on.
+TEST(BodyEstimator, ABodyThatIsNotRecognisedStaysWhereItsMaskIs) {
+  const auto place = [](double t) { return Eigen::Vector3d(-0.4 + 0.5 * std::min(t, 1.2), 0, 1); };
+  const auto moving = [&](double t) { return Pose{Eigen::Quaterniond::Identity(), place(t)}; };
+  SyntheticOptions options = three_seconds();
+  options.world_from_camera = [](double) { return looking_at({0, -2.2, 1.4}, {0, 0, 1}); };
+  SyntheticPerception perception = synthetic_perception({box_body(kAxes, moving)}, options);
+  const SyntheticPerception other =
+      synthetic_perception({ellipsoid_body({0.12, 0.3, 0.12}, moving)}, options);
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  std::optional<BodyState> state;
+  for (std::size_t i = 0; i < perception.frames.size(); ++i) {
+    BodyObservation& body = perception.frames[i].bodies[0];
+    if (i > 36) {
+      body = other.frames[i].bodies[0];
+      body.features.clear();
+    }
+    state = estimator.step(perception.frames[i], &body);
+  }
+  ASSERT_TRUE(state);
+  const Pose object = state->world_from_body * state->shape.body_from_object;
+  EXPECT_LT((object.translation - place(3)).norm(), 0.2) << to_string(state->status);
+}
+
 // Its axes come out a tenth to a half too long.
 TEST(BodyEstimator, AnEllipsoidAboutABoxIsKnownToFitBadly) {
   const SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());

@@ -66,6 +66,20 @@ TEST(CloudAlignment, FindsABodyFromAPredictionThatIsCentimetresOff) {
   EXPECT_GT(found->predicted_distance_m, 2 * found->distance_m);
 }
 
+// A third of it was never seen: what is known ends far inside the outline, and lies where it did.
+TEST(CloudAlignment, FindsABodyOfWhichAPartIsKnown) {
+  const Scene scene;
+  std::vector<Eigen::Index> known;
+  for (Eigen::Index i = 0; i < 2000; ++i)
+    if (scene.body.points(0, i) < kAxes.x() / 3) known.push_back(i);
+  const SurfaceModel model{scene.body.points(Eigen::all, known), scene.body.normals(Eigen::all, known), {}};
+  const Pose predicted = moved(scene.camera_from_body, {0.02, -0.02, 0.02}, {0.05, -0.05, 0.05});
+  const auto found =
+      align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.05, 0.1}, false, {});
+  ASSERT_TRUE(found);
+  expect_near(found->camera_from_body, scene.camera_from_body, 0.02, 0.03);
+}
+
 TEST(CloudAlignment, TriesTurnedStartsWhenThePredictionIsStale) {
   const Scene scene;
   const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000), {}};
