@@ -69,6 +69,7 @@ class BodyEstimator {
 
   /// world_from_body at a frame that comes, of a body that has been found before: perception's own motion of
   /// `body` since the last frame where there is one, else constant velocity, or rest.
+  CloudAlignmentOptions alignment() const;
   void place_center(Pose& world_from_body, const Eigen::Vector3d& center) const;
   Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;
 

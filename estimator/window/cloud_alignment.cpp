@@ -269,8 +269,8 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
   const bool known = best.matched > options.min_matched;
   const double most_px =
       std::max(options.max_outline_px, options.max_outline_share * 2 * body.silhouette->rot_bbox.semi_minor);
-  // What is known of a body may well end inside its outline, if its points lie where they were.
-  const double off_px = known ? best.beyond_px : best.outline_px;
+  // What is known of a growing body may well end inside its outline, if its points lie where they were.
+  const double off_px = known && options.growing ? best.beyond_px : best.outline_px;
   if (best.distance_m > options.max_distance_m || off_px > most_px ||
       (!known && aligner.lines() < options.min_lines))
     return std::nullopt;

@@ -30,6 +30,7 @@ struct CloudAlignmentOptions {
   double max_outline_px = 5;      // the same of the tangents
   double max_outline_share =
       0.05;               // or this, of the outline's width, where it is more: masks of large things err more
+  bool growing = false;   // of a body that was seen in part: it may end inside its outline
   double turn_rad = 0.5;  // starts turned by so much about each axis, where the prediction is stale
   int turns = 3;          // and twice, three times that
   double color_sigma = 12;  // [1] of a point's colour, CIE L*a*b*: texture between voxels, light, noise

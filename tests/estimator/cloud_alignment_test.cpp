@@ -74,8 +74,14 @@ TEST(CloudAlignment, FindsABodyOfWhichAPartIsKnown) {
     if (scene.body.points(0, i) < kAxes.x() / 3) known.push_back(i);
   const SurfaceModel model{scene.body.points(Eigen::all, known), scene.body.normals(Eigen::all, known), {}};
   const Pose predicted = moved(scene.camera_from_body, {0.02, -0.02, 0.02}, {0.05, -0.05, 0.05});
-  const auto found =
-      align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.05, 0.1}, false, {});
+  CloudAlignmentOptions options;
+  const auto align = [&] {
+    return align_to_cloud(scene.perception.camera, scene.seen(), model, predicted, {0.05, 0.1}, false,
+                          options);
+  };
+  EXPECT_FALSE(align());
+  options.growing = true;
+  const auto found = align();
   ASSERT_TRUE(found);
   expect_near(found->camera_from_body, scene.camera_from_body, 0.02, 0.03);
 }
