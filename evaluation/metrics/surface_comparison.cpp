@@ -32,7 +32,7 @@ SurfaceComparison compare_to_surface(const std::filesystem::path& points, const 
   const auto within = std::count_if(distances_m.begin(), distances_m.end(),
                                     [&](double distance_m) { return distance_m <= options.within_m; });
   result.share_within = share(static_cast<std::uint64_t>(within), distances_m.size());
-  result.quantile_95_m = quantile(std::move(distances_m), 0.95);
+  result.quantile_95_m = interpolated_quantile(std::move(distances_m), 0.95);
   return result;
 }
 

@@ -32,7 +32,7 @@ std::optional<Statistics> statistics(const std::vector<double>& values) {
   return result;
 }
 
-double quantile(std::vector<double> values, double q) {
+double interpolated_quantile(std::vector<double> values, double q) {
   assert(!values.empty() && q >= 0 && q <= 1);
   std::sort(values.begin(), values.end());
   const double at = q * static_cast<double>(values.size() - 1);

@@ -18,6 +18,6 @@ std::optional<Statistics> statistics(const std::vector<double>& values);
 
 /// The value that a share `q` in [0, 1] of the values is below, linear between two of them (R's type 7).
 /// Needs a value.
-double quantile(std::vector<double> values, double q);
+double interpolated_quantile(std::vector<double> values, double q);
 
 }  // namespace uniquadric
