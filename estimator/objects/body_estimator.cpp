@@ -27,6 +27,14 @@ bool can_start(const BodyObservation& body) {
   return body.silhouette && body.points.cols() > 0;
 }
 
+BodyObservation features_of(const BodyObservation& body) {
+  BodyObservation result;
+  result.id = body.id;
+  result.features = body.features;
+  result.motion = body.motion;
+  return result;
+}
+
 Pose in_world(const PerceivedFrame& frame, const Pose& camera_from_body) {
   Pose pose = *frame.world_from_camera * camera_from_body;
   pose.rotation.normalize();
@@ -53,6 +61,8 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     if (!body || !start(frame, *body)) return std::nullopt;
     return state_at(frame, recent_.back().world_from_body, recent_.back().covariance);
   }
+  std::optional<BodyObservation> own;  // without outlines that are not this body's alone
+  if (body && !has_own_outline(frame, *body)) body = &own.emplace(features_of(*body));
   std::optional<BodyPose> pose;
   const bool is_global = options_.parameterisation == Parameterisation::global;
   if (body) pose = is_global ? stand_still(frame) : track(frame, *body);
@@ -77,6 +87,9 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     sure_ns_ = frame.stamp_ns;
     sure_frame_ = frame.frame;
     remember(frame, pose->world_from_body, pose->covariance);
+    if (!own && body->silhouette)
+      outlines_.trust(camera_, *body->silhouette, frame.stamp_ns,
+                      frame.world_from_camera->inverse() * pose->world_from_body, body_center());
     if (pose->keyframe) {
       ++keyframes_;
       if (!is_global) shape_.follow(short_window_.keyframes());
@@ -120,6 +133,16 @@ bool BodyEstimator::start(const PerceivedFrame& frame, const BodyObservation& bo
   sure_ns_ = frame.stamp_ns;
   sure_frame_ = frame.frame;
   return true;
+}
+
+// Whether each outline may be the body's, as it has been seen up to now.
+bool BodyEstimator::has_own_outline(const PerceivedFrame& frame, const BodyObservation& body) const {
+  if (keyframes_ < options_.lifecycle.confirm_keyframes) return true;
+  const Pose camera_from_body = frame.world_from_camera->inverse() * predict(frame, &body);
+  const auto is_own = [&](const std::optional<Silhouette>& outline) {
+    return !outline || outlines_.may_be(camera_, *outline, frame.stamp_ns, camera_from_body, body_center());
+  };
+  return is_own(body.silhouette) && is_own(body.segmented);
 }
 
 // Of a body that has not been found again since its first sights no more is known than of a new one.
@@ -199,9 +222,8 @@ PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) cons
           kPredictionSigma + o.angular_acceleration_radps2 * t * t / 2};
 }
 
-void BodyEstimator::place_center(Pose& world_from_body, const Eigen::Vector3d& center) const {
-  world_from_body.translation =
-      center - world_from_body.rotation * shape_.shape().body_from_object.translation;
+void BodyEstimator::place_center(Pose& world_from_body, const Eigen::Vector3d& at) const {
+  world_from_body.translation = at - world_from_body.rotation * body_center();
 }
 
 // The body is in view and too few of its points are found again: its surface places it. When that goes on,
@@ -249,7 +271,7 @@ Pose BodyEstimator::predict(const PerceivedFrame& frame, const BodyObservation* 
   const double faded = kRest * -std::expm1(-ahead_s / kRest) / base_s;
   pose.rotation = (exp_so3(faded * turn) * last.world_from_body.rotation).normalized();
   // what moves steadily is the centre, not the origin of the window's frame
-  const Eigen::Vector3d c = shape_.shape().body_from_object.translation;
+  const Eigen::Vector3d c = body_center();
   const Eigen::Vector3d center =
       (1 + share) * (last.world_from_body * c) - share * (first.world_from_body * c);
   pose.translation = center - pose.rotation * c;

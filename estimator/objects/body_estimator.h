@@ -8,6 +8,7 @@
 
 #include "core/sequence/tracks.h"
 #include "estimator/objects/motion_decision.h"
+#include "estimator/objects/outline_watch.h"
 #include "estimator/objects/shape_estimator.h"
 #include "estimator/perception/perception.h"
 #include "estimator/window/cloud_alignment.h"
@@ -69,8 +70,6 @@ class BodyEstimator {
 
   /// world_from_body at a frame that comes, of a body that has been found before: perception's own motion of
   /// `body` since the last frame where there is one, else constant velocity, or rest.
-  CloudAlignmentOptions alignment() const;
-  void place_center(Pose& world_from_body, const Eigen::Vector3d& center) const;
   Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;
 
  private:
@@ -81,6 +80,7 @@ class BodyEstimator {
   };
 
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
+  bool has_own_outline(const PerceivedFrame& frame, const BodyObservation& body) const;
   bool was_a_glimpse(double hidden_s) const;
   void remember(const PerceivedFrame& frame, const Pose& world_from_body, const Matrix6d& covariance);
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
@@ -88,6 +88,9 @@ class BodyEstimator {
   void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);
   BodyPose stand_still(const PerceivedFrame& frame) const;
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
+  CloudAlignmentOptions alignment() const;
+  Eigen::Vector3d body_center() const { return shape_.shape().body_from_object.translation; }
+  void place_center(Pose& world_from_body, const Eigen::Vector3d& at) const;
   bool is_stale(const PerceivedFrame& frame) const;
   PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame) const;
   BodyState state_at(const PerceivedFrame& frame, const Pose& world_from_body,
@@ -100,6 +103,7 @@ class BodyEstimator {
   ShortWindow short_window_;
   ShapeEstimator shape_;
   MotionDecision motion_;
+  OutlineWatch outlines_;
   std::deque<Tracked> recent_;                 // frames with a tracked pose, the newest last
   std::int64_t sure_ns_ = 0, sure_frame_ = 0;  // of the last pose that was no guess
   std::optional<ShapeEstimator> strayed_;      // as it was before a new face alone was to go by

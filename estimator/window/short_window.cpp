@@ -102,8 +102,9 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
   result.sighted = result.world_from_body;
   result.covariance = solution->information.inverse();
   result.inliers = solution->inlier_count;
-  result.keyframe =
-      keyframe_is_due(frame, shows_whole(body), solution->camera_from_body, solution->inlier_count);
+  // what is under a mask that is not known to be the body's may be another's
+  result.keyframe = body.silhouette && keyframe_is_due(frame, shows_whole(body), solution->camera_from_body,
+                                                       solution->inlier_count);
   std::vector<Feature> kept;
   for (std::size_t i = 0; i < features.size(); ++i) {
     BodyPoint& landmark = landmarks_.at(features[i]->track);
