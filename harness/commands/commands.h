@@ -24,5 +24,6 @@ void add_metric(CLI::App& app, Common& common);
 void add_trajectory(CLI::App& app, Common& common);
 void add_import(CLI::App& app, Common& common);
 void add_export(CLI::App& app, Common& common);
+void add_completion(CLI::App& app, Common& common);
 
 }  // namespace uniquadric

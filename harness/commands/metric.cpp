@@ -116,7 +116,7 @@ void add_metric(CLI::App& app, Common& common) {
       subcommand(app, "metric", "one figure per JSON line: stdin -> stdout; or figures of files", common);
   static std::string kind;
   static MetricOptions options;
-  auto* lines = sub->add_option("KIND", kind, "of JSON lines: iou3d, iou2d, project or pose");
+  auto* lines = sub->add_option("KIND", kind, "of JSON lines")->type_name("{iou3d,iou2d,project,pose}");
   sub->add_option("--method", options.method, "of iou3d")->check(CLI::IsMember({"exact", "monte-carlo"}));
   sub->add_option("--samples", options.samples, "of monte-carlo")->check(whole_number(1, kMaxCount));
   sub->add_option("--seed", options.seed, "of monte-carlo")->check(whole_number());

@@ -71,7 +71,8 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
                                     "import omd",
                                     "import euroc",
                                     "export",
-                                    "perceive"}) {
+                                    "perceive",
+                                    "completion"}) {
     std::vector<std::string> arguments{command, "--help"};
     if (const std::size_t blank = command.find(' '); blank != command.npos)
       arguments = {command.substr(0, blank), command.substr(blank + 1), "--help"};
