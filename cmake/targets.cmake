@@ -1,3 +1,4 @@
+include(GNUInstallDirs)
 include(GoogleTest)
 
 add_library(uniquadric_warnings INTERFACE)
@@ -35,13 +36,20 @@ function(uniquadric_reuse_headers target headers)
 endfunction()
 
 # uniquadric_library(NAME SOURCES ... LINKS ... PRIVATE_LINKS ...): a static library of this folder, its
-# links being exactly the arrows of docs/decisions.md.
+# links being exactly the arrows of docs/decisions.md. Those of core and evaluation are installed for other projects.
 function(uniquadric_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
-  target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS} uniquadric_warnings)
+  target_include_directories(${name} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR};${PROJECT_BINARY_DIR}/generated>"
+                                            $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/uniquadric>)
+  target_link_libraries(${name} PUBLIC ${ARG_LINKS}
+                                PRIVATE ${ARG_PRIVATE_LINKS} $<BUILD_INTERFACE:uniquadric_warnings>)
   uniquadric_reuse_headers(${name} library_headers)
+  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(core|evaluation)")
+    target_compile_features(${name} INTERFACE $<INSTALL_INTERFACE:cxx_std_20>)
+    install(TARGETS ${name} EXPORT uniquadric-targets
+            ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/uniquadric COMPONENT development)
+  endif()
 endfunction()
 
 # uniquadric_test(NAME SOURCES ... LINKS ...): one test program, its cases registered with ctest.
