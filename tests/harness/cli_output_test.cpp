@@ -1,0 +1,71 @@
+// What is there already is replaced when asked for alone, and an input never.
+#include "tests/harness/cli_fixture.h"
+
+namespace uniquadric {
+namespace {
+
+TEST_F(Cli, ARefusedOutputStaysAsItWas) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml());
+  write("taken/precious.txt", "precious");
+  const ProgramRun run = run_program({"simulate", scene, folder() / "taken", "--quiet"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("not empty"), std::string::npos);
+  EXPECT_EQ(read_text(folder() / "taken/precious.txt"), "precious");
+}
+
+TEST_F(Cli, BenchWritesIntoNoForeignFolder) {
+  const fs::path scene = write("small.yaml", small_scene_yaml());
+  const fs::path variant = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/single_frame_obb.yaml";
+  const fs::path bench = write(
+      "b.yaml", "scenes: [small.yaml]\nvariants: [" + variant.string() + "]\nseeds: [1]\noverlays: 1\n");
+  const fs::path taken = folder() / "taken", precious = write("taken/precious.txt", "precious");
+  expect_refusal({"bench", bench, taken}, "taken: is not empty and holds no results of bench");
+  EXPECT_EQ(std::distance(fs::directory_iterator(taken), {}), 1);
+  expect_refusal({"bench", bench, folder(), "--force"}, "holds the input");
+  fs::create_symlink(folder() / "nothing", folder() / "link");
+  expect_refusal({"bench", bench, folder() / "link"}, "link: is a link to ");
+  write("cut_short/bench.yaml", "");  // as one that was ended before its report has it
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"bench", bench, taken, "--force", "--quiet"},
+                                             {"bench", bench, folder() / "cut_short", "--quiet"}}) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_TRUE(fs::exists(fs::path(arguments[2]) / "report.md"));
+  }
+  EXPECT_EQ(read_text(precious), "precious");
+}
+
+// --force replaces a result, never what the result is made of.
+TEST_F(Cli, ForceNeverReplacesAnInput) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
+  ASSERT_EQ(run_program({"simulate", scene, data, "--quiet"}).exit_code, 0);
+  const fs::path sequence = data / "sequence", truth = data / "truth";
+  const std::string before = folder_hash(folder());
+  expect_refusal({"estimate", sequence, sequence, "--force"}, "sequence: is the input");
+  expect_refusal({"estimate", sequence, data, "--force"}, "data: holds the input");
+  expect_refusal({"estimate", sequence, sequence / "out"}, "out: lies inside the input");
+  expect_refusal({"estimate", sequence, out(), "--perception", sequence}, "sequence: is the input");
+  expect_refusal({"perceive", sequence, data, "--force"}, "data: holds the input");
+  expect_refusal({"evaluate", truth, truth, truth, "--force"}, "truth: is the input");
+  expect_refusal({"overlay", sequence, truth, data, "--force"}, "data: holds the input");
+  expect_refusal({"export", "tum", sequence, sequence, "--force"}, "sequence: is the input");
+  expect_refusal({"import", "tum", sequence, sequence, "--force"}, "sequence: is the input");
+  expect_refusal({"simulate", scene, folder(), "--force"}, "holds the input");
+  expect_refusal({"preview", scene, scene}, "scene.yaml: is the input");
+  EXPECT_EQ(folder_hash(folder()), before);
+}
+
+TEST_F(Cli, AFullOutputIsAnError) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  const fs::path scene = write("scene.yaml", small_scene_yaml());
+  EXPECT_EQ(std::system((std::string(UNIQUADRIC_PROGRAM " info ") + scene.string() + " >/dev/full 2>" +
+                         (folder() / "err").string())
+                            .c_str()) >>
+                8,
+            2);
+  EXPECT_NE(read_text(folder() / "err").find("cannot be written: No space left on device"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace uniquadric
