@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/geometry/box_symmetry.h"
+#include "estimator/objects/closer_sides.h"
 #include "estimator/objects/seen_extents.h"
 #include "estimator/objects/shape_by_extents.h"
 
@@ -15,8 +16,6 @@ constexpr double kSphereDepth = 0.6;    // centre of a sphere behind the median 
 constexpr int kMostAxes = 100;          // single-frame estimates that are fused: bounds memory and time
 constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
 constexpr double kClearlyBetter = 0.8;  // share of the cost below which another start is taken
-constexpr double kCloser = 0.9;         // share of the points off a box below which another is closer
-constexpr double kNearSide = 0.05;      // radii that a point may be off a side
 constexpr double kTurnGain = 4;         // of the cost, for which the axes turn: 8 of chi-square for 3 numbers
 constexpr PoseSigmas kBoxSigmas{0.01, 0.02};  // of the box that most of Alg. 1's agree with
 constexpr int kEnoughSegmented = 3;           // views, without which carried outlines count
@@ -208,28 +207,6 @@ std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<Accumul
   return beliefs;
 }
 
-// Share of the surface's points that lie on no side of the shape's box.
-double ShapeEstimator::share_off_box(const Shape& shape, const Evidence& evidence) const {
-  const Shape box = with_seen_extents(shape, evidence.views, radius_m_);
-  const Pose box_from_body = box.body_from_object.inverse();
-  const double near_m = kNearSide * radius_m_;
-  double off = 0;
-  for (const auto& point : evidence.surface_points.colwise()) {
-    const Eigen::Vector3d x = box_from_body * Eigen::Vector3d(point);
-    const double ratio = (x.cwiseAbs() - box.semi_axes_m).cwiseAbs().minCoeff() / near_m;
-    off += ratio * ratio / (1 + ratio * ratio);
-  }
-  return off / std::max(1.0, static_cast<double>(evidence.surface_points.cols()));
-}
-
-// No family of shapes holds every body: of two that fit alike, the one whose sides are the body's has its
-// axes.
-bool ShapeEstimator::has_closer_sides(const ShapeSolution& other, const ShapeSolution& best,
-                                      const Evidence& evidence) const {
-  return kClearlyBetter * other.cost < best.cost + kClearGain &&
-         share_off_box(other.shape, evidence) < kCloser * share_off_box(best.shape, evidence);
-}
-
 // Names stay when another axis becomes the profile's.
 Shape ShapeEstimator::shape() const {
   return with_axes_turned(shape_, (3 - turns_) % 3);
@@ -299,7 +276,9 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
   }
   if (searches && box) {
     ShapeSolution other = solve_from(*box, evidence);
-    if (is_clearly_better(other, best) || has_closer_sides(other, best, evidence)) {
+    const SideEvidence sides{evidence.views, evidence.surface_points, radius_m_};
+    if (is_clearly_better(other, best) ||
+        (!is_clearly_better(best, other) && has_closer_sides(other.shape, best.shape, sides))) {
       best = std::move(other);
       turns = 0;
     }

@@ -80,9 +80,6 @@ class ShapeEstimator {
   ShapeSolution solve_from(const Shape& start, const Evidence& evidence, bool turns = true) const;
   std::optional<Shape> solve_by_extents() const;
   void solve(bool searches, const std::optional<Shape>& box);
-  double share_off_box(const Shape& shape, const Evidence& evidence) const;
-  bool has_closer_sides(const ShapeSolution& other, const ShapeSolution& best,
-                        const Evidence& evidence) const;
 
   int id_;
   Camera camera_;
