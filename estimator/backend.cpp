@@ -66,6 +66,19 @@ void finish(std::vector<BodyState>& states, const TrajectorySmootherOptions& opt
   }
 }
 
+// Evenly thinned: a bound for what is written.
+SurfaceFile surface_file(const SurfaceModel& model, const Pose& object_from_body) {
+  constexpr std::ptrdiff_t kMostPoints = 20'000;  // 0.5 MB; bodies have some thousands
+  const std::ptrdiff_t n = std::min<std::ptrdiff_t>(model.points.cols(), kMostPoints);
+  SurfaceFile file;
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const std::ptrdiff_t from = i * model.points.cols() / n;
+    file.points.push_back((object_from_body * model.points.col(from)).cast<float>());
+    file.normals.push_back((object_from_body.rotation * model.normals.col(from)).cast<float>());
+  }
+  return file;
+}
+
 // One body through the frames, in their order.
 class BodyRun {
  public:
@@ -90,6 +103,11 @@ class BodyRun {
   }
 
   void end(const Variant& variant, BackendResult& result) {
+    if (!states_.empty())
+      if (SurfaceFile surface =
+              surface_file(estimator_.surface(), states_.back().shape.body_from_object.inverse());
+          !surface.points.empty())
+        result.surfaces[id_] = std::move(surface);
     if (variant.output == Output::final && !states_.empty()) {
       forget_first_lives();
       finish(states_, variant.body.trajectory);

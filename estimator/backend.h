@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
+#include "core/sequence/ply.h"
 #include "core/sequence/tracks.h"
 #include "estimator/perception/perception_files.h"
 #include "estimator/stopwatch.h"
@@ -12,8 +14,9 @@ namespace uniquadric {
 
 /// What a back end makes of a perception.
 struct BackendResult {
-  std::vector<ObjectTrack> objects;    ///< in order of their ids
-  int observations_without_state = 0;  ///< bodies in frames of which nothing could be said
+  std::vector<ObjectTrack> objects;     ///< in order of their ids
+  std::map<int, SurfaceFile> surfaces;  ///< points that were seen of them, in the frame of their last state
+  int observations_without_state = 0;   ///< bodies in frames of which nothing could be said
   std::vector<StageTime> times;
 };
 

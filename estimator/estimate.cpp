@@ -272,6 +272,9 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   const Tracks tracks = tracks_of(perception, result);
   copy_masks(perceived / "masks", pending.path() / "masks");
   write_estimate(pending.path(), tracks);
+  for (const auto& [id, surface] : result.surfaces)
+    write_surface_ply(pending.path() / fmt::format("objects/{}.ply", id), surface,
+                      "points seen, object frame, metres");
   write_camera_yaml(pending.path() / "camera.yaml", sequence.camera);
   write_text(pending.path() / "timing.csv", timing_csv(result.times, read_text(perceived / "timing.csv")));
   write_text(pending.path() / "run.yaml",

@@ -8,6 +8,7 @@
 #include "evaluation/association/hidden_objects.h"
 #include "evaluation/association/object_overlap.h"
 #include "evaluation/evaluation_files.h"
+#include "evaluation/object_surface.h"
 #include "evaluation/run_record.h"
 
 namespace uniquadric {
@@ -86,6 +87,14 @@ Evaluation compare(const Tracks& truth, const Tracks& estimate,
   return result;
 }
 
+void compare_surfaces(const fs::path& truth, const fs::path& estimate,
+                      const std::map<int, ObjectDescription>& descriptions, double scale,
+                      Evaluation& evaluation) {
+  for (ObjectEvaluation& object : evaluation.objects)
+    if (const auto described = descriptions.find(object.id); described != descriptions.end())
+      object.surface = evaluate_surface(truth, estimate, described->second, object, scale);
+}
+
 }  // namespace
 
 void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, const EvaluateOptions& options,
@@ -100,14 +109,16 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
       options.alignment.value_or(camera_was_given(run_config) ? AlignmentKind::none : AlignmentKind::poses);
   const WorldAlignment alignment = align_world(kind, truth, original, kMaxDifferenceNs);
   const Tracks estimate = in_true_world(alignment, original);
-  Evaluation evaluation =
-      compare(truth, estimate, read_descriptions(truth_path), read_visibility_of(truth_path), options);
+  const auto descriptions = read_descriptions(truth_path);
+  Evaluation evaluation = compare(truth, estimate, descriptions, read_visibility_of(truth_path), options);
   evaluation.alignment = alignment;
   if (evaluation.camera.pairs < kMinPairs)
     throw InputError(
         estimate_folder / "camera.tum",
         fmt::format("{} of {} poses lie within 0.01 s of the truth's {}, at least {} are needed",
                     evaluation.camera.pairs, estimate.camera.size(), truth.camera.size(), kMinPairs));
+  compare_surfaces(truth_path, estimate_folder, descriptions, alignment.truth_from_estimate.scale,
+                   evaluation);
   evaluation.timing_ms = read_timing(estimate_folder);
   PendingFolder pending(out, options.force);
   write_text(pending.path() / "evaluation.json", evaluation_json(evaluation, options, run_config));

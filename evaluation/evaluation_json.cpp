@@ -80,6 +80,13 @@ json semi_axes_errors(const ObjectEvaluation& object) {
   return errors;
 }
 
+json to_json(const std::optional<SurfaceError>& surface) {
+  if (!surface) return nullptr;
+  json error = to_json(std::optional(surface->error_m));
+  error["quantile_90"] = surface->quantile_90_m;
+  return {{"error_m", error}, {"completeness", surface->completeness}, {"within_m", surface->within_m}};
+}
+
 json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
   const auto figure = [&](std::optional<double> ObjectFrame::*member) {
     return over_frames(object, [member](const ObjectFrame& frame) { return frame.*member; });
@@ -109,6 +116,7 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"iou3d_from_40deg", from_wide_arc(object, &ObjectFrame::iou3d)},
                  {"semi_axes_change_occluded_max", or_null(semi_axes_change_occluded(object.frames))},
                  {"d_shape_m", figure(&ObjectFrame::d_shape_m)},
+                 {"surface", to_json(object.surface)},
                  {"semi_axes_error_m", semi_axes_errors(object)}};
   if (object.matched_frames < kMinPairs) {
     result["drift"] = result["ape"]["rotation_naive_rad"] = result["ape"]["rotation_symmetric_rad"] = nullptr;

@@ -28,14 +28,15 @@ Matched collect_matched(const ObjectTrack& truth, const ObjectTrack* track,
   return matched;
 }
 
+std::vector<Pose> poses_of(const std::vector<Ellipsoid>& ellipsoids) {
+  std::vector<Pose> result;
+  for (const Ellipsoid& ellipsoid : ellipsoids) result.push_back(ellipsoid.world_from_object);
+  return result;
+}
+
 void move_frame(BodyFrame kind, const std::vector<Ellipsoid>& truth, std::vector<Ellipsoid>& estimate) {
-  const auto poses = [](const std::vector<Ellipsoid>& ellipsoids) {
-    std::vector<Pose> result;
-    for (const Ellipsoid& ellipsoid : ellipsoids) result.push_back(ellipsoid.world_from_object);
-    return result;
-  };
   if (kind == BodyFrame::none) return;
-  const Pose offset = body_frame_offset(kind, poses(truth), poses(estimate));
+  const Pose offset = body_frame_offset(kind, poses_of(truth), poses_of(estimate));
   for (Ellipsoid& ellipsoid : estimate) ellipsoid.world_from_object = ellipsoid.world_from_object * offset;
 }
 
@@ -126,6 +127,9 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
   result.symmetry =
       shape_symmetry(description.shape, description.symmetry, result.frames.front().true_semi_axes_m);
   const Matched matched = collect_matched(truth, track, matched_states);
+  if (!matched.frame.empty())
+    result.truth_from_body = usual_body_offset(poses_of(matched.truth), poses_of(matched.estimate),
+                                               matched.truth.front().semi_axes_m.norm());
   SettledTrack settled = settle_axes(result.symmetry, matched.estimate, matched.truth);
   move_frame(context.body_frame, matched.truth, settled.estimate);
   result.relabel_flips = settled.relabel_flips;

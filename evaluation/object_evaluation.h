@@ -10,6 +10,7 @@
 #include "evaluation/align/body_frame.h"
 #include "evaluation/align/shape_symmetry.h"
 #include "evaluation/iou/monte_carlo.h"
+#include "evaluation/metrics/surface_error.h"
 #include "evaluation/object_frame.h"
 #include "evaluation/object_presence.h"
 #include "evaluation/trajectory/trajectory_error.h"
@@ -27,6 +28,8 @@ struct ObjectEvaluation {
   ShapeSymmetry symmetry;
   int relabel_flips = 0;  ///< matched frames that by themselves would name the axes otherwise than the track
   std::optional<Drift> drift;
+  std::optional<Pose> truth_from_body;  ///< where the track's own frame usually lies in the true one
+  std::optional<SurfaceError> surface;
 };
 
 /// What all objects' evaluation shares.
@@ -41,7 +44,7 @@ struct ObjectContext {
 
 /// Compares a truth object with the track it was matched to; of `description` shape and symmetry count.
 /// `matched_states[k]` is the index of the track's state at the truth's state k. `track` null: never found.
-/// Fills everything except `id_switches`.
+/// Fills everything except `id_switches` and `surface`.
 ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescription& description,
                                  const ObjectTrack* track,
                                  const std::vector<std::optional<std::size_t>>& matched_states,

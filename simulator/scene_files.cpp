@@ -6,12 +6,14 @@
 
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
+#include "core/sequence/ply.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/trajectory.h"
 #include "simulator/frame_files.h"
 #include "simulator/lidar_files.h"
 #include "simulator/map/occupancy_map.h"
 #include "simulator/noise/segmenter.h"
+#include "simulator/scene/mesh_building.h"
 
 namespace uniquadric {
 namespace {
@@ -22,6 +24,13 @@ Trajectory sample(const Scene& scene, const Motion& motion, std::int64_t frames)
   for (std::int64_t frame = 0; frame < frames; ++frame)
     trajectory.push_back({scene.stamp_ns(frame), motion.at(frame_time_s(scene, frame))});
   return trajectory;
+}
+
+// All materials' triangles in one mesh, without normals: what a surface is compared with.
+SurfaceFile surface_of(const Body& body) {
+  Mesh whole;
+  for (const Mesh& mesh : body.meshes) merge(whole, mesh);
+  return {std::move(whole.positions), {}, std::move(whole.triangles)};
 }
 
 SequenceFrame list_frame(const Scene& scene, std::int64_t frame) {
@@ -72,6 +81,8 @@ void write_truth_files(const Scene& scene, std::int64_t frames, const fs::path& 
   std::vector<ObjectDescription> descriptions;
   for (const Body& body : scene.objects) {
     write_tum(folder / "objects" / fmt::format("{}.tum", body.id), sample(scene, body.motion, frames));
+    write_surface_ply(folder / "objects" / fmt::format("{}.ply", body.id), surface_of(body),
+                      "mesh, object frame, metres");
     descriptions.push_back({body.id, body.name, body.semi_axes_m, body.shape, body.mesh_file, body.symmetry});
   }
   write_objects_yaml(folder / "objects.yaml", descriptions);

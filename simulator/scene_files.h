@@ -14,8 +14,8 @@ double frame_time_s(const Scene& scene, std::int64_t frame);
 void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t frames,
                           const std::filesystem::path& folder);
 
-/// Writes what a truth folder holds beside its images: camera.tum, camera.yaml, objects/ID.tum, objects.yaml,
-/// map.bt.
+/// Writes what a truth folder holds beside its images: camera.tum, camera.yaml, objects/ID.tum,
+/// objects/ID.ply (its mesh), objects.yaml, map.bt.
 void write_truth_files(const Scene& scene, std::int64_t frames, const std::filesystem::path& folder);
 
 }  // namespace uniquadric

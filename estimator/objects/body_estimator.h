@@ -72,6 +72,9 @@ class BodyEstimator {
   /// `body` since the last frame where there is one, else constant velocity, or rest.
   Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;
 
+  /// What has been seen of its surface, in the body's frame.
+  SurfaceModel surface() const { return shape_.surface(); }
+
  private:
   struct Tracked {
     std::int64_t frame, stamp_ns;

@@ -19,4 +19,9 @@ std::optional<BodyFrame> parse_body_frame(std::string_view text);
 /// length, in pairs; without pairs the identity.
 Pose body_frame_offset(BodyFrame kind, const std::vector<Pose>& reference, const std::vector<Pose>& estimate);
 
+/// Where the track's frame usually lies in the reference's, reference_from_estimate: the geometric median of
+/// the pairs' (Weiszfeld's iteration), a turn of 1 rad weighing as `lever_m` metres. Frames in which the
+/// track is far off, as long as they are the fewer, hardly move it. Needs a pair.
+Pose usual_body_offset(const std::vector<Pose>& reference, const std::vector<Pose>& estimate, double lever_m);
+
 }  // namespace uniquadric

@@ -61,6 +61,17 @@ constexpr Metric kMetrics[] = {
      "Distance between two ellipsoids as bodies, in metres: sqrt(|dc|^2 + BW^2 / 3), BW the "
      "Bures-Wasserstein "
      "distance of their shapes; needs no symmetry rule and no threshold."},
+    {"surface_error_median_m", "surface error", "m", kLower, kObject, "/surface/error_m/median",
+     "Median distance of the surface points that the estimator kept of the object from the true mesh, the "
+     "points' frame laid on the true one once for the whole track, where the poses usually have it. It is of "
+     "the model; poses have errors of their own above.",
+     true},
+    {"surface_error_quantile_90_m", "surface error 90 %", "m", kLower, kObject,
+     "/surface/error_m/quantile_90", "What 90 % of the same distances are below.", true},
+    {"surface_completeness", "surface seen", "", kHigher, kObject, "/surface/completeness",
+     "Share of the true surface that has such a point within 5 % of the diagonal of its tight box. What "
+     "nobody saw, as the underside of what stands, is missing.",
+     true},
     {"coverage", "coverage", "", kHigher, kObject | kCamera, "/coverage",
      "Share of the frames in which the object is visible for which there is an estimate (of the camera: of "
      "all "

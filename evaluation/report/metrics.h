@@ -10,13 +10,14 @@ enum class MetricScope { object = 1, camera = 2, all = 4 };
 
 /// One figure of scores.csv (names: CLI contract).
 struct Metric {
-  const char* name;        ///< with its unit, as in scores.csv
-  const char* label;       ///< short, for table heads
-  const char* unit;        ///< empty for ratios and counts
-  bool lower_is_better;    ///< else higher
-  int scopes;              ///< MetricScope bits
-  const char* pointer;     ///< JSON pointer from the object, the camera, or the whole evaluation.json
-  const char* definition;  ///< a sentence or two for readers of the report
+  const char* name;         ///< with its unit, as in scores.csv
+  const char* label;        ///< short, for table heads
+  const char* unit;         ///< empty for ratios and counts
+  bool lower_is_better;     ///< else higher
+  int scopes;               ///< MetricScope bits
+  const char* pointer;      ///< JSON pointer from the object, the camera, or the whole evaluation.json
+  const char* definition;   ///< a sentence or two for readers of the report
+  bool by_variant = false;  ///< no failure of a variant none of whose runs has it: it does not write such
 };
 
 /// All metrics, in the order of scores.csv.

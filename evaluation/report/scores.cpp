@@ -6,9 +6,9 @@ namespace uniquadric {
 namespace {
 
 bool any_run_has(const Results& results, const std::string& scene, const std::string& subject,
-                 const Metric& metric) {
+                 const Metric& metric, const std::string& variant = "") {
   for (const Cell& cell : results.cells)
-    if (cell.scene == scene)
+    if (cell.scene == scene && (variant.empty() || cell.variant == variant))
       if (const auto* figures = find_subject(cell, subject); figures && figures->value.contains(metric.name))
         return true;
   return false;
@@ -30,7 +30,8 @@ void add_scene(const Results& results, const std::string& scene, std::vector<Sco
   for (const Cell& cell : results.cells)
     if (cell.scene == scene && cell.status != CellStatus::missing)
       for (const auto& [subject, metric] : figures)
-        rows.push_back({scene, subject, cell.variant, cell.seed, metric, value_of(cell, subject, *metric)});
+        if (!metric->by_variant || any_run_has(results, scene, subject, *metric, cell.variant))
+          rows.push_back({scene, subject, cell.variant, cell.seed, metric, value_of(cell, subject, *metric)});
 }
 
 }  // namespace

@@ -67,5 +67,34 @@ TEST(FinalStates, FirstSightsThatLedNowhereAreNoStates) {
   }
 }
 
+// Each point, carried by the estimated pose and back by the true one, is on a side of the box.
+TEST(FinalStates, PointsThatAreKeptLieOnTheBodyInItsOwnFrame) {
+  SyntheticOptions options;
+  options.world_from_camera = [](double) { return Pose(); };
+  const std::vector<SyntheticBody> bodies = {box_body(kAxes, moving)};
+  const SyntheticPerception perception = synthetic_perception(bodies, options);
+  const Tracks truth = synthetic_truth(bodies, options);
+  for (const Output output : {Output::causal, Output::final}) {
+    const BackendResult result = result_of(perception, output);
+    ASSERT_TRUE(result.objects.size() == 1 && result.surfaces.size() == 1);
+    const SurfaceFile& surface = result.surfaces.at(result.objects[0].id);
+    ASSERT_EQ(surface.points.size(), surface.normals.size());
+    EXPECT_GT(surface.points.size(), 100u);
+    EXPECT_LT(surface.points.size(), 5000u);
+    const ObjectState& state = result.objects[0].states.back();
+    const Pose truth_from_object =
+        truth.objects[0].states[state.frame].ellipsoid.world_from_object.inverse() *
+        state.ellipsoid.world_from_object;
+    int near = 0, outwards = 0;
+    for (std::size_t i = 0; i < surface.points.size(); ++i) {
+      const Eigen::Vector3d p = truth_from_object * surface.points[i].cast<double>();
+      near += (p.cwiseAbs() - kAxes).cwiseAbs().minCoeff() < 0.01;
+      outwards += p.dot(truth_from_object.rotation * surface.normals[i].cast<double>()) > 0;
+    }
+    EXPECT_GT(near, 0.95 * std::ssize(surface.points));
+    EXPECT_GT(outwards, 0.99 * std::ssize(surface.points));
+  }
+}
+
 }  // namespace
 }  // namespace uniquadric

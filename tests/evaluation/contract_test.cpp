@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/sequence/ply.h"
 #include "evaluation/report/metrics.h"
 #include "evaluation/report/results.h"
 #include "tests/evaluation/evaluate_fixture.h"
@@ -33,6 +34,9 @@ const std::set<std::string> kObject = {"ape_translation_rmse_m",
                                        "iou3d_from_40deg_mean",
                                        "semi_axes_change_occluded_max",
                                        "d_shape_mean_m",
+                                       "surface_error_median_m",
+                                       "surface_error_quantile_90_m",
+                                       "surface_completeness",
                                        "coverage",
                                        "longest_gap_s",
                                        "id_switches",
@@ -47,6 +51,11 @@ TEST_F(Evaluate, HasEveryFigureOfTheScores) {
   write_changed([](Tracks& tracks) {
     for (auto& object : tracks.objects) object.states[9].status = ObjectStatus::occluded;
   });
+  const SurfaceFile mesh{{{0, 0, 0.2F}, {0.2F, 0, 0}, {0, 0.2F, 0}}, {}, {{0, 1, 2}}};
+  for (const char* id : {"1", "2", "3"}) {
+    write_surface_ply(truth() / "objects" / (std::string(id) + ".ply"), mesh, "");
+    write_surface_ply(estimate() / "objects" / (std::string(id) + "0.ply"), mesh, "");
+  }
   write_text(estimate() / "timing.csv", "frame,stage,ms\n0,fit,2\n1,fit,4\n");
   run();
   const CellEvaluation read = read_cell_evaluation(root_ / "out");

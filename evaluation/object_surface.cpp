@@ -1,0 +1,53 @@
+#include "evaluation/object_surface.h"
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+fs::path surface_file_of(const fs::path& folder, int id) {
+  return folder / "objects" / fmt::format("{}.ply", id);
+}
+
+SurfaceFile box_surface(const Eigen::Vector3d& semi_axes_m) {
+  SurfaceFile box;
+  for (int i = 0; i < 8; ++i)
+    box.points.push_back(
+        semi_axes_m.cwiseProduct(Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1))
+            .cast<float>());
+  for (std::uint32_t axis = 1; axis < 8; axis *= 2) {
+    const std::uint32_t u = axis == 4 ? 1 : 2 * axis, v = 7 - axis - u;
+    for (const std::uint32_t side : {0U, axis})
+      box.triangles.insert(box.triangles.end(),
+                           {{side, side + u, side + u + v}, {side, side + u + v, side + v}});
+  }
+  return box;
+}
+
+}  // namespace
+
+std::optional<SurfaceFile> true_surface(const fs::path& truth, const ObjectDescription& object) {
+  const fs::path file = surface_file_of(truth, object.id);
+  if (!fs::exists(file))
+    return object.shape == "box" ? std::optional(box_surface(object.semi_axes_m)) : std::nullopt;
+  SurfaceFile surface = read_surface_ply(file);
+  if (surface.triangles.empty()) throw InputError(file, "has no faces: a true surface is a mesh");
+  return surface;
+}
+
+std::optional<SurfaceError> evaluate_surface(const fs::path& truth, const fs::path& estimate,
+                                             const ObjectDescription& description,
+                                             const ObjectEvaluation& object, double scale) {
+  if (!object.matched_id || !object.truth_from_body) return std::nullopt;
+  const fs::path file = surface_file_of(estimate, *object.matched_id);
+  if (!fs::exists(file)) return std::nullopt;
+  const SurfaceFile points = read_surface_ply(file);
+  const auto surface = true_surface(truth, description);
+  if (!surface) return std::nullopt;
+  return surface_error(*surface, points, *object.truth_from_body, scale);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,88 @@
+// The points that an estimate keeps of its objects, through the whole of evaluate.
+#include "core/base/error.h"
+#include "core/sequence/ply.h"
+#include "evaluation/metrics/surface_error.h"
+#include "tests/evaluation/evaluate_fixture.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+
+// A tetrahedron about the origin: no symmetry that would hide a wrong frame.
+SurfaceFile tetrahedron() {
+  return {{{-0.3F, -0.2F, -0.1F}, {0.3F, -0.2F, -0.1F}, {-0.3F, 0.2F, -0.1F}, {-0.1F, 0, 0.1F}},
+          {},
+          {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+}
+
+// The estimate's frame of the first object is another than the true one.
+const Pose kTruthFromBody{exp_so3({0.4, -1.2, 2.1}), Eigen::Vector3d(0.06, -0.03, 0.02)};
+
+class ObjectSurface : public Evaluate {
+ protected:
+  // 20 mm outside of the tetrahedron's underside, whose normal is -z: 20 mm off.
+  void write_points() {
+    SurfaceFile points;
+    for (const Eigen::Vector3d& p : sample_surface({tetrahedron().points, {}, {{0, 2, 1}}}, 500))
+      points.points.push_back((kTruthFromBody.inverse() * (p - Eigen::Vector3d(0, 0, 0.02))).cast<float>());
+    write_surface_ply(estimate() / "objects/10.ply", points, "");
+  }
+};
+
+TEST_F(ObjectSurface, IsJudgedInTheFrameThatThePosesUsuallyHave) {
+  write_surface_ply(truth() / "objects/1.ply", tetrahedron(), "");
+  write_changed([](Tracks& tracks) {
+    for (ObjectState& state : tracks.objects[0].states) {
+      Pose& pose = state.ellipsoid.world_from_object;
+      pose = pose * kTruthFromBody;
+      if (state.frame % 3 == 0) pose = pose * Pose{exp_so3({0, 0, 1.5}), Eigen::Vector3d(0.1, 0.1, 0)};
+    }
+  });
+  write_points();
+  const json object = run()["objects"][0];
+  const json& surface = object["surface"];
+  constexpr double kMedianOfPoses = 1e-4;  // [m] of Weiszfeld's iteration, a third of the frames far off
+  EXPECT_GT(object["ape"]["translation_m"]["max"], 0.05);
+  EXPECT_NEAR(surface["error_m"]["median"], 0.02, kMedianOfPoses);
+  EXPECT_NEAR(surface["error_m"]["quantile_90"], 0.02, kMedianOfPoses);
+  EXPECT_EQ(surface["error_m"]["n"], 500);
+  EXPECT_NEAR(surface["within_m"], 0.05 * std::sqrt(0.36 + 0.16 + 0.04), 1e-7);
+  EXPECT_GT(surface["completeness"], 0.3);  // the underside and the lower parts of the others
+  EXPECT_LT(surface["completeness"], 0.7);
+}
+
+TEST_F(ObjectSurface, OfABoxNeedsNoMesh) {
+  write_changed([](Tracks&) {});
+  SurfaceFile points;  // along y, that has 0.2 m each way
+  for (const float y : {0.F, 0.1F, 0.21F, 0.25F}) points.points.emplace_back(0.F, y, 0.F);
+  for (const char* file : {"objects/10.ply", "objects/20.ply", "objects/30.ply"})
+    write_surface_ply(estimate() / file, points, "");
+  const json objects = run()["objects"];
+  EXPECT_NEAR(objects[0]["surface"]["error_m"]["max"], 0.1, 1e-6);  // z has 0.1 m
+  EXPECT_NEAR(objects[1]["surface"]["error_m"]["max"], 0.2, 1e-6);
+  EXPECT_NEAR(objects[1]["surface"]["error_m"]["min"], 0.01, 1e-6);
+  EXPECT_TRUE(objects[2]["surface"].is_null());  // a ball, of which the truth has no mesh
+}
+
+TEST_F(ObjectSurface, OfTheTruthItselfIsComplete) {
+  write_surface_ply(truth() / "objects/1.ply", tetrahedron(), "");
+  const json objects = run(truth(), truth())["objects"];
+  EXPECT_LT(objects[0]["surface"]["error_m"]["max"], 1e-7);
+  EXPECT_EQ(objects[0]["surface"]["completeness"], 1);
+  EXPECT_TRUE(objects[1]["surface"].is_null());
+}
+
+TEST_F(ObjectSurface, FilesThatAreNoneAreRefused) {
+  write_changed([](Tracks&) {});
+  write_text(estimate() / "objects/10.ply", "ply\nformat ascii 1.0\nend_header\n");
+  EXPECT_NE(input_error([&] { run(); }).find("objects/10.ply:2: only the format"), std::string::npos);
+  write_points();
+  SurfaceFile cloud = tetrahedron();
+  cloud.triangles.clear();
+  write_surface_ply(truth() / "objects/1.ply", cloud, "");
+  EXPECT_NE(input_error([&] { run(); }).find("objects/1.ply: has no faces"), std::string::npos);
+  EXPECT_FALSE(fs::exists(root_ / "out"));
+}
+
+}  // namespace
+}  // namespace uniquadric
