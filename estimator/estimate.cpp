@@ -270,6 +270,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
                              : estimate_windows(perception, variant, options.seed);
   const int without_state = result.observations_without_state;
   const Tracks tracks = tracks_of(perception, result);
+  if (fs::exists(perceived / kMapFile)) duplicate_file(perceived / kMapFile, pending.path() / kMapFile);
   copy_masks(perceived / "masks", pending.path() / "masks");
   write_estimate(pending.path(), tracks);
   for (const auto& [id, surface] : result.surfaces)

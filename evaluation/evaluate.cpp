@@ -95,6 +95,18 @@ void compare_surfaces(const fs::path& truth, const fs::path& estimate,
       object.surface = evaluate_surface(truth, estimate, described->second, object, scale);
 }
 
+// The points of the estimate's map, carried into the true world, against the true map.
+std::optional<MapComparison> compare_surroundings(const fs::path& truth, const fs::path& estimate,
+                                                  const Alignment& truth_from_estimate) {
+  const fs::path file = estimate / "map.ply";
+  if (!fs::exists(file) || !fs::exists(truth / "map.bt")) return std::nullopt;
+  const auto& [scale, pose] = truth_from_estimate;
+  std::vector<Eigen::Vector3d> points;
+  for (const Eigen::Vector3f& p : read_surface_ply(file).points)
+    points.push_back(pose * (scale * p.cast<double>()).eval());
+  return compare_map_points(truth / "map.bt", file, points, {});
+}
+
 }  // namespace
 
 void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, const EvaluateOptions& options,
@@ -119,6 +131,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
                     evaluation.camera.pairs, estimate.camera.size(), truth.camera.size(), kMinPairs));
   compare_surfaces(truth_path, estimate_folder, descriptions, alignment.truth_from_estimate.scale,
                    evaluation);
+  evaluation.map = compare_surroundings(truth_path, estimate_folder, alignment.truth_from_estimate);
   evaluation.timing_ms = read_timing(estimate_folder);
   PendingFolder pending(out, options.force);
   write_text(pending.path() / "evaluation.json", evaluation_json(evaluation, options, run_config));

@@ -11,6 +11,7 @@
 #include "evaluation/association/tracking_scores.h"
 #include "evaluation/camera_evaluation.h"
 #include "evaluation/evaluate.h"
+#include "evaluation/metrics/map_comparison.h"
 #include "evaluation/object_evaluation.h"
 #include "evaluation/world_alignment.h"
 
@@ -24,6 +25,7 @@ struct Evaluation {
   std::vector<int> unmatched_ids;  ///< estimated tracks that belong to no truth object
   std::optional<TrackingScores> tracking;
   std::map<std::string, std::vector<double>> timing_ms;
+  std::optional<MapComparison> map;  ///< of the surroundings, where the estimate wrote one
 };
 
 /// evaluation.json: keys sorted, doubles that read back the same. `run_config_json` is the estimate's

@@ -138,6 +138,13 @@ json to_json(const CameraEvaluation& camera) {
           {"ape", to_json(camera.ape)},   {"rpe", to_json(camera.rpe)}, {"drift", to_json(camera.drift)}};
 }
 
+json to_json(const std::optional<MapComparison>& map) {
+  if (!map) return nullptr;
+  json result = json::parse(figures_json(figures(*map)));
+  for (const char* of_files : {"schema", "program"}) result.erase(of_files);
+  return result;
+}
+
 json tracking_json(const Evaluation& evaluation) {
   json result = {{"hota", nullptr}, {"mota", nullptr}, {"idf1", nullptr}};
   result["similarity"] = "iou3d";
@@ -169,6 +176,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
                {"program", kProgram},
                {"alignment", to_json(evaluation.alignment)},
                {"camera", to_json(evaluation.camera)},
+               {"map", to_json(evaluation.map)},
                {"tracking", tracking_json(evaluation)}};
   root["objects"] = json::array();
   for (const ObjectEvaluation& object : evaluation.objects)

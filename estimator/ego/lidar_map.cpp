@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 namespace uniquadric {
@@ -159,7 +160,23 @@ void LidarMapLevel::trim(const Eigen::Vector3d& centre) {
   while (blocks_.size() > most) remove(blocks_.size() - 1);
 }
 
-LidarMap::LidarMap(const LidarMapOptions& options) {
+std::vector<Eigen::Vector3d> LidarMapLevel::means(int least_count) const {
+  std::vector<Eigen::Vector3d> means;
+  const std::map<std::array<std::int32_t, 3>, std::size_t> in_order(place_.begin(), place_.end());
+  for (const auto& [key, place] : in_order)
+    for (std::size_t i = 0; i < blocks_[place].cells.size(); ++i) {
+      const Cell& cell = blocks_[place].cells[i];
+      if (cell.count < least_count) continue;
+      const auto k = static_cast<std::int32_t>(i);
+      const Eigen::Vector3d corner((key[0] << kBlockShift) + (k & kBlockMask),
+                                   (key[1] << kBlockShift) + (k >> kBlockShift & kBlockMask),
+                                   (key[2] << kBlockShift) + (k >> 2 * kBlockShift));
+      means.push_back(cell_m_ * corner + cell.mean.cast<double>());
+    }
+  return means;
+}
+
+LidarMap::LidarMap(const LidarMapOptions& options) : finest_(static_cast<std::size_t>(options.levels) - 1) {
   for (int level = options.levels; level-- > 0;) levels_.emplace_back(options, level);
   LidarMapOptions wide = options;
   wide.min_flatness = options.wide_flatness;
@@ -179,6 +196,11 @@ std::optional<MapPlane> LidarMap::plane_near(const Eigen::Vector3d& p, const Pla
 
 void LidarMap::trim(const Eigen::Vector3d& centre) {
   for (LidarMapLevel& level : levels_) level.trim(centre);
+}
+
+std::vector<Eigen::Vector3d> LidarMap::points() const {
+  constexpr int kSeenAgain = 2;  // single points are noise, or what moved
+  return levels_[finest_].means(kSeenAgain);
 }
 
 std::size_t LidarMap::blocks() const {

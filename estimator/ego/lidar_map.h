@@ -55,6 +55,8 @@ class LidarMapLevel {
   /// Forgets what is out of range of `centre`, and then what was seen least recently, down to max_blocks.
   void trim(const Eigen::Vector3d& centre);
   std::size_t blocks() const { return blocks_.size(); }
+  /// Means of the cells with so many points, by their place.
+  std::vector<Eigen::Vector3d> means(int least_count) const;
 
  private:
   struct Cell {
@@ -94,9 +96,12 @@ class LidarMap {
   std::optional<MapPlane> plane_near(const Eigen::Vector3d& p, const PlaneLimits& limits) const;
   void trim(const Eigen::Vector3d& centre);
   std::size_t blocks() const;
+  /// Means of the finest cells that were seen more than once, in an order that the points alone decide.
+  std::vector<Eigen::Vector3d> points() const;
 
  private:
-  std::vector<LidarMapLevel> levels_;  // coarsest first
+  std::size_t finest_;
+  std::vector<LidarMapLevel> levels_;  // coarsest first, the wide ones last
 };
 
 }  // namespace uniquadric

@@ -365,5 +365,10 @@ const std::vector<SweepReport>& LidarOdometry::reports() const {
 std::size_t LidarOdometry::map_blocks() const {
   return state_->map.blocks();
 }
+std::vector<Vector3d> LidarOdometry::map_points() const {
+  std::vector<Vector3d> points = state_->map.points();
+  for (Vector3d& p : points) p = state_->level() * p;
+  return points;
+}
 
 }  // namespace uniquadric

@@ -71,6 +71,9 @@ class LidarOdometry {
   std::optional<Pose> world_from_camera(std::int64_t stamp_ns) const;
   const std::vector<SweepReport>& reports() const;
   std::size_t map_blocks() const;
+  /// What is known of the surroundings at the end, in the world of the poses: means of the map's finest
+  /// cells.
+  std::vector<Eigen::Vector3d> map_points() const;
 
  private:
   struct State;

@@ -337,7 +337,10 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     fmt::print(stderr,
                "warning: {} depth images are no measurements: they have one value, or jump as a whole\n",
                unusable);
-  if (lidar) lidar->finish();
+  if (lidar) {
+    lidar->finish();
+    out.keep_map(lidar->odometry().map_points());
+  }
   for (const PerceivedFrame& frame : waiting) out.add(frame);
   out.finish(is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()),
              odometry.restarts());

@@ -14,6 +14,7 @@
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
+#include "core/sequence/ply.h"
 #include "core/sequence/trajectory.h"
 
 namespace uniquadric {
@@ -249,6 +250,13 @@ void PerceptionWriter::add(const PerceivedFrame& frame) {
   write(bodies.bytes());
 }
 
+void PerceptionWriter::keep_map(const std::vector<Eigen::Vector3d>& points) const {
+  SurfaceFile map;
+  for (const Eigen::Vector3d& p : points) map.points.push_back(p.cast<float>());
+  if (!map.points.empty())
+    write_surface_ply(folder_ / kMapFile, map, "map of the surroundings, world, metres");
+}
+
 void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_camera, int ego_restarts) {
   Trajectory camera;
   Writer index, end;
@@ -278,8 +286,8 @@ void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_cam
 }
 
 std::vector<fs::path> foreign_files(const fs::path& folder) {
-  const std::set<std::string> own = {"perception.yaml", "camera.yaml", "camera.tum", kObservations,
-                                     "timing.csv"};
+  const std::set<std::string> own = {"perception.yaml", "camera.yaml", "camera.tum",
+                                     kObservations,     "timing.csv",  kMapFile};
   std::vector<fs::path> foreign;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path name = entry.path().filename();

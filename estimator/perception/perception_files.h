@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,8 @@
 #include "estimator/perception/perception.h"
 
 namespace uniquadric {
+
+inline constexpr const char* kMapFile = "map.ply";  ///< of a kept perception, and of an estimate
 
 /// A part of a file, and the hash of what it holds.
 struct FilePlace {
@@ -35,6 +38,9 @@ class PerceptionWriter {
   /// The next frame; its pose counts only where finish() gives it. Throws std::runtime_error when it cannot
   /// be written.
   void add(const PerceivedFrame& frame);
+
+  /// Keeps the map that the camera was followed by, in the poses' world (map.ply).
+  void keep_map(const std::vector<Eigen::Vector3d>& points) const;
 
   /// To be called last. The poses of the frames by stamp; a frame without one is one where the camera was
   /// lost. `ego_restarts`: how often a new map went on from the last known pose.

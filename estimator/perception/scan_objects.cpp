@@ -269,6 +269,7 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
                     PerceptionWriter& out, std::vector<StageTime>& times) {
   LidarEgo lidar(sequence, ego);
   lidar.finish();
+  out.keep_map(lidar.odometry().map_points());
   const Trajectory trajectory = lidar.trajectory();
   LidarStream stream(sequence);
   ScanObjects objects(options, silhouettes, seed);

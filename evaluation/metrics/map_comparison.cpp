@@ -91,9 +91,12 @@ struct Walk {
 
 }  // namespace
 
-MapComparison compare_maps(const std::filesystem::path& truth, const std::filesystem::path& estimate,
-                           const MapOptions& options) {
-  const auto true_tree = read_octree(truth), tree = read_octree(estimate);
+namespace {
+
+MapComparison compare_trees(const std::filesystem::path& truth,
+                            const std::shared_ptr<const octomap::OcTree>& true_tree,
+                            const std::filesystem::path& estimate,
+                            const std::shared_ptr<const octomap::OcTree>& tree, const MapOptions& options) {
   Walk walk{estimate, {}, {}, {}};
   walk.result.resolution_m =
       options.resolution_m.value_or(std::max(true_tree->getResolution(), tree->getResolution()));
@@ -108,6 +111,37 @@ MapComparison compare_maps(const std::filesystem::path& truth, const std::filesy
   if (total(Occupancy::occupied) == 0) throw InputError(truth, "has no occupied voxel");
   walk.result.unknown_is_free = options.unknown_is_free.value_or(total(Occupancy::free) == 0);
   return walk.result;
+}
+
+std::shared_ptr<const octomap::OcTree> tree_of(const std::filesystem::path& file,
+                                               const std::vector<Eigen::Vector3d>& points,
+                                               double resolution_m) {
+  auto tree = std::make_shared<octomap::OcTree>(resolution_m);
+  for (const Eigen::Vector3d& p : points) {
+    octomap::OcTreeKey key;
+    if (!tree->coordToKeyChecked(p.x(), p.y(), p.z(), key))
+      throw InputError(file, fmt::format("a point lies beyond {} m", resolution_m * (1 << (kLevels - 1))));
+    tree->setNodeValue(key, tree->getClampingThresMaxLog(), true);
+  }
+  tree->updateInnerOccupancy();
+  return tree;
+}
+
+}  // namespace
+
+MapComparison compare_maps(const std::filesystem::path& truth, const std::filesystem::path& estimate,
+                           const MapOptions& options) {
+  return compare_trees(truth, read_octree(truth), estimate, read_octree(estimate), options);
+}
+
+MapComparison compare_map_points(const std::filesystem::path& truth, const std::filesystem::path& estimate,
+                                 const std::vector<Eigen::Vector3d>& points, const MapOptions& options) {
+  const auto true_tree = read_octree(truth);
+  double resolution_m = true_tree->getResolution();
+  while (!options.resolution_m && resolution_m < kPointVoxel_m) resolution_m *= 2;
+  resolution_m = options.resolution_m.value_or(resolution_m);
+  level_of_voxels(truth, *true_tree, resolution_m);  // before a tree of such voxels is made
+  return compare_trees(truth, true_tree, estimate, tree_of(estimate, points, resolution_m), options);
 }
 
 Figures figures(const MapComparison& c) {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "evaluation/metrics/figures.h"
 
@@ -39,6 +41,13 @@ struct MapComparison {
 /// are not a power of two apart.
 MapComparison compare_maps(const std::filesystem::path& truth, const std::filesystem::path& estimate,
                            const MapOptions& options);
+
+/// The same of points [m] in the true map's world: a voxel is occupied where a point is in it. Voxels have at
+/// least kPointVoxel_m unless the options say otherwise. Throws InputError also for points beyond the tree's
+/// reach, 2^15 voxels.
+MapComparison compare_map_points(const std::filesystem::path& truth, const std::filesystem::path& estimate,
+                                 const std::vector<Eigen::Vector3d>& points, const MapOptions& options);
+inline constexpr double kPointVoxel_m = 0.25;  ///< ours: cells of our LiDAR map, whose means points are
 
 /// Precision, recall, IoU of the occupied voxels; share of the known true voxels that the estimate does not
 /// know; completeness.

@@ -91,6 +91,15 @@ constexpr Metric kMetrics[] = {
      "Multiple-object tracking accuracy: 1 - (misses + false tracks + id switches) / true objects."},
     {"idf1", "IDF1", "", kHigher, kAll, "/tracking/idf1",
      "F1 score of identities kept over the whole sequence."},
+    {"map_precision", "map precision", "", kHigher, kAll, "/map/precision",
+     "Of the voxels that the map which the LiDAR was followed by has occupied, those that are in the true "
+     "map of "
+     "the surroundings (voxels of 0.25 m at least).",
+     true},
+    {"map_completeness", "map completeness", "", kHigher, kAll, "/map/completeness",
+     "Of the true map's occupied voxels, seen or not, those with an occupied one of the estimate in place or "
+     "beside it.",
+     true},
     {"frame_time_mean_ms", "frame time", "ms", kLower, kAll, "/timing_ms/frame/mean",
      "Mean computing time of the estimator per frame. The one figure that differs between equal runs."},
 };

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/random.h"
@@ -47,6 +47,31 @@ TEST(LidarMap, SmallFacesHaveTheirOwnPlanes) {
   ASSERT_TRUE(floor && wall);
   EXPECT_GT(std::abs(floor->normal.z()), 0.9999);
   EXPECT_GT(std::abs(wall->normal.x()), 0.9999);
+}
+
+// One point a cell, about the origin: the cells' places come back, those of a single sight do not.
+TEST(LidarMap, GivesBackTheMeansOfItsFinestCells) {
+  LidarMap map{LidarMapOptions()};
+  const double cell_m = LidarMapOptions().cell_m;
+  std::vector<Vector3d> expected;
+  for (int x = -5; x < 6; ++x)
+    for (int y = -5; y < 6; ++y)
+      for (const int z : {-3, 7}) {
+        const Vector3d p = cell_m * (Vector3d(x, y, z) + Vector3d(0.3, 0.6, 0.2));
+        map.add(p);
+        if ((x + y) % 2 == 0) continue;
+        map.add(p + Vector3d(0.02, -0.02, 0.04));
+        expected.emplace_back(p + Vector3d(0.01, -0.01, 0.02));
+      }
+  std::vector<Vector3d> found = map.points();
+  ASSERT_EQ(found.size(), expected.size());
+  const auto by_place = [](const Vector3d& a, const Vector3d& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(),
+                                        [](double u, double v) { return u < v - 1e-3; });
+  };
+  std::sort(found.begin(), found.end(), by_place);
+  std::sort(expected.begin(), expected.end(), by_place);
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LT((found[i] - expected[i]).norm(), 1e-6) << i;
 }
 
 TEST(LidarMap, HasNoPlaneWhereThereIsNone) {

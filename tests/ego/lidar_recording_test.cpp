@@ -8,8 +8,10 @@
 
 #include "core/base/files.h"
 #include "core/base/random.h"
+#include "core/sequence/ply.h"
 #include "core/sequence/tracks.h"
 #include "estimator/estimate.h"
+#include "estimator/perception/perception_files.h"
 #include "tests/ego/room_recording.h"
 #include "tests/support/temp_folder.h"
 
@@ -170,6 +172,32 @@ TEST_F(LidarRecording, PointsWithoutTimesAreThoseOfAnInstant) {
                                    recording_.room.world_from_lidar(2) * lidar_from_camera);
   const Pose found = relative_pose(tracks.camera.front().pose, tracks.camera.back().pose);
   EXPECT_LT((found.translation - truth.translation).norm(), 0.05);
+}
+
+// Carried to the room by the first pose, its points lie on walls and cupboards; a kept perception has the
+// same.
+TEST_F(LidarRecording, TheMapThatIsWrittenIsOfTheRoom) {
+  recording_.room.vigour = 0.3;
+  const Tracks tracks = estimated(lidar_only_variant());
+  const SurfaceFile map = read_surface_ply(temp_.path() / "out/map.ply");
+  const Pose lidar_from_camera = Pose{camera_from_forward(), {0.1, 0.2, -0.05}}.inverse();
+  const Pose room_from_world =
+      recording_.room.world_from_lidar(0.1) * lidar_from_camera * tracks.camera.front().pose.inverse();
+  ASSERT_GT(map.points.size(), 500u);
+  std::vector<double> off_m;
+  for (const Eigen::Vector3f& p : map.points)
+    off_m.push_back(recording_.room.off_surfaces_m(room_from_world * p.cast<double>()));
+  std::sort(off_m.begin(), off_m.end());
+  EXPECT_LT(off_m[off_m.size() / 2], 0.01);       // the noise of points is 1 cm, of few of them less
+  EXPECT_LT(off_m[off_m.size() * 9 / 10], 0.05);  // means of cells across an edge lie beside it
+  EXPECT_LT(off_m.back(), 0.25);                  // a cell
+  EstimateOptions kept;
+  kept.quiet = true;
+  kept.perception = temp_.path() / "kept";
+  estimate(temp_.path() / "sequence", lidar_only_variant(), kept, temp_.path() / "again");
+  for (const char* file : {"again/map.ply", "kept/map.ply"})
+    EXPECT_TRUE(read_text(temp_.path() / file) == read_text(temp_.path() / "out/map.ply")) << file;
+  EXPECT_TRUE(foreign_files(kept.perception).empty());
 }
 
 }  // namespace

@@ -243,4 +243,30 @@ TEST_F(MapMetric, RefusesWhatIsNoMap) {
             std::string::npos);
 }
 
+// Against the same cells as a tree; in voxels of 0.25 m at least.
+TEST_F(MapMetric, PointsCountAsTheVoxelsThatTheyAreIn) {
+  const std::string truth = write("true.bt", block({0, 0, 0}, {15, 15, 0}), {});
+  std::vector<Index> cells;
+  std::vector<Eigen::Vector3d> points;
+  for (int x = 0; x < 8; ++x)
+    for (int y = -4; y < 16; ++y) {
+      cells.push_back({x, y, 0});
+      for (const double at : {0.2, 0.7}) points.emplace_back(0.1 * (x + at), 0.1 * (y + at), 0.03);
+    }
+  const std::string estimate = write("estimate.bt", cells, {});
+  for (const double resolution_m : {0.1, 0.2, 0.8})
+    EXPECT_EQ(figures_json(figures(compare_map_points(truth, "map.ply", points, {resolution_m, {}}))),
+              figures_json(figures(compare_maps(truth, estimate, {resolution_m, {}}))));
+  const MapComparison usual = compare_map_points(truth, "map.ply", points, {});
+  EXPECT_DOUBLE_EQ(usual.resolution_m, 0.4);
+  EXPECT_EQ(usual.at(Occupancy::occupied, Occupancy::occupied), 8u);  // 2 x 4 of 4 x 4, and 2 beside them
+  EXPECT_EQ(usual.at(Occupancy::unknown, Occupancy::occupied), 2u);
+  EXPECT_TRUE(usual.unknown_is_free);
+  const auto refused = [&](const std::vector<Eigen::Vector3d>& far, const MapOptions& options) {
+    return input_error([&] { compare_map_points(truth, "map.ply", far, options); });
+  };
+  EXPECT_NE(refused({{0, 0, 20'000}}, {}).find("map.ply: a point lies beyond 13107.2 m"), std::string::npos);
+  EXPECT_NE(refused(points, {0.15, {}}).find("true.bt: its cells of 0.1 m"), std::string::npos);
+}
+
 }  // namespace uniquadric

@@ -1,4 +1,8 @@
-// The points that an estimate keeps of its objects, through the whole of evaluate.
+// The points that an estimate keeps of its objects and of their surroundings, through the whole of evaluate.
+#include <octomap/OcTree.h>
+
+#include <sstream>
+
 #include "core/base/error.h"
 #include "core/sequence/ply.h"
 #include "evaluation/metrics/surface_error.h"
@@ -70,6 +74,40 @@ TEST_F(ObjectSurface, OfTheTruthItselfIsComplete) {
   EXPECT_LT(objects[0]["surface"]["error_m"]["max"], 1e-7);
   EXPECT_EQ(objects[0]["surface"]["completeness"], 1);
   EXPECT_TRUE(objects[1]["surface"].is_null());
+}
+
+// A floor of 4 x 4 m in the truth; the estimate, in a world of its own, has half of it and something above.
+TEST_F(ObjectSurface, TheMapIsComparedInTheTruthsWorld) {
+  octomap::OcTree floor(0.25);
+  for (int x = 0; x < 16; ++x)
+    for (int y = 0; y < 16; ++y)
+      floor.setNodeValue(octomap::point3d(0.125F + 0.25F * float(x), 0.125F + 0.25F * float(y), 0.1F), 3.F);
+  floor.toMaxLikelihood();
+  std::ostringstream bytes;
+  bytes << "# Octomap OcTree binary file\nid OcTree\nsize " << floor.size() << "\nres 0.25\ndata\n";
+  floor.writeBinaryData(bytes);
+  write_text(truth() / "map.bt", bytes.str());
+  const Pose other{exp_so3({0.2, -0.3, 1}), Eigen::Vector3d(3, -2, 1)};  // estimate_from_truth
+  write_changed([&](Tracks& tracks) {
+    for (StampedPose& pose : tracks.camera) pose.pose = other * pose.pose;
+    tracks.objects.clear();
+  });
+  EXPECT_TRUE(run()["map"].is_null());
+  SurfaceFile map;
+  const auto add = [&](double x, double y, double z) {
+    map.points.push_back((other * Eigen::Vector3d(x, y, z)).cast<float>());
+  };
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 16; ++y) add(0.1 + 0.25 * x, 0.2 + 0.25 * y, 0.15);
+  for (int y = 0; y < 16; ++y) add(0.1, 0.2 + 0.25 * y, 1.1);
+  write_surface_ply(estimate() / "map.ply", map, "");
+  const json found = run()["map"];
+  EXPECT_EQ(found["resolution_m"], 0.25);
+  EXPECT_EQ(found["true_occupied_voxels"], 256);
+  EXPECT_EQ(found["both_occupied_voxels"], 128);
+  EXPECT_EQ(found["precision"], 128 / 144.);
+  EXPECT_EQ(found["completeness"], 9 / 16.);
+  EXPECT_FALSE(found.contains("program"));
 }
 
 TEST_F(ObjectSurface, FilesThatAreNoneAreRefused) {
