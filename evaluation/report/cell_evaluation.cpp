@@ -103,6 +103,20 @@ std::vector<NamedObject> read_names(const fs::path& file, const json& root) {
   return named;
 }
 
+// A stage may run several times a frame, or not in each: its mean over all frames.
+std::map<std::string, double> read_stages(const fs::path& file, const json& root) {
+  std::map<std::string, double> stages;
+  const auto frames = number_at(file, root, "/timing_ms/frame/n");
+  const auto timing = root.find("timing_ms");
+  if (!frames || !(*frames > 0)) return stages;
+  for (const auto& [stage, figures] : timing->items()) {
+    if (!figures.is_object()) fail(file, "timing_ms." + stage, "expected an object with named values");
+    const auto mean = number_at(file, figures, "/mean"), n = number_at(file, figures, "/n");
+    if (mean && n) stages[stage] = *mean * *n / *frames;
+  }
+  return stages;
+}
+
 }  // namespace
 
 CellEvaluation read_cell_evaluation(const fs::path& folder) {
@@ -124,6 +138,7 @@ CellEvaluation read_cell_evaluation(const fs::path& folder) {
        {std::tuple{"/camera", "camera", MetricScope::camera}, std::tuple{"", "all", MetricScope::all}})
     if (SubjectFigures figures = read_figures(file, root, base, subject, scope); !figures.value.empty())
       evaluation.subjects.push_back(std::move(figures));
+  evaluation.stage_ms = read_stages(file, root);
   evaluation.series = read_series(folder / "frames.csv", names);
   return evaluation;
 }

@@ -101,7 +101,9 @@ const char* to_string(CellStatus status) {
 }
 
 json cell_json(const Cell& cell, int digits) {
-  json series = json::array();
+  json series = json::array(), stages = json::object();
+  if (cell.evaluation)
+    for (const auto& [stage, ms] : cell.evaluation->stage_ms) stages[stage] = rounded(ms, digits);
   if (cell.evaluation)
     for (const ObjectSeries& s : cell.evaluation->series) series.push_back(series_json(s, digits));
   return {{"scene", cell.scene},
@@ -111,6 +113,7 @@ json cell_json(const Cell& cell, int digits) {
           {"folder", cell.folder.generic_string()},
           {"message", cell.message},
           {"alignment", cell.evaluation ? cell.evaluation->alignment : ""},
+          {"stage_ms", stages},
           {"series", series}};
 }
 

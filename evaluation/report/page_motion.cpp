@@ -102,10 +102,15 @@ json unmatched_json(const Tracks& tracks, const std::vector<std::int64_t>& stamp
 
 std::string page_motion(const Results& results, const PageOptions& options) {
   json truths = json::array(), runs = json::array();
-  std::set<std::pair<std::string, std::string>> seen;
+  std::set<std::pair<std::string, std::string>> seen, without;  // scene, variant
   for (const Cell& cell : results.cells) {
     const fs::path file = results.folder / cell.folder / "evaluation/poses.csv";
-    if (!cell.evaluation || !fs::exists(file) || !seen.emplace(cell.scene, cell.variant).second) continue;
+    if (!cell.evaluation) continue;
+    if (!fs::exists(file)) {
+      without.emplace(cell.scene, cell.variant);
+      continue;
+    }
+    if (!seen.emplace(cell.scene, cell.variant).second) continue;
     const ComparedPoses poses = read_poses(file);
     const auto stamps_ns = shown_stamps(poses.truth, options.motion_frames);
     json truth = tracks_json(poses.truth, cell, stamps_ns),
@@ -118,7 +123,10 @@ std::string page_motion(const Results& results, const PageOptions& options) {
     run["unmatched"] = unmatched_json(poses.unmatched, stamps_ns);
     runs.push_back(std::move(run));
   }
-  return json{{"truths", truths}, {"runs", runs}}.dump();
+  json absent = json::array();
+  for (const auto& run : without)
+    if (!seen.contains(run)) absent.push_back({{"scene", run.first}, {"variant", run.second}});
+  return json{{"truths", truths}, {"runs", runs}, {"absent", absent}}.dump();
 }
 
 }  // namespace uniquadric

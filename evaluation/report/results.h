@@ -27,10 +27,11 @@ struct ObjectSeries {
 
 /// What `evaluate` wrote for one run.
 struct CellEvaluation {
-  std::string program;                   ///< that evaluated, with version; empty where absent
-  std::string alignment;                 ///< of the estimate's world; empty where absent
-  std::vector<SubjectFigures> subjects;  ///< objects in their order, then `camera`, then `all`
-  std::vector<ObjectSeries> series;      ///< objects in order of their ids
+  std::string program;                     ///< that evaluated, with version; empty where absent
+  std::string alignment;                   ///< of the estimate's world; empty where absent
+  std::vector<SubjectFigures> subjects;    ///< objects in their order, then `camera`, then `all`
+  std::vector<ObjectSeries> series;        ///< objects in order of their ids
+  std::map<std::string, double> stage_ms;  ///< a frame, by stage; `frame` is all of them
 };
 
 enum class CellStatus { ok, failed, missing };

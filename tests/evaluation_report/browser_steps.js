@@ -34,6 +34,14 @@
   by_id("original-order").click();
   seen.table.again = column(ape);
 
+  const rows_of = (table) => [...by_id(table).rows].map((row) => [...row.cells].map((cell) => cell.textContent));
+  by_id("all-metrics").click();
+  seen.all_metrics = rows_of("summary-table").slice(0, 2);
+  by_id("all-metrics").click();
+  seen.times = rows_of("times-table");
+  seen.without_poses = { section: !by_id("motion-scene").hidden, view: !by_id("space-view").hidden, note: by_id("space-absent").hidden ? "" : by_id("space-absent").textContent };
+  if (!motion_state.scene) return document.body.append(el("pre", { id: "seen" }, JSON.stringify(seen)));
+
   by_id("ablation-metrics").querySelector("button").click(); // APE.t
   const percent = (node, side) => Number.parseFloat(node.style[side]);
   seen.ablation = [...by_id("ablation-plots").children].map((figure) => [...figure.querySelectorAll(".ablation-row:has(.mean)")].map((row) => ({

@@ -197,10 +197,37 @@ void expect_turns_zooms_follows_and_plays(const json& space) {
   EXPECT_EQ(space.at("pointed"), 70);
 }
 
+// The last stage runs in every other frame, at 9 ms.
+void expect_surfaces_and_times(const json& seen) {
+  const auto head = seen.at("all_metrics")[0].get<std::vector<std::string>>();
+  for (const char* name : {"surface error [m]", "surface error 90 % [m]", "surface seen"})
+    EXPECT_NE(std::find(head.begin(), head.end(), name), head.end()) << name;
+  const json& times = seen.at("times");
+  ASSERT_EQ(times.size(), 1u + 4u);  // two scenes, two variants
+  EXPECT_EQ(times[0], json({"scene", "variant", "whole [ms]", "features", "long_window"}));
+  EXPECT_EQ(times[1], json({"cube_cuboid", "single_frame_obb", "12.50", "8.0000", "4.5000"}));
+}
+
+TEST_F(Browser, SaysWhyThereIsNo3DView) {
+  const json whole = open(1280, 900, false);
+  EXPECT_EQ(whole.at("without_poses").at("note"), "");
+  EXPECT_EQ(whole["without_poses"].at("view"), true);
+  for (const auto& entry : fs::recursive_directory_iterator(folder_.path() / "cells"))
+    if (entry.path().filename() == "poses.csv") fs::remove(entry.path());
+  write_report(folder_.path());
+  const json seen = open(1280, 900, false).at("without_poses");
+  EXPECT_EQ(seen.at("section"), true);
+  EXPECT_EQ(seen.at("view"), false);
+  const std::string note = seen.at("note");
+  EXPECT_NE(note.find("single_frame_obb, rotbbox"), note.npos) << note;
+  EXPECT_NE(note.find("evaluation/poses.csv"), note.npos) << note;
+}
+
 TEST_F(Browser, TablesSortAndTheSliderMovesTheEllipsoids) {
   const json seen = open(1280, 900, false);
   ASSERT_TRUE(seen.is_object());
   expect_sorted(seen.at("table"));
+  expect_surfaces_and_times(seen);
   expect_variants_side_by_side(seen.at("ablation"));
   expect_slider_moves_ellipsoids(seen.at("space"),
                                  json::parse(page_motion(read_results(folder_.path()), {})));

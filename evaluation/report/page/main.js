@@ -94,13 +94,14 @@ function start() {
   draw_definitions();
   draw_made();
   draw_lidar();
+  draw_times();
   by_id("all-metrics").addEventListener("change", (e) => { summary_state.all = e.target.checked; draw_table(); });
   by_id("paper-rows").addEventListener("change", (e) => { summary_state.paper = e.target.checked; draw_table(); });
   by_id("original-order").addEventListener("click", () => { summary_state.sort = null; draw_table(); });
   by_id("log-errors").addEventListener("change", (e) => { chart_state.log = e.target.checked; draw_charts(); });
   by_id("frames").hidden = galleries.length === 0;
   by_id("objects").hidden = subjects.length === 0;
-  document.querySelector('nav a[href="#motion-scene"]').hidden = motion.runs.length === 0;
+  document.querySelector('nav a[href="#motion-scene"]').hidden = motion.runs.length + motion.absent.length === 0;
   start_viewer();
   start_motion();
   if (subjects.length > 0) show_object(subjects[0]);

@@ -155,11 +155,22 @@ function leading_variant(scene, shown) {
   return shown.reduce((best, variant) => (marks(variant) > marks(best) ? variant : best));
 }
 
+// Results made before `evaluate` wrote poses have nothing to show here: which, and what helps.
+function say_what_is_absent(scene) {
+  const absent = motion.absent.filter((run) => run.scene === scene).map((run) => run.variant), note = by_id("space-absent");
+  note.hidden = absent.length === 0;
+  note.textContent = `Not here: ${absent.join(", ")} of ${scene}. The results have no evaluation/poses.csv; an older version of evaluate made them. ` +
+    "Run evaluate on the runs once more with --force, or the bench into a new folder.";
+}
+
 function show_motion(scene) {
-  by_id("motion-scene").hidden = !motion.runs.some((run) => run.scene === scene);
-  if (by_id("motion-scene").hidden || scene === motion_state.scene) return;
-  pause_motion();
   const shown = distinct(motion.runs.filter((run) => run.scene === scene).map((run) => run.variant));
+  say_what_is_absent(scene);
+  by_id("motion-scene").hidden = shown.length === 0 && by_id("space-absent").hidden;
+  by_id("space-view").hidden = shown.length === 0;
+  if (shown.length > 0 && scene === motion_state.scene) return;
+  pause_motion();
+  if (shown.length === 0) return (motion_state.scene = null);
   Object.assign(motion_state, { scene, variants: new Set([leading_variant(scene, shown)]), index: 0, follow: "" });
   draw_motion_chips();
   const names = motion_truths()[0].objects.map((o) => o.object);
