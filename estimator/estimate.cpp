@@ -199,6 +199,21 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   return text + "variant:\n" + indented(variant_yaml(variant));
 }
 
+// What the frames show of the bodies' points, before any back end.
+std::string features_csv(const Perception& perception) {
+  std::string text = "frame,timestamp_ns,body,track,u_px,v_px,depth_m,depth_sigma_m\n";
+  for (std::size_t i = 0; i < perception.frames().size(); ++i) {
+    const PerceivedFrame frame = perception.read(i);
+    for (const BodyObservation& body : frame.bodies)
+      for (const Feature& f : body.features) {
+        text += fmt::format("{},{},{},{},{:.3f},{:.3f},", frame.frame, frame.stamp_ns, body.id, f.track,
+                            f.pixel.x(), f.pixel.y());
+        text += f.depth_m > 0 ? fmt::format("{:.6g},{:.4g}\n", f.depth_m, f.depth_sigma_m) : ",\n";
+      }
+  }
+  return text;
+}
+
 void copy_masks(const fs::path& from, const fs::path& to) {
   if (!fs::is_directory(from)) return;
   fs::create_directories(to);
@@ -276,6 +291,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   for (const auto& [id, surface] : result.surfaces)
     write_surface_ply(pending.path() / fmt::format("objects/{}.ply", id), surface,
                       "points seen, object frame, metres");
+  if (variant.write_features) write_text(pending.path() / "features.csv", features_csv(perception));
   write_camera_yaml(pending.path() / "camera.yaml", sequence.camera);
   write_text(pending.path() / "timing.csv", timing_csv(result.times, read_text(perceived / "timing.csv")));
   write_text(pending.path() / "run.yaml",

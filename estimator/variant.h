@@ -47,6 +47,7 @@ struct Variant {
   AxisNaming axis_naming = AxisNaming::previous;
   BodyOptions body;
   Backend backend = Backend::single_frame;
+  bool write_features = false;    // features.csv, a row a sighting: megabytes
   Output output = Output::final;  // ours: as the trajectories of SLAM systems are given
   Feedback feedback = Feedback::perception;
   JoinedOptions joined;  // of Feedback::backend

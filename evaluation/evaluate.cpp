@@ -87,12 +87,23 @@ Evaluation compare(const Tracks& truth, const Tracks& estimate,
   return result;
 }
 
-void compare_surfaces(const fs::path& truth, const fs::path& estimate,
+// What hangs on the true surfaces: the points that are kept of them, and the depth of features.
+void compare_surfaces(const fs::path& truth_folder, const fs::path& estimate, const Tracks& truth,
                       const std::map<int, ObjectDescription>& descriptions, double scale,
                       Evaluation& evaluation) {
-  for (ObjectEvaluation& object : evaluation.objects)
-    if (const auto described = descriptions.find(object.id); described != descriptions.end())
-      object.surface = evaluate_surface(truth, estimate, described->second, object, scale);
+  const auto features = read_features(estimate);
+  for (std::size_t g = 0; g < evaluation.objects.size(); ++g) {
+    ObjectEvaluation& object = evaluation.objects[g];
+    const auto described = descriptions.find(object.id);
+    if (described == descriptions.end() || !object.matched_id) continue;
+    object.surface = evaluate_surface(truth_folder, estimate, described->second, object, scale);
+    const auto seen = features.find(*object.matched_id);
+    const auto surface =
+        seen == features.end() ? std::nullopt : true_surface(truth_folder, described->second);
+    if (surface && truth.calibration)
+      object.feature_depth = feature_depth_error(seen->second, *surface, truth.objects[g], truth.camera,
+                                                 *truth.calibration, kMaxDifferenceNs);
+  }
 }
 
 // The points of the estimate's map, carried into the true world, against the true map.
@@ -129,7 +140,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
         estimate_folder / "camera.tum",
         fmt::format("{} of {} poses lie within 0.01 s of the truth's {}, at least {} are needed",
                     evaluation.camera.pairs, estimate.camera.size(), truth.camera.size(), kMinPairs));
-  compare_surfaces(truth_path, estimate_folder, descriptions, alignment.truth_from_estimate.scale,
+  compare_surfaces(truth_path, estimate_folder, truth, descriptions, alignment.truth_from_estimate.scale,
                    evaluation);
   evaluation.map = compare_surroundings(truth_path, estimate_folder, alignment.truth_from_estimate);
   evaluation.timing_ms = read_timing(estimate_folder);

@@ -87,6 +87,16 @@ json to_json(const std::optional<SurfaceError>& surface) {
   return {{"error_m", error}, {"completeness", surface->completeness}, {"within_m", surface->within_m}};
 }
 
+json to_json(const std::optional<FeatureDepthError>& depth) {
+  if (!depth) return nullptr;
+  json error = to_json(depth->error_m);
+  if (depth->quantile_90_m) error["quantile_90"] = *depth->quantile_90_m;
+  return {{"error_m", error},
+          {"coverage", depth->coverage},
+          {"sightings", depth->sightings},
+          {"off_body", depth->off_body}};
+}
+
 json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
   const auto figure = [&](std::optional<double> ObjectFrame::*member) {
     return over_frames(object, [member](const ObjectFrame& frame) { return frame.*member; });
@@ -117,6 +127,7 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"semi_axes_change_occluded_max", or_null(semi_axes_change_occluded(object.frames))},
                  {"d_shape_m", figure(&ObjectFrame::d_shape_m)},
                  {"surface", to_json(object.surface)},
+                 {"feature_depth", to_json(object.feature_depth)},
                  {"semi_axes_error_m", semi_axes_errors(object)}};
   if (object.matched_frames < kMinPairs) {
     result["drift"] = result["ape"]["rotation_naive_rad"] = result["ape"]["rotation_symmetric_rad"] = nullptr;

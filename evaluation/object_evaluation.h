@@ -9,6 +9,7 @@
 #include "core/sequence/tracks.h"
 #include "evaluation/align/body_frame.h"
 #include "evaluation/align/shape_symmetry.h"
+#include "evaluation/feature_depth.h"
 #include "evaluation/iou/monte_carlo.h"
 #include "evaluation/metrics/surface_error.h"
 #include "evaluation/object_frame.h"
@@ -30,6 +31,7 @@ struct ObjectEvaluation {
   std::optional<Drift> drift;
   std::optional<Pose> truth_from_body;  ///< where the track's own frame usually lies in the true one
   std::optional<SurfaceError> surface;
+  std::optional<FeatureDepthError> feature_depth;
 };
 
 /// What all objects' evaluation shares.
@@ -44,7 +46,7 @@ struct ObjectContext {
 
 /// Compares a truth object with the track it was matched to; of `description` shape and symmetry count.
 /// `matched_states[k]` is the index of the track's state at the truth's state k. `track` null: never found.
-/// Fills everything except `id_switches` and `surface`.
+/// Fills everything except `id_switches`, `surface` and `feature_depth`.
 ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescription& description,
                                  const ObjectTrack* track,
                                  const std::vector<std::optional<std::size_t>>& matched_states,

@@ -84,6 +84,22 @@ SurfaceDistance::SurfaceDistance(std::vector<Eigen::Vector3f> corners,
   state_ = std::move(state);
 }
 
+std::optional<double> SurfaceDistance::along(const Eigen::Vector3d& from,
+                                             const Eigen::Vector3d& direction) const {
+  const Eigen::Vector3f p = from.cast<float>(), d = direction.cast<float>();
+  RTCRayHit ray{};
+  ray.ray.org_x = p.x(), ray.ray.org_y = p.y(), ray.ray.org_z = p.z();
+  ray.ray.dir_x = d.x(), ray.ray.dir_y = d.y(), ray.ray.dir_z = d.z();
+  ray.ray.tfar = std::numeric_limits<float>::infinity();
+  ray.ray.mask = ~0U;
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(state_->scene, &context, &ray);
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return ray.ray.tfar;
+}
+
 double SurfaceDistance::at(const Eigen::Vector3d& point, double most_m) const {
   Query query{state_->corners, state_->triangles, point, most_m};
   const Eigen::Vector3f p = point.cast<float>();

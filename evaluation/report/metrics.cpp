@@ -72,6 +72,10 @@ constexpr Metric kMetrics[] = {
      "Share of the true surface that has such a point within 5 % of the diagonal of its tight box. What "
      "nobody saw, as the underside of what stands, is missing.",
      true},
+    {"feature_depth_median_m", "feature depth", "m", kLower, kObject, "/feature_depth/error_m/median",
+     "Median error of the depth that was recovered for features of the object, from LiDAR or depth images, "
+     "against the true mesh along the true line of sight.",
+     true},
     {"coverage", "coverage", "", kHigher, kObject | kCamera, "/coverage",
      "Share of the frames in which the object is visible for which there is an estimate (of the camera: of "
      "all "

@@ -37,6 +37,7 @@ const std::set<std::string> kObject = {"ape_translation_rmse_m",
                                        "surface_error_median_m",
                                        "surface_error_quantile_90_m",
                                        "surface_completeness",
+                                       "feature_depth_median_m",
                                        "coverage",
                                        "longest_gap_s",
                                        "id_switches",
@@ -57,6 +58,13 @@ TEST_F(Evaluate, HasEveryFigureOfTheScores) {
     write_surface_ply(truth() / "objects" / (std::string(id) + ".ply"), mesh, "");
     write_surface_ply(estimate() / "objects" / (std::string(id) + "0.ply"), mesh, "");
   }
+  std::string features = "frame,timestamp_ns,body,track,u_px,v_px,depth_m,depth_sigma_m\n";
+  for (const auto& object : kObjects) {  // of its middle, in front of which the mesh is
+    const Pose camera_from_object = camera_pose(0).inverse() * object_pose(object.id, 0, kWide_rad);
+    const Eigen::Vector2d pixel = *Camera{}.project(camera_from_object * Eigen::Vector3d(0.06, 0.06, 0.08));
+    features += fmt::format("0,0,{},1,{},{},3,0.01\n", 10 * object.id, pixel.x(), pixel.y());
+  }
+  write_text(estimate() / "features.csv", features);
   write_text(estimate() / "timing.csv", "frame,stage,ms\n0,fit,2\n1,fit,4\n");
   run();
   const CellEvaluation read = read_cell_evaluation(root_ / "out");

@@ -245,7 +245,7 @@ TEST_F(MapMetric, RefusesWhatIsNoMap) {
 
 // Against the same cells as a tree; in voxels of 0.25 m at least.
 TEST_F(MapMetric, PointsCountAsTheVoxelsThatTheyAreIn) {
-  const std::string truth = write("true.bt", block({0, 0, 0}, {15, 15, 0}), {});
+  const std::string truth = write("true.bt", block({0, 0, 0}, {16, 16, 1}), {});
   std::vector<Index> cells;
   std::vector<Eigen::Vector3d> points;
   for (int x = 0; x < 8; ++x)
