@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/sequence/ply.h"
 #include "evaluation/metrics/octree_file.h"
 
 namespace uniquadric {
@@ -131,6 +132,11 @@ std::shared_ptr<const octomap::OcTree> tree_of(const std::filesystem::path& file
 
 MapComparison compare_maps(const std::filesystem::path& truth, const std::filesystem::path& estimate,
                            const MapOptions& options) {
+  if (estimate.extension() == ".ply") {
+    std::vector<Eigen::Vector3d> points;
+    for (const Eigen::Vector3f& p : read_surface_ply(estimate).points) points.push_back(p.cast<double>());
+    return compare_map_points(truth, estimate, points, options);
+  }
   return compare_trees(truth, read_octree(truth), estimate, read_octree(estimate), options);
 }
 

@@ -36,9 +36,9 @@ struct MapComparison {
   }
 };
 
-/// Compares two maps of one world (.bt). Throws InputError for a file that cannot be read, a true map
-/// without an occupied voxel, an estimate that misses more of them than can be looked through, and cells that
-/// are not a power of two apart.
+/// Compares two maps of one world (.bt; the estimate also points of a .ply: compare_map_points). Throws
+/// InputError for a file that cannot be read, a true map without an occupied voxel, an estimate that misses
+/// more of them than can be looked through, and cells that are not a power of two apart.
 MapComparison compare_maps(const std::filesystem::path& truth, const std::filesystem::path& estimate,
                            const MapOptions& options);
 

@@ -6,20 +6,33 @@
 
 #include "core/base/error.h"
 #include "core/sequence/pcd.h"
+#include "core/sequence/ply.h"
 
 namespace uniquadric {
+namespace {
+
+std::vector<Eigen::Vector3f> read_pcd_points(const std::filesystem::path& path) {
+  const PcdFile file = read_pcd(path);
+  const PcdColumn x = pcd_column(path, file, "x", 'F', 4), y = pcd_column(path, file, "y", 'F', 4),
+                  z = pcd_column(path, file, "z", 'F', 4);
+  std::vector<Eigen::Vector3f> points;
+  for (std::int64_t i = 0; i < file.points; ++i)
+    points.emplace_back(x.at<float>(i), y.at<float>(i), z.at<float>(i));
+  return points;
+}
+
+}  // namespace
 
 SurfaceComparison compare_to_surface(const std::filesystem::path& points, const SurfaceDistance& surface,
                                      const SurfaceOptions& options) {
-  const PcdFile file = read_pcd(points);
-  const PcdColumn x = pcd_column(points, file, "x", 'F', 4), y = pcd_column(points, file, "y", 'F', 4),
-                  z = pcd_column(points, file, "z", 'F', 4);
   const Pose surface_from_points = options.points_from_surface.inverse();
   SurfaceComparison result;
   result.within_m = options.within_m;
   std::vector<double> distances_m;
-  for (std::int64_t i = 0; i < file.points; ++i) {
-    const Eigen::Vector3d point(x.at<float>(i), y.at<float>(i), z.at<float>(i));
+  const std::vector<Eigen::Vector3f> all =
+      points.extension() == ".ply" ? read_surface_ply(points).points : read_pcd_points(points);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Eigen::Vector3d point = all[i].cast<double>();
     if (point.allFinite() && point.cwiseAbs().maxCoeff() > kMostCoordinate_m)
       throw InputError(points, fmt::format("point {} lies beyond {} m", i, kMostCoordinate_m));
     if (point.allFinite())

@@ -26,9 +26,9 @@ struct SurfaceComparison {
 
 inline constexpr double kMostCoordinate_m = 1e9;  ///< of what is compared, as of tracks
 
-/// How far the points of a PCD file (x, y, z as 4-byte floats [m]) lie off a surface. Throws InputError
-/// naming the file for one that cannot be read, one without a finite point, and a point beyond
-/// kMostCoordinate_m.
+/// How far the points of a PCD file (x, y, z as 4-byte floats [m]) or a PLY (read_surface_ply) lie off a
+/// surface. Throws InputError naming the file for one that cannot be read, one without a finite point, and a
+/// point beyond kMostCoordinate_m.
 SurfaceComparison compare_to_surface(const std::filesystem::path& points, const SurfaceDistance& surface,
                                      const SurfaceOptions& options);
 

@@ -45,7 +45,7 @@ void add_map(CLI::App& app, Common& common) {
   static MapOptions options;
   static std::string unknown;
   auto* sub = over_files(app, "map", "occupancy of two octrees (.bt)", "TRUE", "OctoMap's binary tree",
-                         "ESTIMATE", "another of the same world", common,
+                         "ESTIMATE", "another of the same world, or PLY points in it", common,
                          [](const std::string& truth, const std::string& estimate) {
                            if (!unknown.empty()) options.unknown_is_free = unknown == "free";
                            return compare_maps(truth, estimate, options);
@@ -98,7 +98,7 @@ void add_surface(CLI::App& app, Common& common) {
   static SurfaceOptions options;
   static std::vector<double> pose;
   auto* sub =
-      over_files(app, "surface", "distance of points to a surface", "POINTS", "PCD file", "MESH",
+      over_files(app, "surface", "distance of points to a surface", "POINTS", "PCD or PLY file", "MESH",
                  "OBJ, PLY and more [m]", common, [](const std::string& points, const std::string& file) {
                    if (!pose.empty()) options.points_from_surface = parse_pose(pose);
                    return compare_to_surface(points, read_surface(file), options);

@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/random.h"
+#include "core/sequence/ply.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -257,6 +258,10 @@ TEST_F(MapMetric, PointsCountAsTheVoxelsThatTheyAreIn) {
   for (const double resolution_m : {0.1, 0.2, 0.8})
     EXPECT_EQ(figures_json(figures(compare_map_points(truth, "map.ply", points, {resolution_m, {}}))),
               figures_json(figures(compare_maps(truth, estimate, {resolution_m, {}}))));
+  SurfaceFile file;
+  for (const Eigen::Vector3d& p : points) file.points.push_back(p.cast<float>());
+  write_surface_ply(temp_.path() / "map.ply", file, "");
+  EXPECT_EQ(compare(truth, temp_.path() / "map.ply", {0.2, {}}), compare(truth, estimate, {0.2, {}}));
   const MapComparison usual = compare_map_points(truth, "map.ply", points, {});
   EXPECT_DOUBLE_EQ(usual.resolution_m, 0.4);
   EXPECT_EQ(usual.at(Occupancy::occupied, Occupancy::occupied), 8u);  // 2 x 4 of 4 x 4, and 2 beside them

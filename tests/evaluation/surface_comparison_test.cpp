@@ -10,6 +10,7 @@
 #include "core/base/files.h"
 #include "core/base/random.h"
 #include "core/sequence/pcd.h"
+#include "core/sequence/ply.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -81,6 +82,9 @@ TEST_F(SurfaceMetric, FiguresOfPointsAtKnownDistances) {
   EXPECT_NEAR(found.distance_m.median, 0.375, 1e-12);
   EXPECT_NEAR(found.quantile_95_m, 0.5 + 0.85 * 4.5, 1e-12);  // at 2.85 of 0 to 3
   EXPECT_EQ(found.share_within, 0.25);
+  const std::string ply = temp_.path() / "points.ply";
+  write_surface_ply(ply, {{{1, 0.5, 0.5}, {0, -0.75, 0}, {0.3f, 0.2f, 1.5}, {4, 5, 0}}, {}}, "");
+  EXPECT_EQ(compare_to_surface(ply, cube(), {}).distance_m.rmse, found.distance_m.rmse);
   SurfaceOptions wide;
   wide.within_m = 0.25;
   EXPECT_EQ(
