@@ -137,7 +137,8 @@ MapComparison compare_maps(const std::filesystem::path& truth, const std::filesy
     for (const Eigen::Vector3f& p : read_surface_ply(estimate).points) points.push_back(p.cast<double>());
     return compare_map_points(truth, estimate, points, options);
   }
-  return compare_trees(truth, read_octree(truth), estimate, read_octree(estimate), options);
+  const auto true_tree = read_octree(truth);
+  return compare_trees(truth, true_tree, estimate, read_octree(estimate), options);
 }
 
 MapComparison compare_map_points(const std::filesystem::path& truth, const std::filesystem::path& estimate,
