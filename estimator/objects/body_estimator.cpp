@@ -19,7 +19,6 @@ constexpr double kSlid = 1.5,
                  kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
 constexpr double kLeastBase = 0.2, kMostBase = 0.6;  // [s] of the time that the velocity is taken from
 constexpr int kPatience = 6;  // times the frames of a restart, until a part of the body in view will do
-constexpr int kGrown = 15;    // keyframes, after which a body is known from the sides that it shows
 constexpr double kRest =
     0.7;  // [s]: the turn of a body that is not seen fades, which a wrong velocity would carry furthest
 
@@ -164,12 +163,6 @@ std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const 
   return short_window_.track(frame, body, predict(frame, &body), is_stale(frame), random);
 }
 
-CloudAlignmentOptions BodyEstimator::alignment() const {
-  CloudAlignmentOptions options = options_.alignment;
-  options.growing = keyframes_ < kGrown;
-  return options;
-}
-
 // Where the surface that is known says that the features have slid off it, it counts.
 void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose) {
   if (come_back(frame, body, pose.world_from_body)) {
@@ -179,7 +172,7 @@ void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& b
   }
   const auto found = align_to_cloud(camera_, body, shape_.surface(),
                                     frame.world_from_camera->inverse() * pose.world_from_body, kSettleSigmas,
-                                    false, alignment());
+                                    false, options_.alignment);
   if (!found || found->new_face) return;
   if (found->predicted_distance_m < kSlid * found->distance_m + kSlidBy) return;
   pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);
@@ -193,7 +186,7 @@ bool BodyEstimator::come_back(const PerceivedFrame& frame, const BodyObservation
   if (!strayed_) return false;
   const auto found =
       align_to_cloud(camera_, body, strayed_->surface(), frame.world_from_camera->inverse() * world_from_body,
-                     kStraySigmas, false, alignment());
+                     kStraySigmas, false, options_.alignment);
   if (!found || found->matched < kBack) return false;
   world_from_body = in_world(frame, found->camera_from_body);
   shape_.go_back_to(*strayed_);
@@ -235,7 +228,7 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
     if (const auto center = shape_.center_of(frame, body)) place_center(predicted, *center);
   const auto found =
       align_to_cloud(camera_, body, shape_.surface(), frame.world_from_camera->inverse() * predicted,
-                     prediction_sigmas_at(frame), stale, alignment());
+                     prediction_sigmas_at(frame), stale, options_.alignment);
   if (!found) return std::nullopt;
   BodyPose pose;
   pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);

@@ -91,7 +91,6 @@ class BodyEstimator {
   void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);
   BodyPose stand_still(const PerceivedFrame& frame) const;
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
-  CloudAlignmentOptions alignment() const;
   Eigen::Vector3d body_center() const { return shape_.shape().body_from_object.translation; }
   void place_center(Pose& world_from_body, const Eigen::Vector3d& at) const;
   bool is_stale(const PerceivedFrame& frame) const;

@@ -8,6 +8,7 @@
 #include "estimator/objects/closer_sides.h"
 #include "estimator/objects/seen_extents.h"
 #include "estimator/objects/shape_by_extents.h"
+#include "estimator/objects/unseen_ends.h"
 
 namespace uniquadric {
 namespace {
@@ -205,6 +206,13 @@ std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<Accumul
       beliefs.push_back({fused->semi_axes_m, fused->sigma_m});
   }
   return beliefs;
+}
+
+SurfaceModel ShapeEstimator::surface() const {
+  SurfaceModel model = surface_.model();
+  const bool is_young = keyframes_ <= options_.search_keyframes;
+  if (!is_young) model.unseen = unseen_ends(shape_, model.points, radius_m_);
+  return model;
 }
 
 // Names stay when another axis becomes the profile's.

@@ -64,7 +64,7 @@ class ShapeEstimator {
   }
 
   Shape shape() const;
-  SurfaceModel surface() const { return surface_.model(); }
+  SurfaceModel surface() const;
 
  private:
   Pose usual_box() const;

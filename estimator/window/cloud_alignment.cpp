@@ -88,7 +88,9 @@ class Aligner {
         options_(options),
         seen_(evenly_drawn(body, options.max_points)),
         is_colored_(body.colors.cols() > 0 && model.colors.cols() > 0),
-        tree_(tree_of(model.points)) {
+        tree_(tree_of(model.points)),
+        ends_(3, model.points.cols() + model.unseen.cols()) {
+    ends_ << model.points, model.unseen;
     std::copy_if(body.silhouette->support.begin(), body.silhouette->support.end(), std::back_inserter(lines_),
                  [](const SupportLine& line) { return line.free; });
   }
@@ -188,17 +190,22 @@ class Aligner {
   // Whether all of the body is in front of the camera: else it has no outline.
   bool add_outline(Fit& fit, NormalEquations& equations) const {
     const Eigen::Matrix3Xd in_camera =
-        (fit.pose.rotation.toRotationMatrix() * model_.points).colwise() + fit.pose.translation;
+        (fit.pose.rotation.toRotationMatrix() * ends_).colwise() + fit.pose.translation;
     if (in_camera.row(2).minCoeff() < kMinDepth) return false;
     const Eigen::RowVectorXd u =
         camera_.fx * in_camera.row(0).cwiseQuotient(in_camera.row(2)).array() + camera_.cx;
     const Eigen::RowVectorXd v =
         camera_.fy * in_camera.row(1).cwiseQuotient(in_camera.row(2)).array() + camera_.cy;
     double sum = 0, beyond = 0;
+    const Eigen::Index known = model_.points.cols();
     for (const SupportLine& line : lines_) {
+      const Eigen::RowVectorXd beyond_px =
+          (line.normal.x() * u + line.normal.y() * v).array() - line.offset_px;
       Eigen::Index at = 0;
-      const double off = (line.normal.x() * u + line.normal.y() * v).maxCoeff(&at) - line.offset_px;
-      const Eigen::Vector3d p = in_camera.col(at), body = model_.points.col(at);
+      double off = beyond_px.head(known).maxCoeff(&at);
+      if (off < 0) off = beyond_px.maxCoeff(&at);  // the outline may well be that of what was not seen
+      if (off > 0 && at >= known) continue;
+      const Eigen::Vector3d p = in_camera.col(at), body = ends_.col(at);
       const double z = p.z();
       const Eigen::RowVector3d by_point(
           camera_.fx * line.normal.x() / z, camera_.fy * line.normal.y() / z,
@@ -238,6 +245,7 @@ class Aligner {
   std::vector<SupportLine> lines_;
   bool is_colored_;
   Tree tree_;
+  Eigen::Matrix3Xd ends_;  // what an outline touches
 };
 
 }  // namespace
@@ -269,8 +277,8 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
   const bool known = best.matched > options.min_matched;
   const double most_px =
       std::max(options.max_outline_px, options.max_outline_share * 2 * body.silhouette->rot_bbox.semi_minor);
-  // What is known of a growing body may well end inside its outline, if its points lie where they were.
-  const double off_px = known && options.growing ? best.beyond_px : best.outline_px;
+  // What is known of a body may well end inside its outline, if its points lie where they were.
+  const double off_px = known ? best.beyond_px : best.outline_px;
   if (best.distance_m > options.max_distance_m || off_px > most_px ||
       (!known && aligner.lines() < options.min_lines))
     return std::nullopt;

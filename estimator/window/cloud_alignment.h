@@ -15,6 +15,7 @@ namespace uniquadric {
 struct SurfaceModel {
   Eigen::Matrix3Xd points, normals;  ///< (3 x n) [m]; unit, outward
   Eigen::Matrix3Xf colors;           ///< of the points, CIE L*a*b*; (3 x 0) where they are not known
+  Eigen::Matrix3Xd unseen{3, 0};     ///< (3 x m) where a model has the ends of what was not seen [m]
 };
 
 /// How a body that shows too few of its features is found by its surface. All numbers are ours.
@@ -30,7 +31,6 @@ struct CloudAlignmentOptions {
   double max_outline_px = 5;      // the same of the tangents
   double max_outline_share =
       0.05;               // or this, of the outline's width, where it is more: masks of large things err more
-  bool growing = false;   // of a body that was seen in part: it may end inside its outline
   double turn_rad = 0.5;  // starts turned by so much about each axis, where the prediction is stale
   int turns = 3;          // and twice, three times that
   double color_sigma = 12;  // [1] of a point's colour, CIE L*a*b*: texture between voxels, light, noise
