@@ -20,7 +20,7 @@ constexpr double kNear = 0.25;  // radii
 Eigen::Matrix3Xd unseen_ends(const Shape& shape, const Eigen::Matrix3Xd& seen, double radius_m) {
   std::vector<Eigen::Vector3d> ends;
   for (int i = 0; i < kDirections; ++i) {
-    const double z = 1 - (2.0 * i + 1) / kDirections, angle = kGoldenAngle * i;
+    const double z = 1 - (2.0 * i + 1) / kDirections, angle = kGoldenAngle * (i + 0.5);
     const double around = std::sqrt(1 - z * z);
     const Eigen::Vector3d direction(around * std::cos(angle), around * std::sin(angle), z);
     const Eigen::Vector3d end =
