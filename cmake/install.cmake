@@ -15,7 +15,7 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPO
 
 # Asked of the program itself when it is installed, so that no build has to wait for it.
 set(said ${PROJECT_BINARY_DIR}/said)
-install(CODE "execute_process(COMMAND ${PROJECT_SOURCE_DIR}/scripts/describe $<TARGET_FILE:uniquadric> ${said}
+install(CODE "execute_process(COMMAND [[${PROJECT_SOURCE_DIR}/scripts/describe]] [[$<TARGET_FILE:uniquadric>]] [[${said}]]
               COMMAND_ERROR_IS_FATAL ANY)" COMPONENT runtime)
 install(FILES ${said}/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         RENAME uniquadric COMPONENT runtime)
