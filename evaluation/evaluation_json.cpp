@@ -84,7 +84,13 @@ json to_json(const std::optional<SurfaceError>& surface) {
   if (!surface) return nullptr;
   json error = to_json(std::optional(surface->error_m));
   error["quantile_90"] = surface->quantile_90_m;
-  return {{"error_m", error}, {"completeness", surface->completeness}, {"within_m", surface->within_m}};
+  const Eigen::Vector3d& t = surface->points_from_truth.translation;
+  const Eigen::Quaterniond& q = surface->points_from_truth.rotation;
+  return {{"error_m", error},
+          {"completeness", surface->completeness},
+          {"within_m", surface->within_m},
+          {"points_from_truth",
+           {{"position_m", {t.x(), t.y(), t.z()}}, {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}}}};
 }
 
 json to_json(const std::optional<FeatureDepthError>& depth) {

@@ -78,6 +78,7 @@ std::optional<SurfaceError> surface_error(const SurfaceFile& truth, const Surfac
   const SurfaceDistance true_surface(truth.points, truth.triangles);
   std::vector<double> errors_m;
   for (const Eigen::Vector3d& p : points) errors_m.push_back(true_surface.at(p));
+  result.points_from_truth = truth_from_estimate.inverse();
   result.error_m = *statistics(errors_m);
   result.quantile_90_m = interpolated_quantile(std::move(errors_m), 0.9);
   result.within_m = kWithinDiagonal * diagonal_m(truth);

@@ -14,6 +14,7 @@ namespace uniquadric {
 struct SurfaceError {
   Statistics error_m;  ///< distances of the points from the true surface
   double quantile_90_m = 0;
+  Pose points_from_truth;   ///< how the two frames were laid on each other
   double within_m = 0;      ///< of `completeness`: kWithinDiagonal of the true points' tight box
   double completeness = 0;  ///< share of the true surface's area that has a point within within_m
 };

@@ -123,7 +123,10 @@ ImportedMesh import_mesh(const fs::path& path) {
   const aiScene* scene = importer.ReadFile(
       path.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_GenSmoothNormals |
                          aiProcess_JoinIdenticalVertices | aiProcess_SortByPType | aiProcess_FlipUVs);
-  if (!scene) throw InputError(path, fmt::format("cannot be read as a mesh: {}", importer.GetErrorString()));
+  const std::string said = importer.GetErrorString();
+  if (!scene && said.find("orphaned") != said.npos)  // how it says it of a file with points alone
+    throw InputError(path, "has no faces");
+  if (!scene) throw InputError(path, fmt::format("cannot be read as a mesh: {}", said));
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
     const aiMesh& source = *scene->mMeshes[i];
     if (source.mNumFaces == 0) continue;

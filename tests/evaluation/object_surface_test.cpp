@@ -49,6 +49,9 @@ TEST_F(ObjectSurface, IsJudgedInTheFrameThatThePosesUsuallyHave) {
   EXPECT_GT(object["ape"]["translation_m"]["max"], 0.05);
   EXPECT_NEAR(surface["error_m"]["median"], 0.02, kMedianOfPoses);
   EXPECT_NEAR(surface["error_m"]["quantile_90"], 0.02, kMedianOfPoses);
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(surface["points_from_truth"]["position_m"][k], kTruthFromBody.inverse().translation[k],
+                kMedianOfPoses);
   EXPECT_EQ(surface["error_m"]["n"], 500);
   EXPECT_NEAR(surface["within_m"], 0.05 * std::sqrt(0.36 + 0.16 + 0.04), 1e-7);
   EXPECT_GT(surface["completeness"], 0.3);  // the underside and the lower parts of the others

@@ -2,6 +2,7 @@
 #include "tests/harness/cli_fixture.h"
 
 #include "core/sequence/pcd.h"
+#include "core/sequence/ply.h"
 
 namespace uniquadric {
 namespace {
@@ -84,6 +85,11 @@ TEST_F(Cli, MetricsOfFilesArePrintedAndAsJson) {
   write("far.obj", "v -1e12 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n");
   expect_refusal({"metric", "surface", folder() / "points.pcd", folder() / "far.obj"},
                  "far.obj: reaches beyond");
+
+  write_surface_ply(folder() / "points.ply", {{{0, 0, 1}, {1, 0, 2}, {0, 1, 3}}, {}}, "");
+  EXPECT_EQ(run_program({"metric", "surface", folder() / "points.ply", folder() / "plate.obj"}).exit_code, 0);
+  expect_refusal({"metric", "surface", folder() / "points.ply", folder() / "points.ply"},
+                 "points.ply: has no faces");
 
   expect_refusal({"metric"}, "is none of");
   expect_refusal({"metric", "maps"}, "'maps' is none of iou3d, iou2d, project, pose, map, depth, surface");

@@ -1,9 +1,10 @@
 // The summary: sortable, the paper's rows in the same columns.
+const kWhereGiven = ["surface_error_median_m", "feature_depth_median_m"]; // of variants that write what they are of
 const summary_state = { all: false, paper: true, sort: null, descending: false };
 
 function table_columns() {
   const has = (name) => data.summary.some((row) => name in row.spread);
-  return data.metrics.filter((m) => has(m.name) && (summary_state.all || data.summary_metrics.includes(m.name)));
+  return data.metrics.filter((m) => has(m.name) && (summary_state.all || data.summary_metrics.includes(m.name) || kWhereGiven.includes(m.name)));
 }
 
 // Rows of the table, the paper's behind the last variant of an object that it has.
