@@ -145,6 +145,8 @@ class DataReader {
     return values;
   }
 
+  std::size_t left() const { return data_.size() - at_; }
+
  private:
   template <typename T>
   static double as(const char* at) {
@@ -244,6 +246,7 @@ SurfaceFile read_surface_ply(const fs::path& path) {
         for (const Property& property : element.properties) data.numbers(property);
     }
   }
+  if (data.left() > 0) throw InputError(path, fmt::format("{} bytes after its data", data.left()));
   if (surface.points.empty()) throw InputError(path, "has no points");
   return surface;
 }

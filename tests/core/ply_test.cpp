@@ -79,6 +79,7 @@ TEST_F(Ply, RefusesWhatIsNoSurfaceWithTheLine) {
                  ": its data are cut short");
   expect_refused(start + "element vertex 1\nproperty float x\n" + end + point,
                  ": its vertices have no x, y, z");
+  expect_refused(start + "element vertex 1\n" + xyz + end + point + "x", ": 1 bytes after its data");
   std::string lost;
   put(lost, 1.F, std::numeric_limits<float>::quiet_NaN(), 3.F);
   expect_refused(start + "element vertex 1\n" + xyz + end + lost, ": point 0 is not finite");
