@@ -96,13 +96,33 @@ Answer answer_for(const std::string& kind, const MetricOptions& options) {
 
 }  // namespace
 
+namespace {
+
+constexpr std::size_t kMostLineBytes = 1 << 20;  // ours: a line has some hundred
+
+// As std::getline, but of a longer line no more than one byte above the most.
+bool next_line(std::istream& in, std::string& line) {
+  line.clear();
+  std::streambuf& bytes = *in.rdbuf();
+  constexpr int kEnd = std::char_traits<char>::eof();
+  int byte = bytes.sbumpc();
+  if (byte == kEnd) return false;
+  for (; byte != kEnd && byte != '\n'; byte = bytes.sbumpc())
+    if (line.size() <= kMostLineBytes) line += static_cast<char>(byte);
+  return true;
+}
+
+}  // namespace
+
 int run_metric(const std::string& kind, const MetricOptions& options, std::istream& in, std::ostream& out) {
   const Answer answer = answer_for(kind, options);
   int exit_code = 0;
-  for (std::string line; std::getline(in, line);) {
+  for (std::string line; next_line(in, line);) {
     if (line.find_first_not_of(" \t\r") == line.npos) continue;
     json result, id;
     try {
+      if (line.size() > kMostLineBytes)
+        throw InputError(fmt::format("is longer than {} bytes", kMostLineBytes));
       const MetricLine input(line);
       id = json::parse(input.id_json());
       result = answer(input);

@@ -57,6 +57,8 @@ std::map<std::string, std::vector<double>> read_timing(const fs::path& estimate)
           throw InputError(file, line, fmt::format("expected 3 columns, found {}", fields.size()));
         const auto frame = parse_integer(fields[0]);
         const auto ms = parse_double(fields[2]);
+        if (!is_plain_name(fields[1]))
+          throw InputError(file, line, fmt::format("column stage: '{}' is no plain name", fields[1]));
         if (!frame) throw InputError(file, line, fmt::format("column frame: '{}' is no integer", fields[0]));
         if (!ms || *ms < 0 || *ms > kMostMs)
           throw InputError(file, line, fmt::format("column ms: '{}' is no time", fields[2]));
@@ -77,7 +79,8 @@ std::string read_run_config(const fs::path& estimate) {
 bool camera_was_given(const std::string& run_config_json) {
   const json config = json::parse(run_config_json);
   if (!config.is_object()) return false;
-  const json ego = config.value(json::json_pointer("/variant/ego"), json());
+  const json variant = config.value("variant", json());
+  const json ego = variant.is_object() ? variant.value("ego", json()) : json();
   return ego == "given" || (ego.is_object() && ego.value("source", json()) == "given");
 }
 

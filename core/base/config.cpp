@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/text.h"
+#include "core/base/yaml_bounds.h"
 
 namespace uniquadric {
 
@@ -24,6 +25,7 @@ ConfigNode ConfigNode::load(const std::filesystem::path& path) {
 }
 
 ConfigNode ConfigNode::parse(const std::string& text, const std::filesystem::path& name) {
+  require_bounded_yaml(text, name);
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1)

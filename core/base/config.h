@@ -15,8 +15,8 @@ class Node;
 
 namespace uniquadric {
 
-/// A node of a YAML file that refuses what it does not know. Every access that fails throws InputError with
-/// file and line. Read all keys of a map, then call `refuse_unknown_keys()`.
+/// A node of a YAML file (within yaml_bounds.h) that refuses what it does not know. Every access that fails
+/// throws InputError with file and line. Read all keys of a map, then call `refuse_unknown_keys()`.
 class ConfigNode {
  public:
   static ConfigNode load(const std::filesystem::path& path);

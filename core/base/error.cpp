@@ -8,8 +8,11 @@ std::string shown(const std::filesystem::path& path) {
   return path.empty() ? "(empty name)" : path.string();
 }
 
-// Bytes of a bad file do not reach the terminal as they are, nor do they end the message.
+// Bytes of a bad file do not reach the terminal as they are, nor do they end the message, nor fill the
+// screen.
 std::string printable(const std::string& text) {
+  constexpr std::size_t kMostShown = 1000;
+  if (text.size() > kMostShown) return printable(text.substr(0, kMostShown)) + "...";
   std::string result;
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);

@@ -6,7 +6,7 @@
 
 namespace uniquadric {
 
-/// The whole file; throws InputError when it cannot be read.
+/// The whole file or pipe; throws InputError when it cannot be read, is a device or larger than 2 GiB.
 std::string read_text(const std::filesystem::path& path);
 
 /// Throws std::runtime_error "PATH: cannot be written: REASON", the reason of the system call that just

@@ -6,7 +6,9 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/utf8.h"
 
 namespace uniquadric {
 namespace {
@@ -19,6 +21,9 @@ std::optional<T> parse_whole(std::string_view text) {
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
+
+constexpr std::size_t kMostNameBytes = 200;      // of the 255 that a file system gives one: endings are added
+constexpr std::size_t kMostLineBytes = 1 << 20;  // ours: ids of the widest image take a tenth
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
@@ -73,9 +78,10 @@ std::string csv_unquoted(std::string_view field) {
 }
 
 bool is_plain_name(std::string_view text) {
-  return !text.empty() && std::none_of(text.begin(), text.end(), [](unsigned char c) {
-    return c < 0x20 || std::string_view(",\"/\\").find(static_cast<char>(c)) != std::string_view::npos;
-  });
+  return !text.empty() && text.size() <= kMostNameBytes && is_utf8(text) &&
+         std::none_of(text.begin(), text.end(), [](unsigned char c) {
+           return c < 0x20 || std::string_view(",\"/\\").find(static_cast<char>(c)) != std::string_view::npos;
+         });
 }
 
 std::vector<std::string_view> split(std::string_view line, char separator) {
@@ -100,6 +106,8 @@ void for_each_line(const std::filesystem::path& path,
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string_view content = trim(std::string_view(text).substr(begin, end - begin));
     ++line;
+    if (content.size() > kMostLineBytes)
+      throw InputError(path, line, "is longer than a line of any such file");
     if (!content.empty() && content.front() != '#') visit(line, split(content, separator));
     begin = end + 1;
   }

@@ -22,14 +22,14 @@ std::string csv_quoted(std::string text);
 std::string csv_unquoted(std::string_view field);
 
 /// Whether a text can be a name in CSV files and folders: not empty, no comma, quote, slash, backslash or
-/// control character.
+/// control character, UTF-8 of at most 200 bytes.
 bool is_plain_name(std::string_view text);
 
 /// Fields of `line` between separators; with ' ' runs of blanks and tabs count as one.
 std::vector<std::string_view> split(std::string_view line, char separator = ' ');
 
 /// Calls `visit(line number from 1, fields)` for each line of a text file that is neither blank nor a comment
-/// (#).
+/// (#). Throws InputError for a line of more than 1 MiB.
 void for_each_line(const std::filesystem::path& path,
                    const std::function<void(int, const std::vector<std::string_view>&)>& visit,
                    char separator = ' ');

@@ -12,6 +12,7 @@
 #include "core/import/images.h"
 #include "core/import/pinhole.h"
 #include "core/import/stereo.h"
+#include "core/sequence/stamps.h"
 
 namespace uniquadric {
 namespace {
@@ -39,7 +40,7 @@ StereoRig make_rig(const EurocCamera& left, const EurocCamera& right) {
 }  // namespace
 
 std::int64_t read_euroc_stamp(const fs::path& path, int line, std::string_view field) {
-  const auto stamp = parse_integer(field);
+  const auto stamp = parse_stamp_of_ns(field);
   if (!stamp || *stamp < 0)
     throw InputError(path, line, fmt::format("'{}' is not a stamp in nanoseconds", field));
   return *stamp;

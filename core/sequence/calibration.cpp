@@ -8,12 +8,11 @@
 
 #include "core/base/config.h"
 #include "core/base/files.h"
+#include "core/sequence/image_file.h"
 
 namespace uniquadric {
 
 namespace {
-constexpr int kMaxImageSide = 16384;  // px: what OpenGL and 16-bit formats carry; a larger size is a mistake
-
 int image_side(const ConfigNode& node, const std::string& key) {
   const int side = node.get<int>(key);
   require_image_side(node.at(key), side);
@@ -34,8 +33,8 @@ double focal_length(const ConfigNode& node, const std::string& key, int side_px)
 }  // namespace
 
 void require_image_side(const ConfigNode& node, int side_px) {
-  if (side_px < 1 || side_px > kMaxImageSide)
-    node.fail(fmt::format("expected 1 to {} px, found {}", kMaxImageSide, side_px));
+  if (side_px < 1 || side_px > kMostImageSide_px)
+    node.fail(fmt::format("expected 1 to {} px, found {}", kMostImageSide_px, side_px));
 }
 
 // A hundredth of the image's side: 89 degrees to each side; a thousand of it: a minute of arc.

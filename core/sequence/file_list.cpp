@@ -33,7 +33,8 @@ std::vector<ListedFile> read_file_list(const std::filesystem::path& folder, cons
       throw InputError(
           path, line,
           fmt::format("timestamp {} does not come after {}", fields[0], format_stamp(files.back().stamp_ns)));
-    if (!std::filesystem::is_regular_file(folder / entry.file))
+    std::error_code too_long;
+    if (!std::filesystem::is_regular_file(folder / entry.file, too_long))
       throw InputError(path, line, fmt::format("file {} is missing", entry.file.string()));
     files.push_back(entry);
   });

@@ -5,11 +5,13 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/sequence/image_file.h"
 #include "core/sequence/sequence.h"
 
 namespace uniquadric {
 namespace {
 
+constexpr std::size_t kMostImageBytes = 1 << 30;
 constexpr std::size_t kPngSignature = 8, kChunkFrame = 12;  // bytes; a chunk's frame: length, type, checksum
 
 std::uint32_t big_endian(std::string_view bytes) {
@@ -44,8 +46,13 @@ std::string damage(std::string_view bytes) {
 }  // namespace
 
 cv::Mat read_image(const std::filesystem::path& path) {
-  const std::string bytes = read_text(path);
+  return decode_image(read_text(path), kMostImageSide_px, path);
+}
+
+cv::Mat decode_image(std::string_view bytes, int most_side_px, const std::filesystem::path& path) {
   if (bytes.empty()) throw InputError(path, "is empty");
+  if (bytes.size() > kMostImageBytes) throw InputError(path, "is longer than an image");
+  check_image_size(bytes, most_side_px, path);
   if (const std::string what = damage(bytes); !what.empty()) throw InputError(path, what);
   cv::Mat image;
   try {

@@ -10,6 +10,7 @@
 #include "core/base/files.h"
 #include "core/base/text.h"
 #include "core/sequence/calibration.h"
+#include "core/sequence/stamps.h"
 
 namespace uniquadric {
 namespace {
@@ -29,7 +30,7 @@ ImuSample parse_sample(const std::filesystem::path& path, int line,
   if (fields.size() != kColumns)
     throw InputError(path, line, fmt::format("expected {} columns, found {}", kColumns, fields.size()));
   ImuSample sample;
-  const auto stamp = parse_integer(fields[0]);
+  const auto stamp = parse_stamp_of_ns(fields[0]);
   if (!stamp) throw InputError(path, line, fmt::format("'{}' is not a stamp in nanoseconds", fields[0]));
   sample.stamp_ns = *stamp;
   for (int k = 0; k < 6; ++k) {

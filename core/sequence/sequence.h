@@ -70,7 +70,7 @@ enum class ImageKind { color, depth, masks };
 void require_image(const std::filesystem::path& path, const cv::Mat& image, const Camera& camera,
                    ImageKind kind);
 
-/// Any image file, undecodable or truncated files refused with InputError.
+/// Any PNG or JPEG (image_file.h), undecodable or truncated files refused with InputError.
 cv::Mat read_image(const std::filesystem::path& path);
 /// Writes a PNG (fast compression), aside and renamed.
 void write_png(const std::filesystem::path& path, const cv::Mat& image);

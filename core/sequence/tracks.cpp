@@ -12,6 +12,7 @@
 #include "core/base/files.h"
 #include "core/base/text.h"
 #include "core/sequence/calibration.h"
+#include "core/sequence/stamps.h"
 
 namespace uniquadric {
 namespace {
@@ -98,7 +99,9 @@ ObjectState parse_state(const fs::path& path, int line, const std::vector<std::s
   };
   ObjectState state;
   state.frame = integer(0);
-  state.stamp_ns = integer(1);
+  const auto stamp_ns = parse_stamp_of_ns(fields[1]);
+  if (!stamp_ns) fail(1);
+  state.stamp_ns = *stamp_ns;
   const auto number = integer(2);
   if (number <= 0 || number > std::numeric_limits<int>::max()) fail(2);
   id = static_cast<int>(number);

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/text.h"
+#include "core/sequence/stamps.h"
 
 namespace uniquadric {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 constexpr double kQuaternionTolerance = 1e-3;       // SPEC: further off is an error
 constexpr double kQuaternionKeepTolerance = 1e-12;  // rounding of a unit quaternion's own digits
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+constexpr double kMostStamp_s = static_cast<double>(kMostStamp_ns) / kNanosecondsPerSecond;
 
 double parse_number(const std::filesystem::path& path, int line, std::string_view field) {
   const auto value = parse_double(field);
@@ -61,7 +63,7 @@ std::int64_t parse_stamp_ns(std::string_view text) {
   if (negative || rest.starts_with('+')) rest.remove_prefix(1);
   if (rest.find_first_of("eE") != std::string_view::npos) {  // 1.3e9: rare, and good to a double's precision
     const auto value = parse_double(text);
-    if (!value || std::abs(*value) > 9e9) fail();
+    if (!value || std::abs(*value) > kMostStamp_s) fail();
     return std::llround(*value * 1e9);
   }
   std::int64_t ns = 0;
@@ -86,8 +88,15 @@ std::int64_t parse_stamp_ns(std::string_view text) {
   if (digits == 0) fail();
   for (int i = std::max(decimals, 0); i < 9; ++i)
     if (__builtin_mul_overflow(ns, 10, &ns)) fail();
+  if (ns > kMostStamp_ns) fail();
   ns += round_up ? 1 : 0;
   return negative ? -ns : ns;
+}
+
+std::optional<std::int64_t> parse_stamp_of_ns(std::string_view text) {
+  const auto ns = parse_integer(text);
+  return ns && *ns >= -kMostStamp_ns && *ns <= kMostStamp_ns ? std::optional<std::int64_t>(*ns)
+                                                             : std::nullopt;
 }
 
 std::string format_stamp(std::int64_t stamp_ns) {

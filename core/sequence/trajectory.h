@@ -22,7 +22,7 @@ using Trajectory = std::vector<StampedPose>;
 inline constexpr double kMostCoordinate_m = 1e9;
 
 /// Decimal seconds to integer nanoseconds without passing through a double; further digits are rounded.
-/// Throws std::invalid_argument for anything else than an optionally signed decimal number.
+/// Throws std::invalid_argument for anything else than an optionally signed number within kMostStamp_ns.
 std::int64_t parse_stamp_ns(std::string_view seconds);
 /// Seconds with nine decimals.
 std::string format_stamp(std::int64_t stamp_ns);

@@ -77,6 +77,7 @@ class Reader {
  private:
   void take(void* to, std::size_t size) {
     if (left_.size() < size) fail();
+    if (size == 0) return;  // nowhere to copy to
     std::memcpy(to, left_.data(), size);
     left_.remove_prefix(size);
   }

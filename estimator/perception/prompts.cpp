@@ -27,6 +27,7 @@ std::optional<std::size_t> frame_of_stamp(const Sequence& sequence, std::string_
   } catch (const std::invalid_argument&) {
     return std::nullopt;
   }
+  if (sequence.frames.empty()) return std::nullopt;  // of a LiDAR alone
   const auto distance = [&](const SequenceFrame& frame) { return std::abs(frame.stamp_ns - stamp_ns); };
   const auto nearest =
       std::min_element(sequence.frames.begin(), sequence.frames.end(),
@@ -40,6 +41,13 @@ std::size_t frame_of_line(const Sequence& sequence, const fs::path& file, int li
   const auto frame = frame_of_stamp(sequence, stamp);
   if (!frame) throw InputError(file, line, fmt::format("{} is the stamp of no frame", stamp));
   return *frame;
+}
+
+// For one object more in a frame: masks name so many.
+template <typename Prompt>
+void expect_room(const fs::path& file, int line, const std::vector<Prompt>& objects) {
+  if (objects.size() >= kMostIds)
+    throw InputError(file, line, fmt::format("more than {} objects in one frame", kMostIds));
 }
 
 BoxPrompt parse_box(const Sequence& sequence, const fs::path& file, int line, const Fields& fields,
@@ -70,6 +78,7 @@ std::vector<std::vector<BoxPrompt>> read_folder(const fs::path& folder, const Se
     const auto frame = frame_of_stamp(sequence, file.stem().string());
     if (!frame) throw InputError(file, "its name is the stamp of no frame");
     for_each_line(file, [&](int line, const Fields& fields) {
+      expect_room(file, line, frames[*frame]);
       if (fields.size() != 4 && fields.size() != 5) throw InputError(file, line, "expected: x y w h [score]");
       if (fields.size() == 5 && !parse_double(fields[4]))
         throw InputError(file, line, fmt::format("'{}' is not a finite number", fields[4]));
@@ -96,6 +105,7 @@ std::vector<std::vector<BoxPrompt>> read_file(const fs::path& file, const Sequen
       throw InputError(file, line,
                        "expected in every line: stamp x y w h, or in every line: stamp x y w h id");
     auto& boxes = frames[frame_of_line(sequence, file, line, fields[0])];
+    expect_room(file, line, boxes);
     BoxPrompt box = parse_box(sequence, file, line, fields, 1);
     if (columns == 6) box.id = parse_id(file, line, fields[5]);
     const auto is_same = [&](const BoxPrompt& other) { return columns == 6 && other.id == box.id; };
@@ -170,6 +180,7 @@ std::vector<std::vector<PointPrompt>> read_point_prompts(const fs::path& path, c
     if (fields.size() != columns || (columns != 3 && columns != 4))
       throw InputError(path, line, "expected in every line: stamp u v, or in every line: stamp u v id");
     auto& points = frames[frame_of_line(sequence, path, line, fields[0])];
+    if (columns == 3) expect_room(path, line, points);
     points.push_back(parse_point(sequence, path, line, fields));
     if (columns == 3) points.back().id = static_cast<int>(points.size());
   });

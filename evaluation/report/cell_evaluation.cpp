@@ -18,11 +18,19 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int kEvaluationSchema = 1;
+constexpr std::size_t kMostJsonBytes = 64 << 20;  // ours: a thousand objects take 4 MB
+constexpr int kMostLevels = 64;                   // ours: as of YAML, whose variants stand in it
 
 json parse_json(const fs::path& file) {
   const std::string text = read_text(file);
+  if (text.size() > kMostJsonBytes) throw InputError(file, "is longer than an evaluation");
+  const auto shallow = [&](int depth, json::parse_event_t, const json&) {
+    if (depth > kMostLevels)
+      throw InputError(file, fmt::format("is nested more than {} levels deep", kMostLevels));
+    return true;
+  };
   try {
-    return json::parse(text);
+    return json::parse(text, shallow);
   } catch (const json::parse_error& e) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size()));
     throw InputError(file, 1 + static_cast<int>(std::count(text.begin(), end, '\n')), "is not valid JSON");
@@ -52,7 +60,9 @@ std::optional<double> number_at(const fs::path& file, const json& root, const st
     if (!node->is_object() && !node->is_array())
       fail(file, field_name(walked), "expected an object with named values");
     if (node->is_array()) {
-      node = &node->at(static_cast<std::size_t>(*parse_integer(part)));
+      const auto index = parse_integer(part);
+      if (!index) fail(file, field_name(walked), "expected an object with named values");
+      node = &node->at(static_cast<std::size_t>(*index));
     } else {
       const auto found = node->find(part);
       if (found == node->end() || found->is_null()) return std::nullopt;
@@ -128,8 +138,9 @@ CellEvaluation read_cell_evaluation(const fs::path& folder) {
   CellEvaluation evaluation;
   if (const auto program = root.find("program"); program != root.end() && program->is_string())
     evaluation.program = program->get<std::string>();
-  if (const auto kind = root.value(json::json_pointer("/alignment/kind"), json()); kind.is_string())
-    evaluation.alignment = kind.get<std::string>();
+  if (const auto alignment = root.find("alignment"); alignment != root.end() && alignment->is_object())
+    if (const json kind = alignment->value("kind", json()); kind.is_string())
+      evaluation.alignment = kind.get<std::string>();
   const std::vector<NamedObject> names = read_names(file, root);
   for (std::size_t i = 0; i < names.size(); ++i)
     evaluation.subjects.push_back(

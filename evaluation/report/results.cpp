@@ -37,7 +37,8 @@ Cell parse_cell(const fs::path& file, int line, const std::vector<std::string_vi
   cell.seed = static_cast<std::uint64_t>(*seed);
   cell.status = parse_cell_status(file, line, fields[3]);
   cell.folder = fields[4];
-  if (cell.scene.empty() || cell.variant.empty()) throw InputError(file, line, "scene or variant is empty");
+  if (!is_plain_name(cell.scene) || !is_plain_name(cell.variant))
+    throw InputError(file, line, "scene or variant is no plain name");
   if (cell.folder.is_absolute()) throw InputError(file, line, "folder is not relative to the results folder");
   const char* const message = fields[5].data();  // the last column: commas in it are its own
   const char* const end = fields.back().data() + fields.back().size();

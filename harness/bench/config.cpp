@@ -15,7 +15,8 @@ namespace {
 // The file that `node` names, relative to the bench's.
 BenchItem read_file(const ConfigNode& root, const ConfigNode& node) {
   const auto path = root.file().parent_path() / node.as<std::string>();
-  if (!std::filesystem::is_regular_file(path))
+  std::error_code too_long;
+  if (!std::filesystem::is_regular_file(path, too_long))
     node.fail(fmt::format("file {} does not exist", path.string()));
   const std::string name = path.stem().string();
   if (!is_plain_name(name))

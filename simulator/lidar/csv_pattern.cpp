@@ -12,6 +12,9 @@
 namespace uniquadric {
 namespace {
 
+constexpr double kMostTime_s = 1e5;  // ours: a day of a pattern that does not repeat
+constexpr double kLeastStep_ns = 1;  // ours: a gigahertz of beams, which no LiDAR has
+
 struct Direction {
   double x, y, z;
 };
@@ -68,6 +71,8 @@ struct TableReader {
   void add(int line, const std::array<double, 3>& values) {
     const double time_ns = values[0] * 1e9;
     if (time_ns < 0) throw InputError(path, line, fmt::format("time {} s is before 0", values[0]));
+    if (values[0] > kMostTime_s)
+      throw InputError(path, line, fmt::format("time {} s is beyond {} s", values[0], kMostTime_s));
     if (!times.offsets_ns.empty() && time_ns <= times.offsets_ns.back())
       throw InputError(path, line, fmt::format("time {} s does not follow the line before", values[0]));
     if (values[2] < 0 || values[2] > 180)
@@ -91,6 +96,8 @@ ScanPattern csv_pattern(const std::filesystem::path& path) {
     throw InputError(path, fmt::format("has {} beams, expected at least 2", offsets.size()));
   const double span = offsets.back() - offsets.front();
   reader.times.cycle_ns = span + span / static_cast<double>(offsets.size() - 1);
+  if (!(reader.times.cycle_ns >= kLeastStep_ns * static_cast<double>(offsets.size())))
+    throw InputError(path, fmt::format("has more than a beam in {} ns", kLeastStep_ns));
   const double start = offsets.front();
   // A table that starts beyond its own length would leave cycles without a beam at their place.
   if (start >= reader.times.cycle_ns) throw InputError(path, "the first time lies beyond the table's length");

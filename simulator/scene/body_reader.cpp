@@ -34,7 +34,8 @@ void read_mesh_file(const ConfigNode& node, const ConfigNode& mesh, Body& body,
     if (const auto other = node.find(key))
       other->fail("does not go with 'mesh', which has its own; a mesh is sized by 'scale'");
   const fs::path path = resolve_path(mesh);
-  if (!fs::is_regular_file(path)) {
+  std::error_code too_long;
+  if (!fs::is_regular_file(path, too_long)) {
     const bool by_default =
         mesh.as<std::string>().starts_with("${UNIQUADRIC_DATA}") && !std::getenv("UNIQUADRIC_DATA");
     mesh.fail(fmt::format("no such file: {}{}", path.string(),

@@ -8,19 +8,30 @@
 #include <assimp/DefaultIOSystem.h>
 #include <algorithm>
 #include <assimp/Importer.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
-#include "core/sequence/sequence.h"
-#include "simulator/scene/image_header.h"
+#include "core/sequence/image_file.h"
 #include "simulator/scene/ply_header.h"
+
+// Debian builds assimp with its assertions, which end the program where a damaged file breaks one. The
+// library's calls find this function before its own; it makes of them errors of the file, as assimp's other
+// ones.
+namespace Assimp {
+void aiAssertViolation(const char* expression, const char* file, int line);
+void aiAssertViolation(const char* expression, const char* /*file*/, int /*line*/) {
+  throw std::runtime_error(fmt::format("assimp expected {}", expression));
+}
+}  // namespace Assimp
 
 namespace uniquadric {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kMaxSide_px = 8192;  // of a texture; ours: 200 MB of colour; scans come with 4096
 
 /// Remembers what assimp opens (an OBJ names its material file), so that a scene's hash covers it.
 class RecordingFiles final : public Assimp::DefaultIOSystem {
@@ -52,16 +63,14 @@ cv::Mat to_bgr(const cv::Mat& image, const fs::path& path) {
 cv::Mat embedded_texture(const aiTexture& texture, const fs::path& path) {
   cv::Mat image;
   if (texture.mHeight == 0) {  // a compressed file of mWidth bytes
-    check_texture_size(std::string_view(reinterpret_cast<const char*>(texture.pcData), texture.mWidth), path);
-    const cv::Mat bytes(1, static_cast<int>(texture.mWidth), CV_8UC1, texture.pcData);
-    image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    image = decode_image({reinterpret_cast<const char*>(texture.pcData), texture.mWidth}, kMaxSide_px, path);
   } else {
-    check_texture_size(static_cast<int>(texture.mWidth), static_cast<int>(texture.mHeight), path);
+    if (std::max(texture.mWidth, texture.mHeight) > static_cast<unsigned>(kMaxSide_px))
+      throw InputError(path, "embedded texture is too large");
     image =
         cv::Mat(static_cast<int>(texture.mHeight), static_cast<int>(texture.mWidth), CV_8UC4, texture.pcData)
             .clone();
   }
-  if (image.empty()) throw InputError(path, "embedded texture cannot be decoded");
   return to_bgr(image, path);
 }
 
@@ -82,9 +91,7 @@ void read_material(const aiScene& scene, const aiMaterial& material, const fs::p
   std::replace(file.begin(), file.end(), '\\', '/');
   file.erase(file.find_last_not_of(" \t\r") + 1);  // material files end lines with blanks
   const fs::path texture = path.parent_path() / file;
-  check_texture_size(read_text(texture), texture);
-  mesh.texture = to_bgr(read_image(texture), texture);
-  check_texture_size(mesh.texture.cols, mesh.texture.rows, texture);
+  mesh.texture = to_bgr(decode_image(read_text(texture), kMaxSide_px, texture), texture);
   if (std::find(files.begin(), files.end(), texture) == files.end()) files.push_back(texture);
 }
 
@@ -121,7 +128,8 @@ ImportedMesh import_mesh(const fs::path& path) {
   importer.SetIOHandler(new RecordingFiles(result.files));  // the importer owns it
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(
-      path.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_GenSmoothNormals |
+      path.string(), aiProcess_ValidateDataStructure | aiProcess_Triangulate |
+                         aiProcess_PreTransformVertices | aiProcess_GenSmoothNormals |
                          aiProcess_JoinIdenticalVertices | aiProcess_SortByPType | aiProcess_FlipUVs);
   const std::string said = importer.GetErrorString();
   if (!scene && said.find("orphaned") != said.npos)  // how it says it of a file with points alone

@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxFrames = 10'000'000;
 constexpr double kMinRate_hz = 1e-3, kMaxRate_hz = 10'000;
-constexpr double kMaxDuration_s = 1e9;         // stamps are nanoseconds in 64 bits: nine times this
+constexpr double kMaxDuration_s = 1e9;  // stamps are nanoseconds in 64 bits: nine times this
+constexpr std::size_t kMostMeshBytes = std::size_t{2} << 30;  // ours: forty of the largest textures
 constexpr std::uint64_t kWorldSeed = 100'000;  // material seeds of the world, clear of the objects' ids
 
 void read_clock(const ConfigNode& root, Scene& scene) {
@@ -67,9 +68,28 @@ void read_camera_section(const ConfigNode& node, Scene& scene) {
   node.refuse_unknown_keys();
 }
 
+std::size_t bytes_of(const std::vector<Mesh>& meshes) {
+  std::size_t bytes = 0;
+  for (const Mesh& mesh : meshes)
+    bytes += mesh.positions.size() * sizeof mesh.positions[0] + mesh.normals.size() * sizeof mesh.normals[0] +
+             mesh.uvs.size() * sizeof mesh.uvs[0] + mesh.triangles.size() * sizeof mesh.triangles[0] +
+             mesh.texture.total() * mesh.texture.elemSize();
+  return bytes;
+}
+
+// Each body alone is bounded; so that a short text cannot ask for thousands of the largest.
+void check_memory(const ConfigNode& item, const Scene& scene) {
+  std::size_t bytes = 0;
+  for (const auto* bodies : {&scene.world, &scene.objects})
+    for (const Body& body : *bodies) bytes += bytes_of(body.meshes);
+  if (bytes > kMostMeshBytes)
+    item.fail(fmt::format("meshes and textures up to here take more than {} MiB", kMostMeshBytes >> 20));
+}
+
 void read_world(const ConfigNode& list, Scene& scene, std::vector<fs::path>& files) {
   for (const ConfigNode& item : list.items()) {
     scene.world.push_back(read_static_body(item, kWorldSeed + scene.world.size(), files));
+    check_memory(item, scene);
     try {
       check_pose(scene.world.back().motion.at(0));
     } catch (const InputError& error) {
@@ -83,6 +103,7 @@ void read_objects(const ConfigNode& list, Scene& scene, std::vector<fs::path>& f
   std::set<std::string> names;
   for (const ConfigNode& item : list.items()) {
     scene.objects.push_back(read_object(item, files));
+    check_memory(item, scene);
     const Body& body = scene.objects.back();
     if (!ids.insert(body.id).second)
       item.at("id").fail(fmt::format("{} is the id of another object", body.id));

@@ -19,6 +19,8 @@ constexpr double kStep = 1e-14;  // relative: the solver stops when its steps ar
 constexpr double kNoTurn_rad = 1e-9;
 constexpr double kSolved_rad = 1e-10;  // what then must be left of the way-points' turns
 
+constexpr std::size_t kMostWaypoints = 500;  // ours: all legs' turns are solved for at once
+
 /// The four basis functions that are not zero at one time, the first belonging to control pose `first`.
 struct Weights {
   Eigen::Index first;
@@ -156,6 +158,8 @@ Kinematics Spline::kinematics(double time_s) const {
 
 void check(const std::vector<Waypoint>& waypoints) {
   if (waypoints.size() < 2) throw InputError("a spline needs at least 2 way-points");
+  if (waypoints.size() > kMostWaypoints)
+    throw InputError(fmt::format("a spline has {} way-points, at most {}", waypoints.size(), kMostWaypoints));
   for (std::size_t k = 1; k < waypoints.size(); ++k) {
     const Waypoint &a = waypoints[k - 1], &b = waypoints[k];
     if (!(b.time_s > a.time_s))

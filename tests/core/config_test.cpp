@@ -1,5 +1,6 @@
 #include "core/base/config.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/support/temp_folder.h"
@@ -67,6 +68,43 @@ TEST(Config, ReadsEachType) {
   EXPECT_EQ(node.at("l").items().at(1).get<int>("x"), 2);
   EXPECT_EQ(node.get<int>("absent", 5), 5);
   node.refuse_unknown_keys();
+}
+
+// Ten of ten of ten ...: 1 + 10 + 100 + ... values.
+std::string aliases_of_aliases(int levels) {
+  std::string text = "- &a0 [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]\n";
+  for (int i = 1; i <= levels; ++i) {
+    text += fmt::format("- &a{} [", i);
+    for (int k = 0; k < 10; ++k) text += fmt::format("{}*a{}", k ? ", " : "", i - 1);
+    text += "]\n";
+  }
+  return text;
+}
+
+TEST(Config, AliasesCountAsWhatTheyStandFor) {
+  EXPECT_EQ(parse(aliases_of_aliases(3)).items().at(3).items().size(), 10u);  // 12,346 values
+  EXPECT_NE(input_error([] { parse(aliases_of_aliases(5)); }).find("file.yaml:6: more than 200000 values"),
+            std::string::npos);
+  EXPECT_NE(input_error([] { parse("&a [1, *a]"); }).find("an alias within what it stands for"),
+            std::string::npos);
+}
+
+TEST(Config, TextsAreUtf8) {
+  EXPECT_EQ(parse("a: W\xc3\xbcrfel").get<std::string>("a"), "W\xc3\xbcrfel");
+  for (const char* text : {"\n\xff: 1", "\na: W\xfcrfel"})
+    EXPECT_NE(input_error([&] { parse(text); }).find("file.yaml:2: a text that is not UTF-8"),
+              std::string::npos);
+}
+
+TEST(Config, NestingIsBounded) {
+  const auto nested = [](int levels) { return std::string(levels, '[') + std::string(levels, ']'); };
+  EXPECT_TRUE(parse(nested(64)).is_sequence());
+  for (const int levels : {65, 100'000})
+    EXPECT_NE(input_error([&] { parse(nested(levels)); }).find("file.yaml:1: nested more than 64"),
+              std::string::npos);
+  std::string by_aliases = "- &a0 [0]\n";
+  for (int i = 1; i < 64; ++i) by_aliases += fmt::format("- &a{} [*a{}]\n", i, i - 1);
+  EXPECT_NE(input_error([&] { parse(by_aliases); }).find("nested more than 64"), std::string::npos);
 }
 
 }  // namespace

@@ -121,6 +121,21 @@ TEST(PendingFolder, RefusesALinkToNothingAndTakesOneToAFolder) {
   EXPECT_TRUE(fs::is_directory(link));
 }
 
+TEST(Files, WhatHasNoEndIsRefused) {
+  const TempFolder temp;
+  const fs::path file = temp.path() / "large";
+  write_text(file, "");
+  fs::resize_file(file, (std::uintmax_t{1} << 31) + 1);  // holes: no disk is needed
+  EXPECT_NE(input_error([&] { read_text(file); }).find("is longer than 2048 MiB"), std::string::npos);
+  EXPECT_NE(input_error([] { read_text("/dev/zero"); }).find("is a device"), std::string::npos);
+  int pipe_ends[2];
+  ASSERT_EQ(pipe(pipe_ends), 0);
+  ASSERT_EQ(write(pipe_ends[1], "piped", 5), 5);
+  close(pipe_ends[1]);
+  EXPECT_EQ(read_text("/dev/fd/" + std::to_string(pipe_ends[0])), "piped");
+  close(pipe_ends[0]);
+}
+
 TEST(Files, WriteTextLeavesNoAsideFile) {
   const TempFolder temp;
   write_text(temp.path() / "a.txt", "one");

@@ -4,6 +4,7 @@
 
 #include "core/base/files.h"
 #include "core/base/random.h"
+#include "core/sequence/stamps.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -17,8 +18,12 @@ TEST(Stamps, SecondsBecomeNanosecondsExactly) {
   EXPECT_EQ(parse_stamp_ns("0.1234567894"), 123456789);
   EXPECT_EQ(parse_stamp_ns("0.12345678951"), 123456790);
   EXPECT_EQ(parse_stamp_ns("1.5e3"), 1500000000000);
-  for (const char* bad : {"", ".", "abc", "1.2.3", "nan", "inf", "-", "1s", "99999999999"})
+  for (const char* bad : {"", ".", "abc", "1.2.3", "nan", "inf", "-", "1s", "99999999999", "4500000000.1",
+                          "-4500000001", "4.6e9"})
     EXPECT_THROW(parse_stamp_ns(bad), std::invalid_argument) << bad;
+  EXPECT_EQ(parse_stamp_of_ns("-4500000000000000000"), -kMostStamp_ns);
+  for (const char* bad : {"4500000000000000001", "1.5", "", "9223372036854775807"})
+    EXPECT_FALSE(parse_stamp_of_ns(bad)) << bad;
   for (const std::int64_t ns :
        {std::int64_t{0}, std::int64_t{-1}, std::int64_t{33333333}, std::int64_t{1341841278842700001}})
     EXPECT_EQ(parse_stamp_ns(format_stamp(ns)), ns);

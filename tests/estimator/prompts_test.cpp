@@ -145,6 +145,26 @@ TEST(Prompts, PointsOnTheImagesRimBelongToItsPixels) {
   EXPECT_EQ(frames[0][1].v, 479);
 }
 
+TEST(Prompts, AreOfAsManyObjectsAsMasksCanName) {
+  std::string points, boxes;
+  for (int i = 0; i < kMostIds; ++i) points += "10.0 5 6\n", boxes += "10.0 5 6 20 20\n";
+  EXPECT_EQ(read_points(points)[0].size(), static_cast<std::size_t>(kMostIds));
+  EXPECT_NE(input_error([&] { read_points(points + "10.0 5 6\n"); }).find(":257: more than 256 objects"),
+            std::string::npos);
+  const TempFolder temp;
+  write_text(temp.path() / "boxes.txt", boxes + "10.0 5 6 20 20\n");
+  EXPECT_NE(
+      input_error([&] { read_box_prompts(temp.path() / "boxes.txt", three_frames()); }).find(":257: more"),
+      std::string::npos);
+}
+
+TEST(Prompts, OfASequenceWithoutImagesAreOfNoFrame) {
+  const TempFolder temp;
+  write_text(temp.path() / "boxes.txt", "10.0 5 6 20 20\n");
+  EXPECT_NE(input_error([&] { read_box_prompts(temp.path() / "boxes.txt", {}); }).find("stamp of no frame"),
+            std::string::npos);
+}
+
 TEST(Prompts, BadPointsAreRefusedByLine) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"10.0 5\n", ":1: expected in every line: stamp u v"},

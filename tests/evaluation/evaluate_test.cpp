@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "evaluation/report/poses.h"
+#include "evaluation/run_record.h"
 #include "tests/evaluation/evaluate_fixture.h"
 #include "tests/support/temp_folder.h"
 
@@ -243,6 +244,15 @@ TEST_F(Evaluate, TimingAndRunAreCarriedOver) {
   EXPECT_EQ(result["config"]["estimate"]["variant"]["window"], 8);
   EXPECT_EQ(result["timing_ms"]["fit"]["mean"], 3);
   EXPECT_EQ(result["timing_ms"]["frame"]["mean"], 4);
+}
+
+TEST(RunRecord, SaysWhetherPosesWereGivenWhateverItHolds) {
+  for (const char* given :
+       {R"({"variant": {"ego": "given"}})", R"({"variant": {"ego": {"source": "given"}}})"})
+    EXPECT_TRUE(camera_was_given(given)) << given;
+  for (const char* other :
+       {"null", "[]", "{}", R"({"variant": [1]})", R"({"variant": {"ego": [1]}})", R"({"variant": "given"})"})
+    EXPECT_FALSE(camera_was_given(other)) << other;
 }
 
 TEST_F(Evaluate, RefusesBadInputAndWritesNothing) {

@@ -155,6 +155,15 @@ TEST(Metric, IdsAreTextNumbersOrNullAndNestingEnds) {
     EXPECT_EQ(ask("iou3d", R"({"id":)" + std::string(id) + rest).lines.at(0)["id"].dump(), id);
 }
 
+TEST(Metric, ALineWithoutEndIsAnsweredAndTheNextGoesOn) {
+  const std::string good = pair(ellipsoid("[1,2,3]", "[1,1,1]"), ellipsoid("[1,2,3]", "[1,1,1]"));
+  const Answers answers = ask("iou3d", std::string(3 << 20, '[') + "\n" + good);
+  EXPECT_EQ(answers.exit_code, 2);
+  ASSERT_EQ(answers.lines.size(), 2u);
+  EXPECT_EQ(answers.lines[0]["error"], "is longer than 1048576 bytes");
+  EXPECT_EQ(answers.lines[1]["iou"], 1);
+}
+
 TEST(Metric, MagnitudesBeyondTheArithmeticAreNamed) {
   const std::string good = ellipsoid("[0,0,5]", "[1,1,1]");
   const std::vector<std::array<std::string, 3>> bodies = {{"[0,0,3e160]", "[1e150,1,1]", "gt.c[2]"},

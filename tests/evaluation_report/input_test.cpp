@@ -57,6 +57,11 @@ const BadFile kBadFiles[] = {
     {kPoses, "", "poses.csv: is empty"},
     {kPoses, "source,id\n", "poses.csv:1: expected the header"},
     {kPoses, kPosesHeader + "truth,camera,0,5\n", "poses.csv:2: expected 14 columns, found 4"},
+    {kEvaluation, R"({"schema": 1, "objects": [], "camera": []})",
+     "evaluation.json: field camera: expected an object"},
+    {kEvaluation, R"({"schema": 1, "objects": [], "tracking": [1]})", "field tracking: expected an object"},
+    {kEvaluation, R"({"schema": 1, "objects": [{"id": 1, "name": )" + std::string(100'000, '['),
+     "nested more than 64"},
     {kPoses, kPosesHeader + "guess,camera,0,5,0,0,0,0,0,0,1,,,\n", "poses.csv:2: column source: 'guess'"},
     {kPoses, kPosesHeader + "truth,unmatched,1,5,0,0,0,0,0,0,1,1,1,1\n",
      "poses.csv:2: column subject: 'unmatched'"},
@@ -82,7 +87,7 @@ TEST(ReportInput, NamesFileAndLineOrFieldAndWritesNothing) {
       EXPECT_FALSE(fs::exists(folder.path() / file));
     ++cases;
   }
-  EXPECT_EQ(cases, 33);
+  EXPECT_EQ(cases, 36);
 }
 
 TEST(ReportInput, FolderThatIsNoResultsFolder) {

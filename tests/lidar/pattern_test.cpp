@@ -245,6 +245,8 @@ TEST(CsvPattern, RefusesByLine) {
       {head + "0,0,90\n0.1,nan,90\n", "p.csv:3: Azimuth/deg: 'nan' is no finite number"},
       {head + "0,0,90\n0,1,90\n", "p.csv:3: time 0 s does not follow the line before"},
       {head + "-1,0,90\n", "p.csv:2: time -1 s is before 0"},
+      {head + "1e300,0,90\n", "p.csv:2: time 1e+300 s is beyond"},
+      {head + "0,0,90\n1e-300,0,90\n", "p.csv: has more than a beam in 1 ns"},
       {head + "0,0,181\n", "p.csv:2: zenith 181 deg is outside 0..180"},
       {head + "0,0,90\n", "p.csv: has 1 beams, expected at least 2"}};
   for (const auto& [text, message] : cases) {

@@ -124,6 +124,9 @@ TEST(SplineMotion, RefusesBadWaypoints) {
   EXPECT_THROW(spline_motion({{0, {}}}), InputError);
   EXPECT_THROW(spline_motion({{0, {}}, {0, {}}}), InputError);
   EXPECT_THROW(spline_motion({{0, {}}, {1, {exp_so3({3, 0, 0}), Vector3d::Zero()}}}), InputError);
+  std::vector<Waypoint> many;  // whose equations would fill the memory
+  for (int k = 0; k < 200'000; ++k) many.push_back({double(k), {}});
+  EXPECT_THROW(spline_motion(many), InputError);
 }
 
 TEST(LookAt, PutsTargetOnTheOpticalAxisAndUpUpwards) {
