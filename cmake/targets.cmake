@@ -4,12 +4,12 @@ include(GoogleTest)
 add_library(uniquadric_warnings INTERFACE)
 target_compile_options(uniquadric_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                                      -Wno-sign-conversion
-                                                     -Wno-restrict)  # false positives of GCC 12 (PR 105651)
+                                                     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # false positives of GCC 12 (PR 105651)
 if(UNIQUADRIC_WERROR)
   target_compile_options(uniquadric_warnings INTERFACE -Werror)
 endif()
 if(UNIQUADRIC_SANITIZE)
-  add_compile_options(-fsanitize=${UNIQUADRIC_SANITIZE} -fno-omit-frame-pointer)
+  add_compile_options(-fsanitize=${UNIQUADRIC_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${UNIQUADRIC_SANITIZE})
 endif()
 # One value for one input on every machine: no contraction to FMA, no value-changing optimisation.
