@@ -78,8 +78,7 @@ TEST_F(Bombs, AliasesOfAliases) {
 }
 
 TEST_F(Bombs, DeepNesting) {
-  for (const char* level : {"[", "{a: ", "- ", "{\"a\":["})
-    expect_refused(always(repeated(level, 20'000)));
+  for (const char* level : {"[", "{a: ", "- ", "{\"a\":["}) expect_refused(always(repeated(level, 20'000)));
   expect_refused(always(repeated("[", 1'000'000) + repeated("]", 1'000'000) + "\n"));
 }
 
