@@ -4,7 +4,6 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/end_with_parent.h"
 #include "core/base/error.h"
 
 namespace uniquadric {
@@ -32,8 +32,8 @@ struct Worker {
 
 // A child's life: it dies with its parent, and OpenCV's threads, which fork leaves behind, are not waited
 // for.
-[[noreturn]] void live(const std::function<void(int)>& work, int number, int say) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+[[noreturn]] void live(const std::function<void(int)>& work, int number, int say, pid_t parent) {
+  end_with_parent(parent);
   cv::setNumThreads(1);
   std::string failure;
   try {
@@ -50,8 +50,9 @@ struct Worker {
 Worker start(const std::function<void(int)>& work, int number) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("a pipe to a worker cannot be made");
+  const pid_t parent = getpid();
   Worker worker{fork(), ends[0], "", false};
-  if (worker.process == 0) live(work, number, ends[1]);
+  if (worker.process == 0) live(work, number, ends[1], parent);
   close(ends[1]);
   if (worker.process < 0) throw std::runtime_error("a worker process cannot be started");
   return worker;

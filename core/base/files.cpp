@@ -3,12 +3,15 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fstream>
+#include <thread>
 
 #include "core/base/error.h"
 
@@ -81,14 +84,24 @@ void require_no_dangling_link(const fs::path& path) {
 }
 
 namespace {
-// The folder opened and locked until closed; -1 when there is no such folder.
-int lock_folder(const fs::path& folder, const fs::path& shown) {
-  const int lock = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) != 0) {
-    close(lock);
-    throw InputError(shown, "is being written by another process");
+// A killed process' children are killed after it, and hold its locks until they are gone.
+constexpr auto kLongestDeath = std::chrono::seconds(3);  // ours: they take milliseconds on an idle machine
+constexpr auto kBetweenTries = std::chrono::milliseconds(5);
+
+bool lock_within(int descriptor, std::chrono::steady_clock::duration limit) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(kBetweenTries);
   }
-  return lock;
+  return true;
+}
+
+// Whether the open folder still has that name: who had it may have renamed it when it was done.
+bool is_open_as(int descriptor, const fs::path& folder) {
+  struct stat open_one, named;
+  return fstat(descriptor, &open_one) == 0 && stat(folder.c_str(), &named) == 0 &&
+         open_one.st_ino == named.st_ino && open_one.st_dev == named.st_dev;
 }
 
 // A name beside `path` that nothing has.
@@ -102,6 +115,17 @@ fs::path without_trailing_slash(fs::path path) {
   return path.has_filename() ? path : path.parent_path();
 }
 }  // namespace
+
+FolderLock::FolderLock(const fs::path& folder, const fs::path& shown)
+    : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_ < 0 || (lock_within(descriptor_, kLongestDeath) && is_open_as(descriptor_, folder))) return;
+  close(descriptor_);
+  throw InputError(shown, "is being written by another process");
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
 
 PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partial)
     : final_(without_trailing_slash(std::move(final_path))),
@@ -118,19 +142,17 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
     throw InputError(partial_, fmt::format("is in the way of {}, and nothing that was left behind; move it",
                                            final_.filename().string()));
   if (!keep_partial_) {
-    const int others = lock_folder(partial_, final_);
+    const FolderLock others(partial_, final_);
     fs::remove_all(partial_, error);
-    if (others >= 0) close(others);
   }
   fs::create_directories(partial_, error);
   if (error) throw InputError(final_, fmt::format("cannot be created: {}", error.message()));
-  lock_ = lock_folder(partial_, final_);
+  lock_.emplace(partial_, final_);
   if (!std::ofstream(partial_ / kPartialMarker))
     throw_unwritable(partial_);  // at once: it is empty or has it
 }
 
 PendingFolder::~PendingFolder() {
-  if (lock_ >= 0) close(lock_);
   if (committed_ || keep_partial_) return;
   std::error_code ignored;
   fs::remove_all(partial_, ignored);
@@ -141,14 +163,25 @@ void PendingFolder::clear() const {
     if (entry.path().filename() != kPartialMarker) fs::remove_all(entry.path());
 }
 
+// Swapped where the file system can, so that a reader sees the old folder or the new one and what is killed
+// leaves a partial folder, known by its marker, and nothing else.
+bool PendingFolder::swap() const {
+  if (fs::is_symlink(final_)) return false;  // the link is replaced; what it points to is left as it is
+  std::ofstream(final_ / kPartialMarker).close();
+  if (renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, final_.c_str(), RENAME_EXCHANGE) != 0) return false;
+  std::error_code ignored;
+  fs::remove_all(partial_, ignored);
+  return true;
+}
+
 void PendingFolder::commit() {
-  if (fs::exists(final_)) {  // swap, so that a reader sees the old folder or the new one
+  if (!fs::exists(final_)) {
+    fs::rename(partial_, final_);
+  } else if (!swap()) {
     const fs::path old = unused_beside(final_);
     fs::rename(final_, old);
     fs::rename(partial_, final_);
     fs::remove_all(old);
-  } else {
-    fs::rename(partial_, final_);
   }
   fs::remove(final_ / kPartialMarker);
   committed_ = true;

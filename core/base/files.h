@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -23,6 +24,21 @@ void duplicate_file(const std::filesystem::path& from, const std::filesystem::pa
 /// Throws InputError for a link to nothing: neither a place to write to nor a new one.
 void require_no_dangling_link(const std::filesystem::path& path);
 
+/// A folder that one process at a time writes, and those forked from it. Holds nothing where there is no such
+/// folder.
+class FolderLock {
+ public:
+  /// Waits some seconds for processes that are being killed; throws InputError of `shown` when another
+  /// process still holds the folder.
+  FolderLock(const std::filesystem::path& folder, const std::filesystem::path& shown);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
 /// Name of the file in a PendingFolder's partial folder, so that nothing of anybody else is taken for one.
 inline constexpr const char* kPartialMarker = ".uniquadric_partial";
 
@@ -43,8 +59,9 @@ class PendingFolder {
   void commit();
 
  private:
+  bool swap() const;
   std::filesystem::path final_, partial_;
-  int lock_ = -1;  // of the partial folder: one process at a time writes it
+  std::optional<FolderLock> lock_;  // of the partial folder
   bool keep_partial_, committed_ = false;
 };
 

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstring>
 
+#include "core/base/end_with_parent.h"
 #include "core/base/files.h"
 
 namespace uniquadric {
@@ -19,9 +19,9 @@ namespace {
 constexpr int kExecFailed = 127;
 
 // Between fork and exec only async-signal-safe calls are allowed.
-[[noreturn]] void become(std::vector<char*>& arguments, int log) {
+[[noreturn]] void become(std::vector<char*>& arguments, int log, pid_t parent) {
   setpgid(0, 0);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  end_with_parent(parent);
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
   execv(arguments[0], arguments.data());
@@ -40,12 +40,6 @@ bool wait_until(pid_t child, double limit_s) {
   return ready != 0;
 }
 
-std::string last_line(const std::filesystem::path& log) {
-  std::string text = read_text(log);
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text.substr(text.rfind('\n') + 1);
-}
-
 }  // namespace
 
 ProcessResult run_process(const std::vector<std::string>& command, const std::filesystem::path& log,
@@ -56,10 +50,11 @@ ProcessResult run_process(const std::vector<std::string>& command, const std::fi
   for (const auto& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
   arguments.push_back(nullptr);
 
-  const pid_t child = fork();
-  if (child == 0) become(arguments, log_file);
+  const pid_t parent = getpid(), child = fork();
+  if (child == 0) become(arguments, log_file, parent);
   close(log_file);
   if (child < 0) return {false, fmt::format("cannot start: {}", std::strerror(errno))};
+  setpgid(child, child);  // here too, so that there is a group to kill whichever of the two comes first
 
   const bool in_time = wait_until(child, limit_s);
   if (!in_time) kill(-child, SIGKILL);
@@ -72,6 +67,12 @@ ProcessResult run_process(const std::vector<std::string>& command, const std::fi
   if (WEXITSTATUS(status) == 0) return {true, ""};
   const std::string said = last_line(log);
   return {false, said.empty() ? fmt::format("exit code {}", WEXITSTATUS(status)) : said};
+}
+
+std::string last_line(const std::filesystem::path& log) {
+  std::string text = read_text(log);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text.substr(text.rfind('\n') + 1);
 }
 
 std::filesystem::path own_executable() {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <functional>
+#include <future>
 
 #include "tests/support/temp_folder.h"
 
@@ -90,15 +91,35 @@ TEST(PendingFolder, WhatAKilledProcessLeftIsClearedAwayOrGoneOnWith) {
 
 TEST(PendingFolder, TakesOneWriterAtATime) {
   const TempFolder temp;
-  for (const bool keep_partial : {false, true}) {
-    PendingFolder first(temp.path() / "out", false, keep_partial);
-    write_text(first.path() / "a.txt", "a");
-    EXPECT_NE(
-        input_error([&] { PendingFolder(temp.path() / "out", false, keep_partial); }).find("another process"),
-        std::string::npos);
-    EXPECT_EQ(read_text(first.path() / "a.txt"), "a");
-  }
+  PendingFolder first(temp.path() / "out", false);
+  write_text(first.path() / "a.txt", "a");
+  const auto second = [&](bool keep_partial) {
+    return std::async(std::launch::async, [&, keep_partial] {
+      return input_error([&] { PendingFolder(temp.path() / "out", false, keep_partial); });
+    });
+  };
+  auto keeping = second(true), clearing = second(false);  // at once: both wait for what may be dying
+  EXPECT_NE(keeping.get().find("another process"), std::string::npos);
+  EXPECT_NE(clearing.get().find("another process"), std::string::npos);
+  EXPECT_EQ(read_text(first.path() / "a.txt"), "a");
   EXPECT_NE(input_error([] { PendingFolder("", false); }).find("no name"), std::string::npos);
+}
+
+// A killed process' workers are killed after it.
+TEST(PendingFolder, WaitsForAWriterThatIsDying) {
+  const TempFolder temp;
+  const fs::path out = temp.path() / "out", half = temp.path() / "out.partial/half";
+  const pid_t child = fork();
+  if (child == 0) {
+    const PendingFolder pending(out, false);
+    write_text(half, "done");
+    usleep(200'000);
+    _exit(0);  // as by a signal: no destructor runs
+  }
+  while (!fs::exists(half) && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
+  PendingFolder(out, false).commit();
+  EXPECT_TRUE(fs::is_empty(out));
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
 }
 
 TEST(PendingFolder, RefusesToReplaceAFile) {
