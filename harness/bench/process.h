@@ -16,6 +16,9 @@ struct ProcessResult {
 ProcessResult run_process(const std::vector<std::string>& command, const std::filesystem::path& log,
                           double limit_s);
 
+/// Of what a process printed; empty when it printed nothing.
+std::string last_line(const std::filesystem::path& log);
+
 /// This program's own file.
 std::filesystem::path own_executable();
 

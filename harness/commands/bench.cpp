@@ -8,6 +8,7 @@
 #include "core/base/apart.h"
 #include "evaluation/report/report.h"
 #include "harness/bench/bench.h"
+#include "harness/bench/plan.h"
 #include "harness/commands/options.h"
 
 namespace uniquadric {
@@ -21,12 +22,17 @@ void add_bench(CLI::App& app, Common& common) {
   sub->add_option("--jobs", options.jobs, "stages at once; default: as many as there are cores")
       ->check(whole_number(1, kMaxCount));
   sub->add_flag("--keep", options.keep_sequences, "keep the sequences");
+  static bool plan = false;
+  sub->add_flag("--plan", plan,
+                "run nothing: print the stages' commands as JSON lines, for a workflow engine");
+  sub->add_flag("--collect", options.collect, "run no stage: write the report of what is in OUT");
   sub->add_flag("--force", common.force, "write into OUT though it holds other things than results");
   sub->callback([&common] {
     options.quiet = common.quiet;
     options.force = common.force;
     options.command = common.command;
     require_apart(out, {config});
+    if (plan) return print_plan(plan_bench(config, out), config, std::cout);
     const int failed = bench(config, out, options);
     std::cout << summary_table(out) << "report: " << out << "/report.html\n";
     if (failed > 0) {

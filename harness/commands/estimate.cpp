@@ -26,7 +26,7 @@ void add_estimate(CLI::App& app, Common& common) {
       sub->add_option("--output", output,
                       "states as of their frame (causal) or of the end (final), instead of the variant's")
           ->check(CLI::IsMember({"causal", "final"}));
-  add_force(sub, common);
+  add_stage_options(sub, common);
   sub->callback([&common, as_of, own_seed] {
     if (own_seed->count() > 0) options.perception_seed = perception_seed;
     options.threads = common.threads;
@@ -38,7 +38,7 @@ void add_estimate(CLI::App& app, Common& common) {
     require_apart(perception, {sequence, variant, options.prompts.path});
     Variant chosen = variant.empty() ? default_variant() : load_variant(variant);
     if (as_of->count() > 0) chosen.output = output == "causal" ? Output::causal : Output::final;
-    estimate(sequence, chosen, options, out);
+    make_stage(common, out, [&] { estimate(sequence, chosen, options, out); });
   });
 }
 
@@ -52,7 +52,7 @@ void add_perceive(CLI::App& app, Common& common) {
   sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
   sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
-  add_force(sub, common);
+  add_stage_options(sub, common);
   sub->callback([&common] {
     options.threads = common.threads;
     options.quiet = common.quiet;
@@ -60,7 +60,8 @@ void add_perceive(CLI::App& app, Common& common) {
     options.perception = out;
     options.prompts = parse_prompts(prompt);
     require_apart(out, {sequence, variant, options.prompts.path});
-    keep_perception(sequence, variant.empty() ? default_variant() : load_variant(variant), options);
+    const Variant chosen = variant.empty() ? default_variant() : load_variant(variant);
+    make_stage(common, out, [&] { keep_perception(sequence, chosen, options); });
   });
 }
 

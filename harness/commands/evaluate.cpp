@@ -28,14 +28,14 @@ void add_evaluate(CLI::App& app, Common& common) {
   static std::string body_frame = "none";
   sub->add_option("--body-frame", body_frame, "each object's frame with the true one, for its pose errors")
       ->check(CLI::IsMember({"none", "first", "fit"}));
-  add_force(sub, common);
+  add_stage_options(sub, common);
   sub->callback([&common] {
     options.quiet = common.quiet;
     options.force = common.force;
     options.alignment = parse_alignment_kind(alignment);
     options.body_frame = *parse_body_frame(body_frame);
     require_apart(out, {truth, estimate_folder});
-    evaluate(truth, estimate_folder, options, out);
+    make_stage(common, out, [] { evaluate(truth, estimate_folder, options, out); });
   });
 }
 

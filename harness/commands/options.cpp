@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "core/base/text.h"
+#include "harness/bench/keys.h"
 
 namespace uniquadric {
 
@@ -39,6 +40,19 @@ CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& 
 
 void add_force(CLI::App* sub, Common& common) {
   sub->add_flag("--force", common.force, "replace OUT when it exists");
+}
+
+void add_stage_options(CLI::App* sub, Common& common) {
+  add_force(sub, common);
+  sub->add_option("--key", common.key, "kept in OUT.key: an OUT that is whole and has it is not made again");
+}
+
+void make_stage(const Common& common, const std::filesystem::path& out, const std::function<void()>& make) {
+  if (common.key.empty()) return make();
+  if (is_current(out, common.key)) return;
+  forget_key(out);
+  make();
+  record_key(out, common.key);
 }
 
 }  // namespace uniquadric

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -19,6 +21,7 @@ struct Common {
   std::string command;  ///< the line the program was called with, for reports to state
   bool quiet = false;
   bool force = false;
+  std::string key;  ///< of the output, as a bench knows it by (harness/bench/keys.h); empty: none
   int threads = 0;
   int exit_code = 0;  ///< of the program; a callback sets it
 };
@@ -35,5 +38,11 @@ CLI::Validator at_least_0();
 CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& what, Common& common);
 
 void add_force(CLI::App* sub, Common& common);
+
+/// Options of a subcommand that is a stage of a bench: --force and --key.
+void add_stage_options(CLI::App* sub, Common& common);
+
+/// Makes `out`, unless it stands there whole under the key that --key gave; then gives it that key.
+void make_stage(const Common& common, const std::filesystem::path& out, const std::function<void()>& make);
 
 }  // namespace uniquadric

@@ -17,10 +17,11 @@ void add_overlay(CLI::App& app, Common& common) {
   sub->add_option("OUT", out, "folder for the pictures and sheet.jpg")->required();
   sub->add_option("--truth", truth, "truth folder, to draw true outlines too");
   sub->add_option("--count", count, "frames, evenly spaced")->check(whole_number(1, kMaxCount));
-  add_force(sub, common);
+  add_stage_options(sub, common);
   sub->callback([&common] {
     require_apart(out, {sequence, truth, estimate_folder});
-    write_overlays(sequence, truth, estimate_folder, out, count, common.force);
+    make_stage(common, out,
+               [&] { write_overlays(sequence, truth, estimate_folder, out, count, common.force); });
   });
 }
 

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/apart.h"
+#include "core/base/files.h"
+#include "harness/bench/keys.h"
 #include "harness/commands/options.h"
 #include "simulator/preview.h"
 #include "simulator/scene/noise_scale.h"
@@ -10,10 +12,24 @@
 #include "simulator/simulate.h"
 
 namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+// What a report shows of a LiDAR that took the paper's way, to outlive the sequence.
+void keep_lidar_routes(const fs::path& data, const fs::path& timing, const fs::path& folder,
+                       const std::string& key) {
+  fs::create_directories(folder);
+  duplicate_file(data / "truth/lidar_comparison.csv", folder / "comparison.csv");
+  duplicate_file(data / "truth/lidar_errors.csv", folder / "errors.csv");
+  if (!timing.empty()) duplicate_file(timing, folder / "timing.csv");
+  if (!key.empty()) record_key(folder, key);
+}
+
+}  // namespace
 
 void add_simulate(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "simulate", "scene file -> sequence with exact ground truth", common);
-  static std::string scene, out;
+  static std::string scene, out, routes;
   static SimulateOptions options;
   static std::int64_t frames = 0;
   static std::string gl = "osmesa";
@@ -30,7 +46,8 @@ void add_simulate(CLI::App& app, Common& common) {
                   "what draws: osmesa, or egl (without a screen; a graphics card's bytes are its own)")
       ->check(CLI::IsMember({"osmesa", "egl"}));
   sub->add_option("--timing", options.timing, "file for what each stage took (CSV)");
-  add_force(sub, common);
+  sub->add_option("--routes", routes, "folder for the LiDAR's way against Embree (method depth_octree)");
+  add_stage_options(sub, common);
   sub->callback([&common, count] {
     options.gl = gl == "egl" ? GlLibrary::egl : GlLibrary::osmesa;
     options.threads = common.threads;
@@ -39,9 +56,13 @@ void add_simulate(CLI::App& app, Common& common) {
     if (count->count() > 0) options.frames = frames;
     require_apart(out, {scene});
     require_apart(options.timing, {scene});
+    require_apart(routes, {scene});
     Scene loaded = load_scene(scene);
     scale_noise(loaded, noise_scale);
-    simulate(loaded, options, out);
+    make_stage(common, out, [&] {
+      simulate(loaded, options, out);
+      if (!routes.empty()) keep_lidar_routes(out, options.timing, routes, common.key);
+    });
   });
 }
 

@@ -1,0 +1,187 @@
+#include "harness/bench/plan.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "harness/bench/keys.h"
+#include "simulator/lidar_files.h"
+#include "simulator/scene/noise_scale.h"
+#include "simulator/scene/scene.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+std::vector<Variant> load_variants(const BenchConfig& config) {
+  std::vector<Variant> variants;
+  for (const auto& item : config.variants) {
+    variants.push_back(load_variant(item.path));
+    variants.back().output = config.output.value_or(variants.back().output);
+  }
+  return variants;
+}
+
+// The index of the perception that the variant shares with others, which may be a new one.
+std::optional<std::size_t> share_perception(BenchSimulation& simulation, const Variant& variant,
+                                            std::size_t index) {
+  if (variant.feedback == Feedback::backend) return std::nullopt;
+  const std::string key = perception_key(simulation.key, perception_yaml(variant), simulation.seed);
+  auto& all = simulation.perceptions;
+  const auto found = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.key == key; });
+  const auto position = static_cast<std::size_t>(found - all.begin());
+  if (found == all.end()) all.push_back({key, index});
+  return position;
+}
+
+bool takes_the_papers_way(const Scene& scene) {
+  const auto rig = lidar_of(scene);
+  return rig && rig->method == LidarMethod::depth_octree;
+}
+
+fs::path simulation_folder(const BenchPlan& plan, const BenchSimulation& simulation) {
+  return plan.out / "simulations" / plan.config.scenes[simulation.scene].name /
+         fmt::format("seed_{}", simulation.seed);
+}
+
+BenchStage stage(const fs::path& folder, const std::string& key, std::vector<std::string> command,
+                 std::vector<fs::path> inputs, const fs::path& log) {
+  command.insert(command.end(), {"--quiet", "--force", "--key", key});
+  return {folder, key, std::move(command), std::move(inputs), log};
+}
+
+fs::path with_suffix(const fs::path& folder, const char* suffix) {
+  return folder.string() + suffix;
+}
+
+ordered_json strings(const std::vector<fs::path>& paths) {
+  ordered_json result = ordered_json::array();
+  for (const auto& path : paths) result.push_back(path.string());
+  return result;
+}
+
+}  // namespace
+
+fs::path BenchPlan::cell_folder(const BenchSimulation& simulation, const BenchCell& cell) const {
+  return fs::path("cells") / config.scenes[simulation.scene].name / config.variants[cell.variant].name /
+         fmt::format("seed_{}", simulation.seed);
+}
+
+fs::path BenchPlan::perceptions_folder(const BenchSimulation& simulation) const {
+  return out / "perceptions" / config.scenes[simulation.scene].name / fmt::format("seed_{}", simulation.seed);
+}
+
+fs::path BenchPlan::routes_folder(const BenchSimulation& simulation) const {
+  return out / "lidar" / config.scenes[simulation.scene].name / fmt::format("seed_{}", simulation.seed);
+}
+
+std::string BenchPlan::label(const BenchSimulation& simulation, const BenchCell& cell) const {
+  return fmt::format("{} / {} / seed {}", config.scenes[simulation.scene].name,
+                     config.variants[cell.variant].name, simulation.seed);
+}
+
+BenchStage BenchPlan::simulate(const BenchSimulation& simulation) const {
+  const BenchScene& scene = config.scenes[simulation.scene];
+  const fs::path folder = simulation_folder(*this, simulation);
+  std::vector<std::string> command = {"simulate",
+                                      scene.path,
+                                      folder,
+                                      "--seed",
+                                      std::to_string(simulation.seed),
+                                      "--timing",
+                                      with_suffix(folder, ".timing.csv")};
+  if (scene.noise_scale != 1)
+    command.insert(command.end(), {"--noise-scale", fmt::format("{}", scene.noise_scale)});
+  if (config.frames) command.insert(command.end(), {"--frames", std::to_string(*config.frames)});
+  if (simulation.has_routes) command.insert(command.end(), {"--routes", routes_folder(simulation)});
+  return stage(folder, simulation.key, std::move(command), {}, with_suffix(folder, ".log"));
+}
+
+BenchStage BenchPlan::perceive(const BenchSimulation& simulation, std::size_t perception) const {
+  const SharedPerception& shared = simulation.perceptions[perception];
+  const fs::path data = simulation_folder(*this, simulation);
+  const fs::path folder = perceptions_folder(simulation) / shared.key;
+  return stage(folder, shared.key,
+               {"perceive", data / "sequence", folder, "--variant", config.variants[shared.variant].path,
+                "--seed", std::to_string(simulation.seed)},
+               {data}, with_suffix(folder, ".log"));
+}
+
+std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, const BenchCell& cell) const {
+  const fs::path folder = out / cell_folder(simulation, cell), log = folder / "log.txt";
+  const fs::path data = simulation_folder(*this, simulation), estimate = folder / "estimate",
+                 evaluation = folder / "evaluation", overlays = folder / "overlays";
+  std::vector<std::string> command = {"estimate",
+                                      data / "sequence",
+                                      estimate,
+                                      "--variant",
+                                      config.variants[cell.variant].path,
+                                      "--seed",
+                                      std::to_string(simulation.seed)};
+  std::vector<fs::path> inputs = {data};
+  if (cell.perception) {
+    inputs.push_back(perceive(simulation, *cell.perception).folder);
+    command.insert(command.end(), {"--perception", inputs.back()});
+  }
+  if (config.output) command.insert(command.end(), {"--output", to_string(*config.output)});
+  std::vector<BenchStage> stages = {
+      stage(estimate, cell.estimate_key, std::move(command), std::move(inputs), log),
+      stage(evaluation, evaluation_key(cell.estimate_key), {"evaluate", data / "truth", estimate, evaluation},
+            {data, estimate}, log)};
+  if (config.overlays > 0)
+    stages.push_back(stage(overlays, overlay_key(cell.estimate_key, config.overlays),
+                           {"overlay", data / "sequence", estimate, overlays, "--truth", data / "truth",
+                            "--count", std::to_string(config.overlays)},
+                           {data, estimate}, log));
+  return stages;
+}
+
+BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out) {
+  BenchPlan plan{load_bench_config(bench_file), out, {}};
+  const BenchConfig& config = plan.config;
+  const std::vector<Variant> variants = load_variants(config);
+  for (std::size_t s = 0; s < config.scenes.size(); ++s) {
+    Scene scene = load_scene(config.scenes[s].path);
+    scale_noise(scene, config.scenes[s].noise_scale);
+    const bool has_routes = takes_the_papers_way(scene);
+    for (const auto seed : config.scenes[s].seeds) {
+      BenchSimulation simulation{s,          seed, simulation_key(scene.hash, seed, config.frames),
+                                 has_routes, {},   {}};
+      for (std::size_t v = 0; v < variants.size(); ++v)
+        simulation.cells.push_back({v, share_perception(simulation, variants[v], v),
+                                    estimate_key(simulation.key, variant_yaml(variants[v]), seed)});
+      plan.simulations.push_back(std::move(simulation));
+    }
+  }
+  return plan;
+}
+
+void print_plan(const BenchPlan& plan, const fs::path& bench_file, std::ostream& out) {
+  const auto print = [&](const BenchStage& stage, bool is_kept) {
+    out << ordered_json{{"stage", stage.command.front()},
+                        {"folder", stage.folder.string()},
+                        {"key", stage.key},
+                        {"inputs", strings(stage.inputs)},
+                        {"command", stage.command},
+                        {"log", stage.log.string()},
+                        {"limit_s", plan.config.stage_limit_s},
+                        {"keep", is_kept}}
+        << '\n';
+  };
+  for (const BenchSimulation& simulation : plan.simulations) {
+    print(plan.simulate(simulation), plan.config.keep_sequences);
+    for (std::size_t i = 0; i < simulation.perceptions.size(); ++i)
+      print(plan.perceive(simulation, i), plan.config.keep_sequences);
+    for (const BenchCell& cell : simulation.cells)
+      for (const BenchStage& stage : plan.stages(simulation, cell)) print(stage, true);
+  }
+  out << ordered_json{{"stage", "report"},
+                      {"folder", plan.out.string()},
+                      {"command",
+                       {"bench", bench_file.string(), plan.out.string(), "--collect", "--force", "--quiet"}}}
+      << '\n';
+}
+
+}  // namespace uniquadric

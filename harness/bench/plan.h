@@ -1,0 +1,71 @@
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/bench/config.h"
+
+namespace uniquadric {
+
+/// A call of a subcommand of this program that makes a folder.
+struct BenchStage {
+  std::filesystem::path folder;               ///< that it makes; its key stands in FOLDER.key
+  std::string key;                            ///< hash of all that the result depends on (keys.h)
+  std::vector<std::string> command;           ///< subcommand and arguments, but for --threads
+  std::vector<std::filesystem::path> inputs;  ///< folders of the stages that it needs
+  std::filesystem::path log;
+};
+
+/// One (scene, variant, seed).
+struct BenchCell {
+  std::size_t variant;                    ///< of the configuration's
+  std::optional<std::size_t> perception;  ///< of the simulation's; nothing: it runs joined with the back end
+  std::string estimate_key;
+  bool is_missing = false;   ///< there is no result, and nothing says why
+  std::string failure = {};  ///< why it failed; empty: it did not
+};
+
+/// What cells whose variants agree in their perception share.
+struct SharedPerception {
+  std::string key;
+  std::size_t variant;  ///< one of them
+};
+
+/// One (scene, seed) with the cells that read its sequence.
+struct BenchSimulation {
+  std::size_t scene;  ///< of the configuration's
+  std::uint64_t seed;
+  std::string key;
+  bool has_routes;  ///< a LiDAR that takes the paper's way, of which the report shows something
+  std::vector<SharedPerception> perceptions;
+  std::vector<BenchCell> cells;
+};
+
+/// A bench taken apart, for results in `out`.
+struct BenchPlan {
+  BenchConfig config;
+  std::filesystem::path out;
+  std::vector<BenchSimulation> simulations;
+
+  std::filesystem::path cell_folder(const BenchSimulation& simulation,
+                                    const BenchCell& cell) const;  ///< relative to `out`
+  std::filesystem::path perceptions_folder(const BenchSimulation& simulation) const;
+  std::filesystem::path routes_folder(const BenchSimulation& simulation) const;
+  std::string label(const BenchSimulation& simulation, const BenchCell& cell) const;
+
+  BenchStage simulate(const BenchSimulation& simulation) const;
+  BenchStage perceive(const BenchSimulation& simulation, std::size_t perception) const;
+  /// One after the other: estimate, evaluate, and overlay where the configuration wants some.
+  std::vector<BenchStage> stages(const BenchSimulation& simulation, const BenchCell& cell) const;
+};
+
+/// Throws InputError for a bad configuration, scene or variant.
+BenchPlan plan_bench(const std::filesystem::path& bench_file, const std::filesystem::path& out);
+
+/// The plan as JSON lines, a stage each, inputs before what is made of them (docs/cluster.md).
+void print_plan(const BenchPlan& plan, const std::filesystem::path& bench_file, std::ostream& out);
+
+}  // namespace uniquadric
