@@ -50,7 +50,9 @@ int run(int argc, char** argv) {
     std::cerr << fmt::format("uniquadric: {}: {}\n", e.path1().string(), e.code().message());
     return kBadInput;
   } catch (const std::exception& e) {
-    std::cerr << "uniquadric: " << e.what() << '\n';
+    std::string_view what = e.what();
+    while (what.ends_with('\n')) what.remove_suffix(1);  // OpenCV's end with one
+    std::cerr << "uniquadric: " << what << '\n';
     return kBadInput;
   }
   if (!std::cout.flush()) {

@@ -1,0 +1,104 @@
+// What `bench --plan` prints can be run by anything that runs commands in order.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "core/base/files.h"
+#include "tests/harness/program.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class BenchPlanCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_text(folder() / "small.yaml", small_scene_yaml());
+    const fs::path variants = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants";
+    write_text(bench_, "scenes: [small.yaml]\nvariants: [" + (variants / "rotbbox.yaml").string() + ", " +
+                           (variants / "bbox.yaml").string() + "]\nseeds: [1, 2]\noverlays: 1\nframes: 3\n");
+  }
+  const fs::path& folder() const { return temp_.path(); }
+  std::vector<json> plan(const fs::path& out) const {
+    const ProgramRun run = run_program({"bench", bench_, out, "--plan"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    std::vector<json> stages;
+    std::istringstream lines(run.out);
+    for (std::string line; std::getline(lines, line);) stages.push_back(json::parse(line));
+    return stages;
+  }
+  static std::string scores(const fs::path& out) {
+    std::string kept;
+    std::istringstream lines(read_text(out / "scores.csv"));
+    for (std::string line; std::getline(lines, line);)
+      if (line.find("frame_time_mean_ms") == std::string::npos) kept += line + '\n';  // measured
+    return kept;
+  }
+
+  TempFolder temp_;
+  fs::path bench_ = temp_.path() / "bench.yaml";
+};
+
+TEST_F(BenchPlanCommand, RunsNothingAndNamesInputsFirst) {
+  const fs::path out = folder() / "out";
+  const std::vector<json> stages = plan(out);
+  EXPECT_FALSE(fs::exists(out));
+  std::map<std::string, int> count;
+  std::set<std::string> folders;
+  for (const json& stage : stages) {
+    ++count[stage["stage"]];
+    for (const std::string input : stage.value("inputs", json::array()))
+      EXPECT_TRUE(folders.contains(input)) << stage;
+    EXPECT_TRUE(folders.insert(stage["folder"]).second) << stage;
+  }
+  // Two seeds, two variants, of which both look at the images with the same options.
+  const std::map<std::string, int> expected = {{"simulate", 2}, {"perceive", 2}, {"estimate", 4},
+                                               {"evaluate", 4}, {"overlay", 4},  {"report", 1}};
+  EXPECT_EQ(count, expected);
+  EXPECT_EQ(stages.back()["stage"], "report");
+}
+
+TEST_F(BenchPlanCommand, ItsCommandsMakeWhatBenchMakes) {
+  const fs::path out = folder() / "out", by_bench = folder() / "by_bench";
+  ASSERT_EQ(run_program({"bench", bench_, by_bench, "--quiet"}).exit_code, 0);
+  fs::path last;
+  for (const json& stage : plan(out)) {
+    fs::create_directories(fs::path(stage["folder"]).parent_path());
+    const ProgramRun run = run_program(stage["command"]);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    if (stage["stage"] == "evaluate") last = fs::path(stage["folder"]) / "frames.csv";
+  }
+  EXPECT_EQ(scores(out), scores(by_bench));
+  EXPECT_EQ(read_text(out / "cells.csv"), read_text(by_bench / "cells.csv"));
+  const auto made = fs::last_write_time(last);
+  ASSERT_EQ(run_program({"bench", bench_, out, "--quiet"}).exit_code, 0);
+  EXPECT_EQ(fs::last_write_time(last), made) << "bench takes them for its own";
+  for (const json& stage : plan(out)) {
+    if (stage["stage"] != "evaluate") continue;
+    ASSERT_EQ(run_program(stage["command"]).exit_code, 0);
+  }
+  EXPECT_EQ(fs::last_write_time(last), made) << "and they are not made twice";
+}
+
+// With one cell failed and one never run.
+TEST_F(BenchPlanCommand, CollectTellsWhatIsThere) {
+  const fs::path out = folder() / "out";
+  ASSERT_EQ(run_program({"bench", bench_, out, "--quiet"}).exit_code, 0);
+  const fs::path failed = out / "cells/small/bbox/seed_1", missing = out / "cells/small/bbox/seed_2";
+  for (const fs::path& cell : {failed, missing}) fs::remove(cell / "evaluation.key");
+  write_text(failed / "log.txt", "a note\nuniquadric: it broke\n");
+  const ProgramRun run = run_program({"bench", bench_, out, "--collect", "--quiet"});
+  EXPECT_EQ(run.exit_code, 2);
+  const std::string cells = read_text(out / "cells.csv");
+  for (const char* row :
+       {"small,rotbbox,1,ok,", "small,bbox,1,failed,", "uniquadric: it broke", "small,bbox,2,missing,"})
+    EXPECT_NE(cells.find(row), std::string::npos) << cells;
+  EXPECT_FALSE(fs::exists(failed / "evaluation.key")) << "nothing was run";
+}
+
+}  // namespace
+}  // namespace uniquadric
