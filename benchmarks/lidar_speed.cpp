@@ -1,7 +1,8 @@
 // Rays per second of a whole LiDAR scan (pattern, trajectory, placing the bodies, casting, points) against a
 // bare Embree loop over the same rays, ready in packets, and the same scene; without and with noise; with 1
 // thread and with all.
-//   lidar_speed [ROUNDS [PATTERN]]
+//   lidar_speed [ROUNDS [PATTERN [FINENESS [RATE_HZ]]]]
+// FINENESS multiplies the meshes' segments (1: 787 k triangles), RATE_HZ (10) is that of the scans.
 // The measurements take turns, each after one of its kind that is not counted, as in a sequence of scans: its
 // meshes are in the caches. What is printed are medians of the rounds and of the ratios within a round:
 // processor time where one thread works, wall time for the gain of all threads.
@@ -11,6 +12,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
@@ -42,12 +44,13 @@ struct Course {
   Motion sensor;
 };
 
-// 199 k triangles: an uneven hall around the sensor, and four bodies that swing and turn in it.
-Course make_course() {
+// An uneven hall around the sensor, and four bodies that swing and turn in it.
+Course make_course(double fineness) {
+  const auto segments = [&](double n) { return static_cast<int>(std::lround(n * fineness)); };
   Course course;
   Material plain;
   plain.size_px = 8;
-  course.world = {make_body(0, ellipsoid({80, 60, 20}, 80, plain), Motion())};
+  course.world = {make_body(0, ellipsoid({80, 60, 20}, segments(80), plain), Motion())};
   for (int i = 0; i < 4; ++i) {
     SwingOptions swing;
     swing.pivot_m = {8.0 + 2 * i, 6.0 * i - 9, 2};
@@ -55,13 +58,21 @@ Course make_course() {
     swing.period_s = 2 + 0.3 * i;
     ScrewOptions spin;
     spin.axis = Eigen::Vector3d(1, i, 2).normalized();
-    course.objects.push_back(make_body(i + 1, ellipsoid({4, 3, 2}, 50, plain),
+    course.objects.push_back(make_body(i + 1, ellipsoid({4, 3, 2}, segments(50), plain),
                                        composed_motion({swing_motion(swing), screw_motion(spin)})));
   }
   CircleOptions circle;
   circle.radius_m = 3;
   course.sensor = circle_motion(circle);
   return course;
+}
+
+std::size_t count_triangles(const Course& course) {
+  std::size_t count = 0;
+  for (const auto* bodies : {&course.world, &course.objects})
+    for (const Body& body : *bodies)
+      for (const Mesh& mesh : body.meshes) count += mesh.triangles.size();
+  return count;
 }
 
 RTCScene robust_scene(RTCDevice device) {
@@ -191,13 +202,14 @@ float bare_loop(RTCScene scene, const std::vector<RTCRayHit8>& packets) {
   return sum;
 }
 
-int run(int rounds, const std::string& pattern) {
-  const Course course = make_course();
+int run(int rounds, const std::string& pattern, double fineness, double rate_hz) {
+  const Course course = make_course(fineness);
   const RayCaster caster(course.world, course.objects);
   LidarRig noisy;
   noisy.pattern_name = pattern;
   noisy.pattern = named_pattern(pattern);
   noisy.noise = noise_of(pattern);
+  noisy.rate_hz = rate_hz;
   LidarRig exact = noisy;
   exact.noise = LidarNoise::none();
   const PoseAt path = lidar_path(course.sensor, exact);
@@ -244,7 +256,7 @@ int run(int rounds, const std::string& pattern) {
     fmt::print("{:<28} {:>8.3f} Mray/s  {:>6.1f} ns a ray  {:>5.3f} of the bare loop\n", what,
                rays / time_s * 1e-6, time_s / rays * 1e9, median(ratios));
   };
-  fmt::print("{}: {} rays, motion keys", pattern, rays);
+  fmt::print("{}: {} rays, {} triangles, motion keys", pattern, rays, count_triangles(course));
   for (const MotionKeys& n : keys) fmt::print(" {}{}", n.count, n.slerp ? " (slerp)" : "");
   fmt::print(" (mean range {:.1f} m)\n",
              sum / static_cast<float>(packets.size()) / static_cast<float>(2 * rounds));
@@ -263,5 +275,7 @@ int run(int rounds, const std::string& pattern) {
 }  // namespace uniquadric
 
 int main(int argc, char** argv) {
-  return uniquadric::run(argc > 1 ? std::max(1, std::atoi(argv[1])) : 50, argc > 2 ? argv[2] : "livox_avia");
+  return uniquadric::run(argc > 1 ? std::max(1, std::atoi(argv[1])) : 50, argc > 2 ? argv[2] : "livox_avia",
+                         argc > 3 ? std::max(0.1, std::atof(argv[3])) : 1,
+                         argc > 4 ? std::max(0.5, std::atof(argv[4])) : 10);
 }
