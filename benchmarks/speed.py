@@ -147,7 +147,8 @@ def frame_section(counts, work):
                  f"frames; each of the last {counts[-1] - counts[-2]} costs {max(0, kb):.0f} kB. "
                  f"{at_most(ratio, 1.1)}\n")
     return ("## Frames\nTwo boxes of the grid; processor time. Of `simulate` the memory is that of its "
-            "largest process, of which there is one a core.\n\n" + growth_table("frames", rows) + "\n" + text +
+            "largest process, of which there is one a core.\n\n" +
+            growth_table("frames", rows) + "\n" + text +
             "\nWhat grows in `estimate` is mostly the map that the camera is followed by "
             "(`ego: {source: rgbd}`).\n")
 
