@@ -18,6 +18,8 @@ constexpr double kBack = 0.7;                    // share of the points on the s
 constexpr double kSlid = 1.5,
                  kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
 constexpr double kLeastBase = 0.2, kMostBase = 0.6;  // [s] of the time that the velocity is taken from
+constexpr double kSure =
+    0.75;  // share of the points that lie on the surface of a body that is back: any face fits any other
 constexpr int kPatience = 6;  // times the frames of a restart, until a part of the body in view will do
 constexpr double kRest =
     0.7;  // [s]: the turn of a body that is not seen fades, which a wrong velocity would carry furthest
@@ -234,7 +236,7 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);
   pose.covariance = found->information.inverse();
   const int unfound = frames_unfound_ + 1, enough = options_.lifecycle.restart_frames;
-  const bool sure = (is_whole(*body.silhouette) && !found->new_face) || unfound >= kPatience * enough;
+  const bool sure = (is_whole(*body.silhouette) && found->matched > kSure) || unfound >= kPatience * enough;
   const bool young = keyframes_ < options_.lifecycle.confirm_keyframes;  // each view is needed
   pose.keyframe = stale ? unfound >= enough && sure : young || found->new_face || unfound >= enough;
   if (!pose.keyframe) return pose;

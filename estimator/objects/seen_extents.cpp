@@ -10,10 +10,11 @@ namespace uniquadric {
 namespace {
 
 // All ours.
-constexpr double kShortPx = 8;         // by which points end inside the outline at most,
-constexpr double kShort = 0.2;         // or of its half width,
-constexpr double kShortSpacings = 3;   // or between points: a LiDAR's are far apart
-constexpr double kBestViews = 0.5;     // quantile of the views that show most of a side
+constexpr double kBeyond = 1.5, kBeyondRadii = 0.25;  // of the solved end, where no point of the body lies
+constexpr double kShortPx = 8;                        // by which points end inside the outline at most,
+constexpr double kShort = 0.2;                        // or of its half width,
+constexpr double kShortSpacings = 3;                  // or between points: a LiDAR's are far apart
+constexpr double kBestViews = 0.5;                    // quantile of the views that show most of a side
 constexpr double kRimSpacings = 0.75;  // between points, that they end inside the outline at most
 constexpr double kLeastRim =
     0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
@@ -85,6 +86,10 @@ Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double
       const auto reach = reach_along(views, direction);
       if (!reach) continue;
       const double end = reach->position_m - center;
+      if (end > kBeyond * shape.semi_axes_m[axis] + kBeyondRadii * radius_m) {  // strays, in most views
+        sigmas[side] = end - shape.semi_axes_m[axis];
+        continue;
+      }
       ends[side] = reach->views > 0 ? end : std::max(ends[side], end);
       if (reach->views > 0) sigmas[side] = kEndSigma;
       if (reach->is_cut) sigmas[side] = kCutSigma * radius_m;

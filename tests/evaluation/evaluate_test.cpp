@@ -197,6 +197,19 @@ TEST_F(Evaluate, TwoMatchedFramesGiveNoErrorFigures) {
   EXPECT_EQ(object["iou3d"]["n"], 2);
 }
 
+TEST_F(Evaluate, AnEstimateThatFoundNothingHasAResult) {
+  write_changed([](Tracks& tracks) {
+    tracks.camera.clear();
+    tracks.objects.clear();
+  });
+  const json result = run();
+  EXPECT_EQ(result["camera"]["coverage"], 0);
+  EXPECT_TRUE(result["camera"]["ape"]["translation_m"].is_null());
+  ASSERT_EQ(result["objects"].size(), 3u);
+  for (const json& object : result["objects"]) EXPECT_EQ(object["coverage"], 0);
+  EXPECT_EQ(result["tracking"]["mota"], 0);
+}
+
 TEST_F(Evaluate, IdSwitchesAreCounted) {
   write_changed([](Tracks& tracks) {
     ObjectTrack second = tracks.objects[0];  // the cuboid's track breaks in two
@@ -256,7 +269,9 @@ TEST(RunRecord, SaysWhetherPosesWereGivenWhateverItHolds) {
 }
 
 TEST_F(Evaluate, RefusesBadInputAndWritesNothing) {
-  write_changed([](Tracks& tracks) { tracks.camera.resize(2); });
+  write_changed([](Tracks& tracks) {
+    for (auto& state : tracks.camera) state.stamp_ns += 1'000'000'000'000;  // of another day
+  });
   EXPECT_THROW(run(), InputError);
   write_changed([](Tracks&) {});
   write_text(estimate() / "timing.csv", "frame,stage,ms\n0,fit,fast\n");
