@@ -204,13 +204,13 @@ std::optional<Pose> RgbdOdometry::pose() const {
 
 // Frames that came before the map are placed by it backwards, from neighbour to neighbour.
 void RgbdOdometry::State::append(const Stretch& stretch, Trajectory& trajectory) const {
-  EgoMap map = stretch.map;
+  EgoMap adjusted = stretch.map;
   if (options.final_adjustment) {
-    std::vector<int> all(map.keyframes.size());
+    std::vector<int> all(adjusted.keyframes.size());
     std::iota(all.begin(), all.end(), 0);
     BundleOptions bundle = options.bundle;
     bundle.iterations = options.final_iterations;
-    adjust_bundle(map, camera, all, bundle);
+    adjust_bundle(adjusted, camera, all, bundle);
   }
   const auto world_from_camera = [&](const FramePose& frame, const Pose& camera_from_map) {
     Pose pose = world_from_map() * camera_from_map.inverse();
@@ -218,21 +218,21 @@ void RgbdOdometry::State::append(const Stretch& stretch, Trajectory& trajectory)
     return StampedPose{frame.stamp_ns, pose};
   };
   Trajectory earlier;
-  Pose next = map.keyframes.front().camera_from_world;
+  Pose next = adjusted.keyframes.front().camera_from_world;
   auto motion = stretch.frames.front().motion;
   for (auto frame = stretch.before.rbegin(); frame != stretch.before.rend(); ++frame) {
     if (motion) next = motion->inverse() * next;
     motion = frame->motion;
-    const auto fit = locate(map, frame->features, next, frame->frame);
+    const auto fit = locate(adjusted, frame->features, next, frame->frame);
     if (!fit) continue;
     next = fit->camera_from_body;
     earlier.push_back(world_from_camera(*frame, next));
   }
   trajectory.insert(trajectory.end(), earlier.rbegin(), earlier.rend());
   for (const FramePose& frame : stretch.frames) {
-    const Pose expected = frame.camera_from_keyframe * map.keyframes[frame.keyframe].camera_from_world;
-    const bool is_keyframe = map.keyframes[frame.keyframe].frame == frame.frame;
-    const auto fit = is_keyframe ? std::nullopt : locate(map, frame.features, expected, frame.frame);
+    const Pose expected = frame.camera_from_keyframe * adjusted.keyframes[frame.keyframe].camera_from_world;
+    const bool is_keyframe = adjusted.keyframes[frame.keyframe].frame == frame.frame;
+    const auto fit = is_keyframe ? std::nullopt : locate(adjusted, frame.features, expected, frame.frame);
     trajectory.push_back(world_from_camera(frame, fit ? fit->camera_from_body : expected));
   }
 }

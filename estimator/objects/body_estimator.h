@@ -19,7 +19,7 @@ namespace uniquadric {
 
 /// When a body counts as what. All numbers are ours.
 struct LifecycleOptions {
-  int confirm_keyframes = 3;     // tentative until its windows agree on so many keyframes
+  int confirm_keyframes = 3;     // tentative until it has so many keyframes
   int restart_frames = 3;        // in view, but none of its points found again: its short window starts anew
   double acceleration_mps2 = 2;  // how the prediction's sigma grows: hands, swings, cars
   double angular_acceleration_radps2 = 1;  // the same

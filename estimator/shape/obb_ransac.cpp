@@ -79,7 +79,6 @@ std::optional<ObbEstimate> fit_obb_ransac(const Eigen::Matrix3Xd& points, const 
     accepted.push_back(box.half_extents_m);
   }
   if (accepted.empty()) return std::nullopt;
-  best.accepted = static_cast<int>(accepted.size());
   const AxisStatistics axes = axis_statistics(accepted);
   best.box.half_extents_m = blend(axes, best.box.half_extents_m, options).cwiseMax(options.min_semi_axis_m);
   const Eigen::Matrix3d P = nearest_box_rotation(best.box.axes, reference);

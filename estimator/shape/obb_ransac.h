@@ -29,7 +29,6 @@ struct ObbEstimate {
   /// Standard deviation of the accepted models' half extents, along the same axes [m].
   Eigen::Vector3d semi_axes_std_m = Eigen::Vector3d::Zero();
   int inliers = 0;   ///< of the best model
-  int accepted = 0;  ///< models that were the best when they came
 };
 
 /// Oriented bounding box by RANSAC with the uncertainty of its axes (Alg. 1) from points (3 x n, metres), its

@@ -226,7 +226,6 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   const int freedom = summary.num_residuals_reduced - summary.num_effective_parameters_reduced;
   const double misfit = freedom > 0 ? std::max(1.0, 2 * summary.final_cost / freedom) : 1;
   solution.shape.variances = misfit * variances_of(problem, blocks);
-  for (const PoseBlock& body : blocks.bodies) solution.world_from_body.push_back(pose_from_block(body));
   return solution;
 }
 

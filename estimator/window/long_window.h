@@ -105,7 +105,6 @@ struct DepthEvidence {
 struct ShapeSolution {
   Shape shape;
   double cost = 0;
-  std::vector<Pose> world_from_body;  ///< of the views
 };
 
 /// Solves for the shape from views, depth and priors on the axes, from

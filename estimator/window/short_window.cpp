@@ -101,7 +101,6 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
   result.world_from_body.rotation.normalize();
   result.sighted = result.world_from_body;
   result.covariance = solution->information.inverse();
-  result.inliers = solution->inlier_count;
   // what is under a mask that is not known to be the body's may be another's
   result.keyframe = body.silhouette && keyframe_is_due(frame, shows_whole(body), solution->camera_from_body,
                                                        solution->inlier_count);

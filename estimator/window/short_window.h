@@ -49,7 +49,6 @@ struct BodyKeyframe {
 struct BodyPose {
   Pose world_from_body;
   Matrix6d covariance;  ///< of a right-hand perturbation (translation, rotation vector)
-  int inliers = 0;
   bool keyframe = false;
   Pose sighted;  ///< world_from_body by this frame alone, before the window was solved with it
 };
@@ -75,7 +74,6 @@ class ShortWindow {
   void set_rest(const std::optional<PoseSigmas>& sigmas) { rest_ = sigmas; }
 
   const std::deque<BodyKeyframe>& keyframes() const { return keyframes_; }
-  const std::map<std::int64_t, BodyPoint>& landmarks() const { return landmarks_; }
 
  private:
   bool keyframe_is_due(const PerceivedFrame& frame, bool whole, const Pose& camera_from_body, int seen) const;

@@ -139,8 +139,9 @@ TEST(BodyEstimator, ADiscsAxesKeepTheirNames) {
   std::optional<Pose> before;
   for (const PerceivedFrame& frame : perception.frames) {
     const auto state = estimator.step(frame, &frame.bodies[0]);
-    if (before)
+    if (before) {
       EXPECT_LT(before->rotation.angularDistance(state->shape.body_from_object.rotation), 1) << frame.frame;
+    }
     before = state->shape.body_from_object;
   }
 }

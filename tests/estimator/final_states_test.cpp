@@ -91,8 +91,9 @@ TEST(FinalStates, PointsThatAreKeptLieOnTheBodyInItsOwnFrame) {
       near += (p.cwiseAbs() - kAxes).cwiseAbs().minCoeff() < 0.01;
       outwards += p.dot(truth_from_object.rotation * surface.normals[i].cast<double>()) > 0;
     }
-    EXPECT_GT(near, 0.95 * std::ssize(surface.points));
-    EXPECT_GT(outwards, 0.99 * std::ssize(surface.points));
+    const auto count = static_cast<double>(surface.points.size());
+    EXPECT_GT(near, 0.95 * count);
+    EXPECT_GT(outwards, 0.99 * count);
   }
 }
 
