@@ -28,7 +28,7 @@ struct ObbEstimate {
   OrientedBox box;  ///< axes named as they are nearest to the reference
   /// Standard deviation of the accepted models' half extents, along the same axes [m].
   Eigen::Vector3d semi_axes_std_m = Eigen::Vector3d::Zero();
-  int inliers = 0;   ///< of the best model
+  int inliers = 0;  ///< of the best model
 };
 
 /// Oriented bounding box by RANSAC with the uncertainty of its axes (Alg. 1) from points (3 x n, metres), its
