@@ -10,7 +10,7 @@ namespace uniquadric {
 namespace {
 
 // All ours.
-constexpr double kBeyond = 1.5, kBeyondRadii = 0.25;  // of the solved end, where no point of the body lies
+constexpr double kBeyond = 1.5, kBeyondRadii = 1;  // of the solved end, where no point of the body lies
 constexpr double kShortPx = 8;                        // by which points end inside the outline at most,
 constexpr double kShort = 0.2;                        // or of its half width,
 constexpr double kShortSpacings = 3;                  // or between points: a LiDAR's are far apart
