@@ -11,11 +11,11 @@ namespace {
 
 // All ours.
 constexpr double kBeyond = 1.5, kBeyondRadii = 1;  // of the solved end, where no point of the body lies
-constexpr double kShortPx = 8;                        // by which points end inside the outline at most,
-constexpr double kShort = 0.2;                        // or of its half width,
-constexpr double kShortSpacings = 3;                  // or between points: a LiDAR's are far apart
-constexpr double kBestViews = 0.5;                    // quantile of the views that show most of a side
-constexpr double kRimSpacings = 0.75;  // between points, that they end inside the outline at most
+constexpr double kShortPx = 8;                     // by which points end inside the outline at most,
+constexpr double kShort = 0.2;                     // or of its half width,
+constexpr double kShortSpacings = 3;               // or between points: a LiDAR's are far apart
+constexpr double kBestViews = 0.5;                 // quantile of the views that show most of a side
+constexpr double kRimSpacings = 0.75;              // between points, that they end inside the outline at most
 constexpr double kLeastRim =
     0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
 constexpr double kEndSigma = 0.003;    // [m] of an end read off points, at best
