@@ -132,8 +132,8 @@ ImportedMesh import_mesh(const fs::path& path) {
                          aiProcess_PreTransformVertices | aiProcess_GenSmoothNormals |
                          aiProcess_JoinIdenticalVertices | aiProcess_SortByPType | aiProcess_FlipUVs);
   const std::string said = importer.GetErrorString();
-  if (!scene && said.find("orphaned") != said.npos)  // how it says it of a file with points alone
-    throw InputError(path, "has no faces");
+  for (const char* points_alone : {"contains no faces", "orphaned"})  // how its steps say it
+    if (!scene && said.find(points_alone) != said.npos) throw InputError(path, "has no faces");
   if (!scene) throw InputError(path, fmt::format("cannot be read as a mesh: {}", said));
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
     const aiMesh& source = *scene->mMeshes[i];

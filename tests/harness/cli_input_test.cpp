@@ -37,7 +37,7 @@ TEST_F(Cli, RefusesMeshesThatCannotBeDrawnAndSensorsWithoutARate) {
   write("part.obj",
         "mtllib part.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 1\nv 0 0 2\nvt 0 0\nf 1/1 2/1 3/1\nf 1/1 3/1 "
         "4/1\n");
-  refused(with_mesh, "part.png: has 32768x32768 px");
+  refused(with_mesh, "part.png: has 32768x32768 px, at most 8192 a side are read");
   for (const std::string sensor : {"lidar: {pattern: vlp16, rate_hz: 0}", "imu: {rate_hz: 0}"})
     refused(small_scene_yaml() + sensor + "\n", "rate_hz: expected a number greater than 0");
 }

@@ -89,7 +89,7 @@ TEST_F(Cli, MetricsOfFilesArePrintedAndAsJson) {
   write_surface_ply(folder() / "points.ply", {{{0, 0, 1}, {1, 0, 2}, {0, 1, 3}}, {}}, "");
   EXPECT_EQ(run_program({"metric", "surface", folder() / "points.ply", folder() / "plate.obj"}).exit_code, 0);
   expect_refusal({"metric", "surface", folder() / "points.ply", folder() / "points.ply"},
-                 "contains no faces");
+                 "points.ply: has no faces");
 
   expect_refusal({"metric"}, "is none of");
   expect_refusal({"metric", "maps"}, "'maps' is none of iou3d, iou2d, project, pose, map, depth, surface");
