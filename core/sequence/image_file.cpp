@@ -1,15 +1,19 @@
 #include "core/sequence/image_file.h"
 
 #include <fmt/format.h>
+#include <libdeflate.h>
 
 #include <cstdint>
-#include <opencv2/core/types.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <optional>
 
 #include "core/base/error.h"
 
 namespace uniquadric {
 namespace {
+
+constexpr std::size_t kMostImageBytes = 1 << 30;
+constexpr std::size_t kPngSignature = 8, kChunkFrame = 12;  // bytes; a chunk's frame: length, type, checksum
 
 std::uint32_t big_endian(std::string_view bytes, std::size_t at, int count) {
   std::uint32_t value = 0;
@@ -44,8 +48,7 @@ cv::Size2d png_size(std::string_view bytes) {
                     static_cast<double>(big_endian(bytes, 20, 4))};
 }
 
-}  // namespace
-
+// Throws for more than `most_side_px` pixels a side: decoded, a few kilobytes can fill the memory.
 void check_image_size(std::string_view bytes, int most_side_px, const std::filesystem::path& path) {
   const bool is_png = bytes.starts_with("\x89PNG"), is_jpeg = bytes.starts_with("\xff\xd8");
   if (!is_png && !is_jpeg)
@@ -55,6 +58,46 @@ void check_image_size(std::string_view bytes, int most_side_px, const std::files
   if (size->width > most_side_px || size->height > most_side_px)
     throw InputError(path, fmt::format("has {:.0f}x{:.0f} px, at most {} a side are read", size->width,
                                        size->height, most_side_px));
+}
+
+// What is wrong with a PNG's chunks, empty when nothing is: OpenCV decodes truncated files to partly grey
+// images, and libpng says what it finds wrong on stderr.
+std::string png_damage(std::string_view bytes) {
+  for (std::size_t at = kPngSignature; at + kChunkFrame <= bytes.size();) {
+    const std::size_t size = big_endian(bytes, at, 4);
+    if (size > bytes.size() - at - kChunkFrame) break;
+    const std::string_view checked = bytes.substr(at + 4, size + 4);
+    if (libdeflate_crc32(0, checked.data(), checked.size()) != big_endian(bytes, at + 8 + size, 4))
+      return "is a damaged image";
+    if (checked.starts_with("IEND")) return "";
+    at += size + kChunkFrame;
+  }
+  return "is a truncated image";
+}
+
+std::string damage(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG")) return png_damage(bytes);
+  const bool is_jpeg = bytes.starts_with("\xff\xd8");
+  if (is_jpeg && bytes.find("\xff\xd9", bytes.size() > 64 ? bytes.size() - 64 : 0) == bytes.npos)
+    return "is a truncated image";
+  return "";
+}
+
+}  // namespace
+
+cv::Mat decode_image(std::string_view bytes, int most_side_px, const std::filesystem::path& path) {
+  if (bytes.empty()) throw InputError(path, "is empty");
+  if (bytes.size() > kMostImageBytes) throw InputError(path, "is longer than an image");
+  check_image_size(bytes, most_side_px, path);
+  if (const std::string what = damage(bytes); !what.empty()) throw InputError(path, what);
+  cv::Mat image;
+  try {
+    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    image = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+  }
+  if (image.empty()) throw InputError(path, "is not an image that can be decoded");
+  return image;
 }
 
 }  // namespace uniquadric
