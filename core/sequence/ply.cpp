@@ -207,26 +207,31 @@ void read_face(const fs::path& path, const Element& element, DataReader& data, S
 
 }  // namespace
 
+void write_ply(const fs::path& path, const std::string& comment, const std::string& elements,
+               const std::string& data) {
+  write_text(path, fmt::format("ply\nformat binary_little_endian 1.0\ncomment {}\n{}end_header\n", comment,
+                               elements) +
+                       data);
+}
+
 void write_surface_ply(const fs::path& path, const SurfaceFile& surface, const std::string& comment) {
   const bool has_normals = !surface.normals.empty();
-  std::string text = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\n",
-      comment, surface.points.size());
-  if (has_normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
+  std::string elements = fmt::format(
+      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", surface.points.size());
+  if (has_normals) elements += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!surface.triangles.empty())
-    text +=
+    elements +=
         fmt::format("element face {}\nproperty list uchar int vertex_indices\n", surface.triangles.size());
-  text += "end_header\n";
+  std::string data;
   for (std::size_t i = 0; i < surface.points.size(); ++i) {
-    for (int k = 0; k < 3; ++k) put(text, surface.points[i][k]);
-    for (int k = 0; has_normals && k < 3; ++k) put(text, surface.normals[i][k]);
+    for (int k = 0; k < 3; ++k) put(data, surface.points[i][k]);
+    for (int k = 0; has_normals && k < 3; ++k) put(data, surface.normals[i][k]);
   }
   for (const auto& triangle : surface.triangles) {
-    put(text, std::uint8_t{3});
-    for (const std::uint32_t corner : triangle) put(text, static_cast<std::int32_t>(corner));
+    put(data, std::uint8_t{3});
+    for (const std::uint32_t corner : triangle) put(data, static_cast<std::int32_t>(corner));
   }
-  write_text(path, text);
+  write_ply(path, comment, elements, data);
 }
 
 SurfaceFile read_surface_ply(const fs::path& path) {

@@ -18,6 +18,11 @@ struct SurfaceFile {
 
 inline constexpr float kMostPlyCoordinate_m = 1e9F;  ///< as of tracks
 
+/// Writes a binary little-endian PLY: `elements` are the header's lines from "element vertex" on, `data` what
+/// they announce. Throws std::runtime_error when the file cannot be written.
+void write_ply(const std::filesystem::path& path, const std::string& comment, const std::string& elements,
+               const std::string& data);
+
 /// PLY, binary little-endian (Turk, "The PLY polygon file format", 1994): x, y, z, nx, ny, nz as float, faces
 /// as lists of uchar and int. Throws std::runtime_error when the file cannot be written.
 void write_surface_ply(const std::filesystem::path& path, const SurfaceFile& surface,

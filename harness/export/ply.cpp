@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/progress.h"
+#include "core/sequence/ply.h"
 #include "harness/export/export.h"
 #include "harness/export/export_source.h"
 #include "harness/export/writers.h"
@@ -22,12 +23,8 @@ void put(std::string& data, T... values) {
   (data.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
 }
 
-void write_ply(const fs::path& path, const std::string& comment, const std::string& properties,
-               std::size_t point_size, const std::string& data) {
-  std::string text = fmt::format("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n",
-                                 comment, data.size() / point_size);
-  text += properties + "end_header\n";
-  write_text(path, text + data);
+std::string vertices(std::size_t count, const char* properties) {
+  return fmt::format("element vertex {}\n{}", count, properties);
 }
 
 constexpr const char* kDepthProperties =
@@ -65,7 +62,7 @@ void write_fused_depth(const ExportSource& source, const ExportOptions& options,
   write_ply(folder / "depth.ply",
             fmt::format("{}: every {}. depth image, world frame, metres", source.sequence.name,
                         options.frame_stride),
-            kDepthProperties, kDepthPointSize, data);
+            vertices(data.size() / kDepthPointSize, kDepthProperties), data);
 }
 
 constexpr const char* kScanProperties =
@@ -84,7 +81,7 @@ void write_scans(const Sequence& sequence, const ExportOptions& options, const f
     write_ply(
         folder / fmt::format("{:06}.ply", i),
         fmt::format("{}: scan from {} s on, lidar frame, metres", sequence.name, format_stamp(scan.stamp_ns)),
-        kScanProperties, kScanPointSize, data);
+        vertices(data.size() / kScanPointSize, kScanProperties), data);
     progress.advance();
   }
 }
