@@ -87,7 +87,9 @@ Evaluation compare(const Tracks& truth, const Tracks& estimate,
   return result;
 }
 
-// What hangs on the true surfaces: the points that are kept of them, and the depth of features.
+// What hangs on the true surfaces: the points that are kept of them, and the depth of features. The frames of
+// points and truth are laid on one another once for the whole track, where its poses usually have them
+// (usual_body_offset): what the poses are off by frame by frame is APE's to say.
 void compare_surfaces(const fs::path& truth_folder, const fs::path& estimate, const Tracks& truth,
                       const std::map<int, ObjectDescription>& descriptions, double scale,
                       Evaluation& evaluation) {
@@ -96,11 +98,13 @@ void compare_surfaces(const fs::path& truth_folder, const fs::path& estimate, co
     ObjectEvaluation& object = evaluation.objects[g];
     const auto described = descriptions.find(object.id);
     if (described == descriptions.end() || !object.matched_id) continue;
-    object.surface = evaluate_surface(truth_folder, estimate, described->second, object, scale);
+    const auto points = kept_points(estimate, object);
     const auto seen = features.find(*object.matched_id);
-    const auto surface =
-        seen == features.end() ? std::nullopt : true_surface(truth_folder, described->second);
-    if (surface && truth.calibration)
+    if (!points && seen == features.end()) continue;
+    const auto surface = true_surface(truth_folder, described->second);
+    if (!surface) continue;
+    if (points) object.surface = surface_error(*surface, *points, *object.truth_from_body, scale);
+    if (seen != features.end() && truth.calibration)
       object.feature_depth = feature_depth_error(seen->second, *surface, truth.objects[g], truth.camera,
                                                  *truth.calibration, kMaxDifferenceNs);
   }

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "core/sequence/stamps.h"
 #include "evaluation/image_overlap.h"
 #include "evaluation/metrics/surface_distance.h"
 
@@ -43,7 +44,8 @@ std::map<int, std::vector<SightedDepth>> read_features(const fs::path& estimate)
         }
         if (fields.size() != 8)
           throw InputError(file, line, fmt::format("expected 8 columns, found {}", fields.size()));
-        const auto stamp = parse_integer(fields[1]), body = parse_integer(fields[2]);
+        const auto stamp = parse_stamp_of_ns(fields[1]);
+        const auto body = parse_integer(fields[2]);
         const auto u = number_of(file, line, fields[4], kMostPixel),
                    v = number_of(file, line, fields[5], kMostPixel),
                    depth_m = number_of(file, line, fields[6], kMostDepth_m);

@@ -38,16 +38,10 @@ std::optional<SurfaceFile> true_surface(const fs::path& truth, const ObjectDescr
   return surface;
 }
 
-std::optional<SurfaceError> evaluate_surface(const fs::path& truth, const fs::path& estimate,
-                                             const ObjectDescription& description,
-                                             const ObjectEvaluation& object, double scale) {
+std::optional<SurfaceFile> kept_points(const fs::path& estimate, const ObjectEvaluation& object) {
   if (!object.matched_id || !object.truth_from_body) return std::nullopt;
   const fs::path file = surface_file_of(estimate, *object.matched_id);
-  if (!fs::exists(file)) return std::nullopt;
-  const SurfaceFile points = read_surface_ply(file);
-  const auto surface = true_surface(truth, description);
-  if (!surface) return std::nullopt;
-  return surface_error(*surface, points, *object.truth_from_body, scale);
+  return fs::exists(file) ? std::optional(read_surface_ply(file)) : std::nullopt;
 }
 
 }  // namespace uniquadric

@@ -2,9 +2,8 @@
 
 #include <filesystem>
 #include <optional>
-#include <vector>
 
-#include "evaluation/metrics/surface_error.h"
+#include "core/sequence/ply.h"
 #include "evaluation/object_evaluation.h"
 
 namespace uniquadric {
@@ -13,13 +12,8 @@ namespace uniquadric {
 /// nothing of others. Throws InputError for a file that cannot be read or has no faces.
 std::optional<SurfaceFile> true_surface(const std::filesystem::path& truth, const ObjectDescription& object);
 
-/// Compares the points of the matched track (ESTIMATE/objects/ID.ply, in the frame of its states) with the
-/// true surface. Their frames are laid on one another once for the whole track, where its poses usually have
-/// them (usual_body_offset): what the poses are off by frame by frame is APE's to say. `scale` is that of the
-/// world's alignment. Nothing without points, a true surface or a match.
-std::optional<SurfaceError> evaluate_surface(const std::filesystem::path& truth,
-                                             const std::filesystem::path& estimate,
-                                             const ObjectDescription& description,
-                                             const ObjectEvaluation& object, double scale);
+/// The points that the estimate keeps of the matched track (ESTIMATE/objects/ID.ply, in the frame of its
+/// states); nothing without points or a match.
+std::optional<SurfaceFile> kept_points(const std::filesystem::path& estimate, const ObjectEvaluation& object);
 
 }  // namespace uniquadric
