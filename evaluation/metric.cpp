@@ -94,10 +94,6 @@ Answer answer_for(const std::string& kind, const MetricOptions& options) {
   throw InputError(fmt::format("metric '{}' is none of iou3d, iou2d, project, pose", kind));
 }
 
-}  // namespace
-
-namespace {
-
 constexpr std::size_t kMostLineBytes = 1 << 20;  // ours: a line has some hundred
 
 // As std::getline, but of a longer line no more than one byte above the most.

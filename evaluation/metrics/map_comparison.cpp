@@ -90,10 +90,6 @@ struct Walk {
   }
 };
 
-}  // namespace
-
-namespace {
-
 MapComparison compare_trees(const std::filesystem::path& truth,
                             const std::shared_ptr<const octomap::OcTree>& true_tree,
                             const std::filesystem::path& estimate,

@@ -36,43 +36,28 @@ const Target times("times_txt", "times.txt",
 
 const Target omd_vicon("omd_vicon_csv", "vicon.csv", [](const fs::path& file) { read_vicon(file, 0.5); });
 
-void beside_raw(const fs::path& file) {
+void read_raw(const fs::path& file) {
   beside(file, "kalibr.yaml", kKalibr);
   beside(file, "rgbd/rgbd.csv", "0,1,0\n1,2,0\n");
   for (const char* image : {"rgbd/000000_color.png", "rgbd/000000_aligned_depth.png"})
     beside(file, image, "");
+  read_omd_raw(file.parent_path(), {});
 }
-const Target omd_kalibr("omd_kalibr_yaml", "raw/kalibr.yaml", [](const fs::path& file) {
-  beside_raw(file);
-  read_omd_raw(file.parent_path(), {});
-});
-const Target omd_imu("omd_imu_csv", "raw/imu.csv", [](const fs::path& file) {
-  beside_raw(file);
-  read_omd_raw(file.parent_path(), {});
-});
-const Target omd_rgbd("omd_rgbd_csv", "raw/rgbd/rgbd.csv", [](const fs::path& file) {
-  beside_raw(file.parent_path());
-  read_omd_raw(file.parent_path().parent_path(), {});
-});
+const Target omd_kalibr("omd_kalibr_yaml", "raw/kalibr.yaml", read_raw);
+const Target omd_imu("omd_imu_csv", "raw/imu.csv", read_raw);
+const Target omd_rgbd("omd_rgbd_csv", "raw/rgbd/rgbd.csv",
+                      [](const fs::path& file) { read_raw(file.parent_path()); });
 
-void beside_processed(const fs::path& file) {
+void read_processed(const fs::path& file) {
   beside(file, "settings.yaml", kSettings);
   beside(file, "times.txt", "0\n1\n");
   for (const char* image : {"image_0/000000.png", "image_0/000001.png"}) beside(file, image, "");
   beside(file, "pose_gt.txt", "0 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n");
+  read_omd_processed(file.parent_path(), {});
 }
-const Target omd_settings("omd_settings_yaml", "processed/settings.yaml", [](const fs::path& file) {
-  beside_processed(file);
-  read_omd_processed(file.parent_path(), {});
-});
-const Target omd_pose_gt("omd_pose_gt", "processed/pose_gt.txt", [](const fs::path& file) {
-  beside_processed(file);
-  read_omd_processed(file.parent_path(), {});
-});
-const Target omd_object_pose("omd_object_pose", "processed/object_pose.txt", [](const fs::path& file) {
-  beside_processed(file);
-  read_omd_processed(file.parent_path(), {});
-});
+const Target omd_settings("omd_settings_yaml", "processed/settings.yaml", read_processed);
+const Target omd_pose_gt("omd_pose_gt", "processed/pose_gt.txt", read_processed);
+const Target omd_object_pose("omd_object_pose", "processed/object_pose.txt", read_processed);
 
 const Target euroc_camera("euroc_camera_yaml", "cam0/sensor.yaml", [](const fs::path& file) {
   beside(file, "data.csv", "0,a.png\n");
