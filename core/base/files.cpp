@@ -55,8 +55,12 @@ void throw_unwritable(const fs::path& path) {
   throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
 }
 
+fs::path aside_of(const fs::path& path) {
+  return path.string() + ".partial";
+}
+
 void write_text(const fs::path& path, std::string_view text) {
-  const fs::path aside = path.string() + ".partial";
+  const fs::path aside = aside_of(path);
   {
     std::ofstream out(aside, std::ios::binary);
     out.write(text.data(), static_cast<std::streamsize>(text.size()));
@@ -114,6 +118,19 @@ fs::path unused_beside(const fs::path& path) {
 fs::path without_trailing_slash(fs::path path) {
   return path.has_filename() ? path : path.parent_path();
 }
+
+void remove_but_marker(const fs::path& partial) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(partial, ignored))
+    if (entry.path().filename() != kPartialMarker) fs::remove_all(entry.path(), ignored);
+}
+
+// The marker last: what is killed meanwhile leaves a folder that is still known for a partial one.
+void remove_partial(const fs::path& partial) {
+  remove_but_marker(partial);
+  std::error_code ignored;
+  fs::remove_all(partial, ignored);
+}
 }  // namespace
 
 FolderLock::FolderLock(const fs::path& folder, const fs::path& shown)
@@ -143,7 +160,7 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
                                            final_.filename().string()));
   if (!keep_partial_) {
     const FolderLock others(partial_, final_);
-    fs::remove_all(partial_, error);
+    remove_partial(partial_);
   }
   fs::create_directories(partial_, error);
   if (error) throw InputError(final_, fmt::format("cannot be created: {}", error.message()));
@@ -153,14 +170,11 @@ PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partia
 }
 
 PendingFolder::~PendingFolder() {
-  if (committed_ || keep_partial_) return;
-  std::error_code ignored;
-  fs::remove_all(partial_, ignored);
+  if (!committed_ && !keep_partial_) remove_partial(partial_);
 }
 
 void PendingFolder::clear() const {
-  for (const auto& entry : fs::directory_iterator(partial_))
-    if (entry.path().filename() != kPartialMarker) fs::remove_all(entry.path());
+  remove_but_marker(partial_);
 }
 
 // Swapped where the file system can, so that a reader sees the old folder or the new one and what is killed
@@ -169,8 +183,7 @@ bool PendingFolder::swap() const {
   if (fs::is_symlink(final_)) return false;  // the link is replaced; what it points to is left as it is
   std::ofstream(final_ / kPartialMarker).close();
   if (renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, final_.c_str(), RENAME_EXCHANGE) != 0) return false;
-  std::error_code ignored;
-  fs::remove_all(partial_, ignored);
+  remove_partial(partial_);
   return true;
 }
 

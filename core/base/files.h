@@ -14,6 +14,9 @@ std::string read_text(const std::filesystem::path& path);
 /// failed (errno).
 [[noreturn]] void throw_unwritable(const std::filesystem::path& path);
 
+/// Where write_text writes what is to become `path`; stays behind when the process is killed meanwhile.
+std::filesystem::path aside_of(const std::filesystem::path& path);
+
 /// Writes aside and renames, so that the file is never seen half-written; throws std::runtime_error on
 /// failure.
 void write_text(const std::filesystem::path& path, std::string_view text);

@@ -144,12 +144,18 @@ int count_failures(const BenchPlan& plan) {
   return failed;
 }
 
+// One killed in its first moments has written none of its files whole.
+bool holds_results(const fs::path& out) {
+  const fs::path config = out / "bench.yaml";
+  return fs::exists(config) || fs::exists(aside_of(config)) || fs::exists(out / "command.txt");
+}
+
 // Stages and reports overwrite what bears their names.
 void require_results_folder(const fs::path& out, bool force) {
   require_no_dangling_link(out);
   if (!fs::exists(out)) return;
   if (!fs::is_directory(out)) throw InputError(out, "exists and is not a folder");
-  if (force || fs::is_empty(out) || fs::exists(out / "bench.yaml") || fs::exists(out / "command.txt")) return;
+  if (force || fs::is_empty(out) || holds_results(out)) return;
   throw InputError(out, "is not empty and holds no results of bench; give another folder or --force");
 }
 

@@ -25,9 +25,11 @@ TEST_F(Cli, BenchWritesIntoNoForeignFolder) {
   fs::create_symlink(folder() / "nothing", folder() / "link");
   expect_refusal({"bench", bench, folder() / "link"}, "link: is a link to ");
   write("cut_short/bench.yaml", "");  // as one that was ended before its report has it
+  write("begun/bench.yaml.partial", "");
   for (const auto& arguments :
        std::vector<std::vector<std::string>>{{"bench", bench, taken, "--force", "--quiet"},
-                                             {"bench", bench, folder() / "cut_short", "--quiet"}}) {
+                                             {"bench", bench, folder() / "cut_short", "--quiet"},
+                                             {"bench", bench, folder() / "begun", "--quiet"}}) {
     const ProgramRun run = run_program(arguments);
     EXPECT_EQ(run.exit_code, 0) << run.err;
     EXPECT_TRUE(fs::exists(fs::path(arguments[2]) / "report.md"));
