@@ -76,6 +76,16 @@ std::string read_run_config(const fs::path& estimate) {
   return (fs::exists(file) ? to_json(ConfigNode::load(file)) : json()).dump();
 }
 
+std::string scene_of(const fs::path& tracks) {
+  for (const char* name : {"run.yaml", "objects.yaml"}) {
+    const fs::path file = tracks / name;
+    if (!fs::exists(file)) continue;
+    const ConfigNode root = ConfigNode::load(file);
+    return root.is_map() ? root.get<std::string>("scene_hash", "") : "";
+  }
+  return {};
+}
+
 bool camera_was_given(const std::string& run_config_json) {
   const json config = json::parse(run_config_json);
   if (!config.is_object()) return false;

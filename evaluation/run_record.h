@@ -16,6 +16,10 @@ std::map<std::string, std::vector<double>> read_timing(const std::filesystem::pa
 /// strings.
 std::string read_run_config(const std::filesystem::path& estimate);
 
+/// The hash of the scene that a truth (objects.yaml) or an estimate (run.yaml) says it is of; empty where it
+/// does not say: recordings, and what other programs wrote.
+std::string scene_of(const std::filesystem::path& tracks);
+
 /// Whether a run's configuration (read_run_config) says that the estimator was given the camera's poses, so
 /// that its world is the truth's: `variant.ego` is `given`, or has `source: given`.
 bool camera_was_given(const std::string& run_config_json);

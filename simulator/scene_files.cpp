@@ -85,7 +85,7 @@ void write_truth_files(const Scene& scene, std::int64_t frames, const fs::path& 
                       "mesh, object frame, metres");
     descriptions.push_back({body.id, body.name, body.semi_axes_m, body.shape, body.mesh_file, body.symmetry});
   }
-  write_objects_yaml(folder / "objects.yaml", descriptions);
+  write_objects_yaml(folder / "objects.yaml", descriptions, scene.hash);
   write_occupancy_map(folder / "map.bt", scene.world, scene.map_resolution_m);
 }
 

@@ -25,8 +25,10 @@ struct ObjectDescription {
 };
 
 /// truth/objects.yaml. Reading throws InputError with file and line; objects come in order of their ids.
+/// `scene_hash` says what scene they are of; empty: not written (recordings).
 std::vector<ObjectDescription> read_objects_yaml(const std::filesystem::path& path);
-void write_objects_yaml(const std::filesystem::path& path, const std::vector<ObjectDescription>& objects);
+void write_objects_yaml(const std::filesystem::path& path, const std::vector<ObjectDescription>& objects,
+                        const std::string& scene_hash = {});
 
 /// Throw InputError with the node's file and line for a size of an image [px], a focal length [px] or a
 /// coordinate of the principal point [px] that no camera has: it is in another unit.

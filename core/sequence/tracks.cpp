@@ -209,6 +209,7 @@ std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
   if (const int schema = root.get<int>("schema"); schema != kTracksSchema)
     root.at("schema").fail(
         fmt::format("version {} is not supported (this program reads {})", schema, kTracksSchema));
+  root.get<std::string>("scene_hash", "");  // for who compares folders
   std::vector<ObjectDescription> objects;
   std::set<int> ids;
   for (const ConfigNode& node : root.at("objects").items()) {
@@ -235,8 +236,11 @@ std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
   return objects;
 }
 
-void write_objects_yaml(const fs::path& path, const std::vector<ObjectDescription>& objects) {
-  std::string text = fmt::format("schema: {}\nobjects:{}\n", kTracksSchema, objects.empty() ? " []" : "");
+void write_objects_yaml(const fs::path& path, const std::vector<ObjectDescription>& objects,
+                        const std::string& scene_hash) {
+  std::string text = fmt::format("schema: {}\n", kTracksSchema);
+  if (!scene_hash.empty()) text += fmt::format("scene_hash: \"{}\"\n", scene_hash);
+  text += fmt::format("objects:{}\n", objects.empty() ? " []" : "");
   for (const auto& object : objects) {
     const auto& a = object.semi_axes_m;
     text += fmt::format("  - {{id: {}, name: {}, semi_axes_m: [{}, {}, {}], shape: {}, mesh: {}", object.id,

@@ -259,6 +259,31 @@ TEST_F(Evaluate, TimingAndRunAreCarriedOver) {
   EXPECT_EQ(result["timing_ms"]["frame"]["mean"], 4);
 }
 
+// Only what says of both sides that they are of two scenes is refused.
+TEST_F(Evaluate, AnEstimateOfAnotherSceneIsRefused) {
+  write_changed([](Tracks&) {});
+  const auto evaluate_of = [&](const std::string& truth_hash, const std::string& run_yaml) {
+    write_objects_yaml(truth() / "objects.yaml", kObjects, truth_hash);
+    write_text(estimate() / "run.yaml", run_yaml);
+    run();
+  };
+  const std::string message = input_error([&] { evaluate_of("123e4567", "scene_hash: \"123e4568\"\n"); });
+  EXPECT_EQ(message, estimate().string() +
+                         ": is an estimate of another scene: its scene_hash is 123e4568, that of " +
+                         truth().string() + " is 123e4567");
+  EXPECT_FALSE(fs::exists(root_ / "out"));
+  EXPECT_NO_THROW(evaluate_of("123e4567", "scene_hash: \"123e4567\"\n"));
+  EXPECT_NO_THROW(evaluate_of("123e4567", "sequence: other\n"));
+  EXPECT_NO_THROW(evaluate_of("123e4567", "[a, list]\n"));
+  EXPECT_NO_THROW(evaluate_of("", "scene_hash: \"123e4568\"\n"));
+  write_objects_yaml(truth() / "objects.yaml", kObjects, "123e4567");
+  const fs::path other = root_ / "other";
+  fs::copy(truth(), other, fs::copy_options::recursive);
+  EXPECT_NO_THROW(run(truth(), other));  // a truth for an estimate
+  write_objects_yaml(other / "objects.yaml", kObjects, "123e4568");
+  EXPECT_THROW(run(truth(), other), InputError);
+}
+
 TEST(RunRecord, SaysWhetherPosesWereGivenWhateverItHolds) {
   for (const char* given :
        {R"({"variant": {"ego": "given"}})", R"({"variant": {"ego": {"source": "given"}}})"})

@@ -62,6 +62,8 @@ TEST(Simulate, WritesASequenceAndItsTruth) {
   const Tracks truth = read_tracks(temp.path() / "out/truth");
   ASSERT_EQ(truth.objects.size(), 2u);
   EXPECT_EQ(truth.objects[1].id, 300);
+  EXPECT_EQ(ConfigNode::load(temp.path() / "out/truth/objects.yaml").get<std::string>("scene_hash"),
+            scene.hash);
   EXPECT_EQ(truth.objects[1].states[7].ellipsoid.semi_axes_m, scene.objects[1].semi_axes_m);
   EXPECT_EQ(truth.objects[1].states[7].ellipsoid.world_from_object.translation,
             scene.objects[1].motion.at(0.7).translation);
