@@ -32,7 +32,7 @@ double point_spacing(const Shape& shape, const std::vector<PointView>& views) {
 
 // How far an ellipsoid's visible part reaches along an axis, as a share of the semi-axis, in the views that
 // show most of it. A body with more of a box is seen up to its end.
-double rim_share(const Shape& shape, const std::vector<PointView>& views, int axis, int sign) {
+double visible_share(const Shape& shape, const std::vector<PointView>& views, int axis, int sign) {
   std::vector<double> shares;
   for (const PointView& view : views) {
     if (!view.cut.empty()) continue;
@@ -93,7 +93,7 @@ Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double
       ends[side] = reach->views > 0 ? end : std::max(ends[side], end);
       if (reach->views > 0) sigmas[side] = kEndSigma;
       if (reach->is_cut) sigmas[side] = kCutSigma * radius_m;
-      const double seen_share = rim_share(shape, views, axis, side ? -1 : 1);
+      const double seen_share = visible_share(shape, views, axis, side ? -1 : 1);
       if (reach->views == 0 && seen_share > kLeastRim)
         ends[side] = std::min(ends[side], std::max(end, (end + kRimSpacings * spacing) / seen_share));
     }

@@ -20,7 +20,7 @@ struct Seen {
 };
 
 // An end that faces the camera is seen itself, one that does not ends at the outline.
-double rim_share(double towards, const ViewExtentOptions& options) {
+double rim_weight(double towards, const ViewExtentOptions& options) {
   return std::clamp(1 - towards / options.near_cosine, 0.0, 1.0);
 }
 
@@ -37,9 +37,9 @@ Seen seen_by(const PointView& view, const Eigen::Matrix3d& axes, BodyEnds ends,
     const double camera = axis.dot(view.body_from_camera.translation);
     const double away = axis.dot(to_body);
     seen.high_m[k] = camera + mean_of_furthest(*view.points, in_camera, options.top_share) +
-                     rim_share(-away, options) * rim_m;
+                     rim_weight(-away, options) * rim_m;
     seen.low_m[k] = camera - mean_of_furthest(*view.points, -in_camera, options.top_share) -
-                    rim_share(away, options) * rim_m;
+                    rim_weight(away, options) * rim_m;
     seen.away[k] = away;
   }
   return seen;
