@@ -17,8 +17,6 @@ namespace {
 constexpr double kTurnSigma =
     0.3;  // [rad] of the axes before: boxes that agree count, whatever was found last
 constexpr double kAgreeing = 0.025;       // [rad] of what boxes leave open, below which there is no doubt
-constexpr double kHeld = 1e-4;            // [rad]
-constexpr double kTurnGain = 4;           // of the cost, for which an ellipsoid's axes turn
 constexpr double kFreeCenterSigma = 0.1;  // [m] of an ellipsoid that the outlines are to tell
 constexpr double kFreeTurnSigma = 0.1;    // [rad] of the same
 constexpr double kRoundGain = 3;          // of log-likelihood: twenty times as likely
@@ -85,7 +83,7 @@ std::optional<Fit> fit_extents(const ExtentEvidence& evidence, const std::vector
                                            {extents->axes.semi_axes_m, extents->axes.sigma_m}};
   LongWindowOptions options = evidence.long_window;
   const double given_px = options.outline_sigma_px;
-  options.offset_sigmas = {kCenterSigma, kHeld};
+  options.offset_sigmas = {kCenterSigma, kHeldTurn};
   const auto sigma_px = [&](const Shape& shape) {
     if (options.outline_noise == OutlineNoise::given) return given_px;
     return std::max(given_px,
@@ -110,7 +108,7 @@ Shape ellipsoid_of_outlines(const ExtentEvidence& evidence, const Shape& start) 
   options.offset_sigmas = {kFreeCenterSigma, kFreeTurnSigma};
   const ShapeSolution free =
       solve_shape(evidence.camera, evidence.views, {}, {evidence.sphere}, start, options);
-  options.offset_sigmas.rotation_rad = kHeld;
+  options.offset_sigmas.rotation_rad = kHeldTurn;
   const ShapeSolution held =
       solve_shape(evidence.camera, evidence.views, {}, {evidence.sphere}, start, options);
   return held.cost < free.cost + kTurnGain ? held.shape : free.shape;

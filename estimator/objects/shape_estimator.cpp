@@ -17,10 +17,8 @@ constexpr double kSphereDepth = 0.6;    // centre of a sphere behind the median 
 constexpr int kMostAxes = 100;          // single-frame estimates that are fused: bounds memory and time
 constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at least, in radii of the sphere
 constexpr double kClearlyBetter = 0.8;  // share of the cost below which another start is taken
-constexpr double kTurnGain = 4;         // of the cost, for which the axes turn: 8 of chi-square for 3 numbers
 constexpr PoseSigmas kBoxSigmas{0.01, 0.02};  // of the box that most of Alg. 1's agree with
 constexpr int kEnoughSegmented = 3;           // views, without which carried outlines count
-constexpr double kHeld = 1e-4;                // [rad]
 constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
@@ -238,7 +236,7 @@ ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evi
     from.body_from_object = usual_box();
     options.offset_sigmas = kBoxSigmas;
   }
-  if (!turns) options.offset_sigmas.rotation_rad = kHeld;
+  if (!turns) options.offset_sigmas.rotation_rad = kHeldTurn;
   std::vector<StageTime> unasked;
   Stopwatch watch(views_.back().frame, times_ ? *times_ : unasked);
   ShapeSolution solution = solve_shape(camera_, views_, depth, axis_beliefs(box), from, options);

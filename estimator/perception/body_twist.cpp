@@ -168,7 +168,7 @@ void update_by_points(BodyTwist& twist, const std::vector<AgedPoint>& points, co
       off.push_back(std::abs(row->off) / row->sigma);
     }
     if (rows.size() < kLeastRows) return;
-    const double sigma_m = std::max(kLeastSigma_m, 1.4826 * quantile(std::move(off), 0.5));
+    const double sigma_m = std::max(kLeastSigma_m, kMadToSigma * quantile(std::move(off), 0.5));
     Normal normal(before, twist.rate);
     for (Row& row : rows) {
       row.sigma *= sigma_m;

@@ -6,12 +6,13 @@
 #include <cmath>
 #include <cstdint>
 
+#include "estimator/shape/quantile.h"
+
 namespace uniquadric {
 namespace {
 
 constexpr int kMostHalf = 10;  // of a window
 constexpr int kRounds = 3;     // of fit and rejection
-constexpr float kMadToSigma = 1.4826F;
 constexpr double kCutVariance =
     1.03;                       // a normal distribution cut at three sigma has lost this of its variance
 constexpr int kMinSamples = 8;  // three unknowns and a spread that means something
@@ -134,7 +135,7 @@ std::optional<PlaneDepth> robust_plane(Samples& samples, int half, const Eigen::
     if (round == 0) {  // an edge in the window would blow up the mean
       std::copy_n(r.begin(), samples.count, sorted.begin());
       std::nth_element(sorted.begin(), sorted.begin() + samples.count / 2, sorted.begin() + samples.count);
-      sigma = kMadToSigma * sorted[samples.count / 2];
+      sigma = static_cast<float>(kMadToSigma) * sorted[samples.count / 2];
     }
     keep_below(samples, r, std::max(static_cast<float>(options.outlier_sigmas) * sigma, 1e-7F));
   }

@@ -5,10 +5,10 @@
 #include <numeric>
 #include <vector>
 
+#include "estimator/shape/quantile.h"
+
 namespace uniquadric {
 namespace {
-
-constexpr double kMadToSigma = 1.4826;  // of a normal distribution
 
 // One axis of all frames.
 struct Samples {

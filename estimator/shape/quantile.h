@@ -7,6 +7,9 @@
 
 namespace uniquadric {
 
+/// A normal distribution's standard deviation over its median absolute deviation.
+inline constexpr double kMadToSigma = 1.4826;
+
 /// The value at the rank nearest to q (n - 1), halves upwards; at least one value, q in [0, 1].
 inline double quantile(std::vector<double> values, double q) {
   const auto at = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);

@@ -11,7 +11,7 @@ namespace uniquadric {
 namespace {
 
 constexpr int kRounds = 3;
-constexpr double kTrim = 2.5, kMadToSigma = 1.4826, kFurthest = 0.98;
+constexpr double kTrim = 2.5, kFurthest = 0.98;
 constexpr double kTop = 0.9;  // quantile of the facing points: the rest may be of what the body stands on
 constexpr double kLeastOwn = 1e-9;       // share of a column: rounding leaves 1e-15
 constexpr std::ptrdiff_t kLeastTop = 3;  // points that an end is the mean of, at least

@@ -11,9 +11,8 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kMadToSigma = 1.4826;  // of a normal distribution
-constexpr double kFar = 0.3;            // [rad], beyond which a box is another face's
-constexpr double kOneBox = 0.1;         // [rad], scatter of boxes of which there are too few to tell
+constexpr double kFar = 0.3;     // [rad], beyond which a box is another face's
+constexpr double kOneBox = 0.1;  // [rad], scatter of boxes of which there are too few to tell
 
 Eigen::Quaterniond named_as(const Eigen::Quaterniond& box, const Eigen::Quaterniond& reference) {
   const Eigen::Matrix3d R = box.toRotationMatrix();

@@ -107,6 +107,10 @@ struct ShapeSolution {
   double cost = 0;
 };
 
+// Both ours.
+inline constexpr double kHeldTurn = 1e-4;  ///< [rad] rotation sigma of an offset whose axes are to stay
+inline constexpr double kTurnGain = 4;  ///< of the cost, for which axes turn: 8 of chi-square for 3 numbers
+
 /// Solves for the shape from views, depth and priors on the axes, from
 /// `start`.
 ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& views,
