@@ -240,8 +240,10 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   const bool young = keyframes_ < options_.lifecycle.confirm_keyframes;  // each view is needed
   pose.keyframe = stale ? unfound >= enough && sure : young || found->new_face || unfound >= enough;
   if (!pose.keyframe) return pose;
-  if (found->new_face && !strayed_) strayed_ = shape_;
-  come_back(frame, body, pose.world_from_body);
+  if (found->new_face && !strayed_)
+    strayed_ = shape_;
+  else
+    come_back(frame, body, pose.world_from_body);
   pose.sighted = pose.world_from_body;
   short_window_.start(frame, body, pose.world_from_body);
   return pose;
