@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "estimator/shape/even_choice.h"
+
 namespace uniquadric {
 namespace {
 
@@ -69,12 +71,10 @@ void finish(std::vector<BodyState>& states, const TrajectorySmootherOptions& opt
 // Evenly thinned: a bound for what is written.
 SurfaceFile surface_file(const SurfaceModel& model, const Pose& object_from_body) {
   constexpr std::ptrdiff_t kMostPoints = 20'000;  // 0.5 MB; bodies have some thousands
-  const std::ptrdiff_t n = std::min<std::ptrdiff_t>(model.points.cols(), kMostPoints);
   SurfaceFile file;
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const std::ptrdiff_t from = i * model.points.cols() / n;
-    file.points.push_back((object_from_body * model.points.col(from)).cast<float>());
-    file.normals.push_back((object_from_body.rotation * model.normals.col(from)).cast<float>());
+  for (const auto i : even_choice(model.points.cols(), kMostPoints)) {
+    file.points.push_back((object_from_body * model.points.col(i)).cast<float>());
+    file.normals.push_back((object_from_body.rotation * model.normals.col(i)).cast<float>());
   }
   return file;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "estimator/perception/ideal_ray.h"
+
 namespace uniquadric {
 
 void add_keyframe(EgoMap& map, const Camera& camera, Keyframe keyframe) {
@@ -12,9 +14,8 @@ void add_keyframe(EgoMap& map, const Camera& camera, Keyframe keyframe) {
     const auto known = map.points.find(feature.track);
     if (known == map.points.end()) {
       if (!(feature.depth_m > 0)) continue;
-      const Eigen::Vector3d ray((feature.pixel.x() - camera.cx) / camera.fx,
-                                (feature.pixel.y() - camera.cy) / camera.fy, 1);
-      map.points[feature.track] = {world_from_camera * Eigen::Vector3d(feature.depth_m * ray), {index}};
+      const Eigen::Vector3d seen = feature.depth_m * ideal_ray(camera, feature.pixel);
+      map.points[feature.track] = {world_from_camera * seen, {index}};
     } else {
       known->second.keyframes.push_back(index);
     }

@@ -11,6 +11,7 @@
 
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/pose_prior.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -23,8 +24,7 @@ double median_error_px(const std::vector<PointSighting>& sightings, const Camera
   for (const auto& s : sightings)
     if (const auto pixel = camera.project(pose * s.point)) errors.push_back((*pixel - s.pixel).norm());
   if (errors.empty()) return 0;
-  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
-  return errors[errors.size() / 2];
+  return upper_median(std::move(errors));
 }
 
 }  // namespace

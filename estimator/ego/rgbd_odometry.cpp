@@ -7,6 +7,7 @@
 
 #include "core/base/seconds.h"
 #include "estimator/ego/ego_map.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -18,8 +19,7 @@ double median_depth(const std::vector<Feature>& features) {
   for (const Feature& feature : features)
     if (feature.depth_m > 0) depths.push_back(feature.depth_m);
   if (depths.empty()) return 1;
-  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
-  return depths[depths.size() / 2];
+  return upper_median(std::move(depths));
 }
 
 // A frame's place: known at once, mended by what becomes of its keyframe and of the points it saw.

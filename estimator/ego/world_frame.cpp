@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "estimator/perception/support_planes.h"
+#include "estimator/shape/depth_point.h"
 
 namespace uniquadric {
 namespace {
@@ -21,7 +22,7 @@ std::vector<Eigen::Vector3d> points_of(const cv::Mat& depth, const cv::Mat& mask
       const float z = depth.at<float>(v, u);
       if (!(z > 0) || z > options.max_range_m || (!masks.empty() && masks.at<std::uint16_t>(v, u) != 0))
         continue;
-      if (const auto ray = camera.unproject(Eigen::Vector2d(u, v))) points.push_back(double(z) * *ray);
+      if (const auto point = depth_point(depth, camera, u, v)) points.push_back(*point);
     }
   return points;
 }

@@ -20,8 +20,7 @@ class PoseManifold final : public ceres::Manifold {
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
     const Pose pose = pose_from_block(x);
     const Eigen::Map<const Vector6d> d(delta);
-    const Pose moved = pose * Pose{exp_so3(d.tail<3>()), d.head<3>()};
-    const PoseBlock block = pose_block({moved.rotation.normalized(), moved.translation});
+    const PoseBlock block = pose_block(perturbed(pose, d));
     std::copy(block.begin(), block.end(), x_plus_delta);
     return true;
   }

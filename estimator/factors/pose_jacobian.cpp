@@ -23,6 +23,12 @@ LogCoefficient log_coefficient(double angle) {
 
 }  // namespace
 
+Pose perturbed(const Pose& pose, const Vector6d& rho_phi) {
+  Pose result = pose * Pose{exp_so3(rho_phi.tail<3>()), rho_phi.head<3>()};
+  result.rotation.normalize();
+  return result;
+}
+
 Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;

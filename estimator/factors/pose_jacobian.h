@@ -10,6 +10,9 @@ namespace uniquadric {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+/// T * (Exp(phi), rho), its rotation normalised.
+Pose perturbed(const Pose& pose, const Vector6d& rho_phi);
+
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 
 /// Right Jacobian of SO(3): Exp(phi + d) = Exp(phi) Exp(J d) to first order, and its inverse.

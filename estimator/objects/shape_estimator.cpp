@@ -9,6 +9,7 @@
 #include "estimator/objects/seen_extents.h"
 #include "estimator/objects/shape_by_extents.h"
 #include "estimator/objects/unseen_ends.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -22,9 +23,7 @@ constexpr int kEnoughSegmented = 3;           // views, without which carried ou
 constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
-  std::vector<double> z(points.row(2).begin(), points.row(2).end());
-  std::nth_element(z.begin(), z.begin() + std::ssize(z) / 2, z.end());
-  return z[z.size() / 2];
+  return upper_median(std::vector<double>(points.row(2).begin(), points.row(2).end()));
 }
 
 bool fuses(AxisPrior prior) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "estimator/shape/even_choice.h"
 #include "estimator/shape/to_matrix.h"
 
 namespace uniquadric {
@@ -42,10 +43,7 @@ Eigen::Matrix3Xd SurfaceCloud::sample() const {
   std::vector<Eigen::Vector3d> means;
   for (const auto& [cell, voxel] : voxels_)
     if (voxel.hits >= options_.min_hits) means.push_back(voxel.sum / voxel.hits);
-  const std::ptrdiff_t n = std::min<std::ptrdiff_t>(std::ssize(means), options_.max_points);
-  Eigen::Matrix3Xd points(3, n);
-  for (std::ptrdiff_t i = 0; i < n; ++i) points.col(i) = means[i * std::ssize(means) / n];
-  return points;
+  return to_matrix(means)(Eigen::all, even_choice(std::ssize(means), options_.max_points));
 }
 
 SurfaceModel SurfaceCloud::model() const {

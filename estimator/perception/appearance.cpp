@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "estimator/shape/quantile.h"
+
 namespace uniquadric {
 namespace {
 
@@ -40,9 +42,7 @@ std::optional<double> median_depth_under(const cv::Mat& mask, const cv::Mat& dep
     for (int u = 0; u < mask.cols; ++u)
       if (mask.at<unsigned char>(v, u) && depth.at<float>(v, u) > 0) values.push_back(depth.at<float>(v, u));
   if (values.empty()) return std::nullopt;
-  const auto half = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
+  return upper_median(std::move(values));
 }
 
 }  // namespace

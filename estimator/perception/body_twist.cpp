@@ -6,7 +6,9 @@
 #include <cmath>
 #include <optional>
 
+#include "estimator/perception/ideal_ray.h"
 #include "estimator/perception/pixel_grid.h"
+#include "estimator/shape/even_choice.h"
 #include "estimator/shape/quantile.h"
 
 namespace uniquadric {
@@ -67,9 +69,8 @@ struct Placed {
 Placed place(const BodyTwist& twist, const std::vector<AgedPoint>& points, const Pose& camera_from_world,
              const Camera& camera, int most) {
   Placed placed;
-  const auto n = std::min<std::ptrdiff_t>(std::ssize(points), most);
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const AgedPoint& point = points[static_cast<std::size_t>(i * std::ssize(points) / n)];
+  for (const auto i : even_choice(std::ssize(points), most)) {
+    const AgedPoint& point = points[static_cast<std::size_t>(i)];
     const Eigen::Vector3d now = moved_over(twist, point.age_s) * point.world;
     const Eigen::Vector3d in_camera = camera_from_world * now;
     const auto pixel = camera.project(in_camera);
@@ -105,8 +106,8 @@ std::optional<Row> row_of(const BodyTwist& twist, const Placed& placed, std::siz
   normal.computeInverseWithCheck(inverse, invertible, 1e-15);
   if (kept.size() < kLeastNeighbours || !invertible) return std::nullopt;
   const Eigen::Vector3d plane = inverse * right;
-  const double x = (here.pixel.x() - camera.cx) / camera.fx, y = (here.pixel.y() - camera.cy) / camera.fy;
-  const Eigen::Vector3d across(plane[1], plane[2], plane[0] - plane[1] * x - plane[2] * y);
+  const Eigen::Vector3d ray = ideal_ray(camera, here.pixel);
+  const Eigen::Vector3d across(plane[1], plane[2], plane[0] - plane[1] * ray.x() - plane[2] * ray.y());
   const double z = 1 / here.inverse_depth, scale = 1 / across.norm();
   const Eigen::Vector3d to = camera_from_world.rotation.conjugate() * (across * scale);
   Row result{moved_by_rate(twist, placed.world[i], placed.age_s[i]).transpose() * to,

@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "estimator/shape/depth_point.h"
+
 namespace uniquadric {
 namespace {
 
@@ -18,11 +20,8 @@ std::vector<Eigen::Vector3d> some_points(const cv::Mat& depth, const Camera& cam
       std::max(1, static_cast<int>(std::sqrt(static_cast<double>(depth.total()) / kPlanePoints)));
   std::vector<Eigen::Vector3d> points;
   for (int v = step / 2; v < depth.rows; v += step)
-    for (int u = step / 2; u < depth.cols; u += step) {
-      const double z = depth.at<float>(v, u);
-      if (!(z > 0)) continue;
-      if (const auto ray = camera.unproject({u, v})) points.push_back(z * *ray);
-    }
+    for (int u = step / 2; u < depth.cols; u += step)
+      if (const auto point = depth_point(depth, camera, u, v)) points.push_back(*point);
   return points;
 }
 
@@ -38,10 +37,8 @@ cv::Mat clear_of_planes(const cv::Mat& depth, const Camera& camera, const std::v
   cv::Mat clear = cv::Mat::zeros(depth.size(), CV_8UC1);
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {
-      const double z = depth.at<float>(v, u);
-      if (!(z > 0)) continue;
-      const auto ray = camera.unproject({u, v});
-      if (ray && !is_on_a_plane(z * *ray, planes, options.plane_threshold_m))
+      const auto point = depth_point(depth, camera, u, v);
+      if (point && !is_on_a_plane(*point, planes, options.plane_threshold_m))
         clear.at<unsigned char>(v, u) = 255;
     }
   return clear;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "estimator/perception/outline.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -36,9 +37,7 @@ float depth_change(const cv::Mat& mask, const cv::Mat& now, const cv::Mat& befor
         changes.push_back(z - z_before);
     }
   if (changes.empty()) return 0;
-  const auto half = changes.begin() + std::ssize(changes) / 2;
-  std::nth_element(changes.begin(), half, changes.end());
-  return *half;
+  return upper_median(std::move(changes));
 }
 
 // Depth where the pixels under a mask come from; 0 elsewhere and where it is not measured.

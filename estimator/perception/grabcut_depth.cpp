@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "estimator/perception/support_planes.h"
+#include "estimator/shape/depth_point.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -35,17 +37,7 @@ std::optional<double> median_depth(const cv::Mat& depth, const BoxPrompt& box) {
     for (int u = middle.x; u < middle.br().x; ++u)
       if (depth.at<float>(v, u) > 0) values.push_back(depth.at<float>(v, u));
   if (values.empty()) return std::nullopt;
-  const auto half = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
-}
-
-std::optional<Eigen::Vector3d> point_at(const cv::Mat& depth, const Camera& camera, int u, int v) {
-  const double z = depth.at<float>(v, u);
-  if (!(z > 0)) return std::nullopt;
-  const auto ray = camera.unproject({u, v});
-  if (!ray) return std::nullopt;
-  return z * *ray;
+  return upper_median(std::move(values));
 }
 
 std::vector<Plane> planes_of_ring(const cv::Mat& depth, const Camera& camera, const cv::Rect& outer,
@@ -55,7 +47,7 @@ std::vector<Plane> planes_of_ring(const cv::Mat& depth, const Camera& camera, co
   for (int v = outer.y; v < outer.br().y; ++v)
     for (int u = outer.x; u < outer.br().x; ++u)
       if (!inner.contains({u, v}))
-        if (const auto p = point_at(depth, camera, u, v)) points.push_back(*p);
+        if (const auto p = depth_point(depth, camera, u, v)) points.push_back(*p);
   const std::size_t step = points.size() / kRingPoints + 1;
   std::vector<Eigen::Vector3d> some;
   for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
@@ -68,7 +60,7 @@ cv::Mat excluded_by_depth(const cv::Mat& depth, const Camera& camera, const cv::
   cv::Mat excluded = cv::Mat::zeros(depth.size(), CV_8UC1);
   for (int v = inner.y; v < inner.br().y; ++v)
     for (int u = inner.x; u < inner.br().x; ++u) {
-      const auto p = point_at(depth, camera, u, v);
+      const auto p = depth_point(depth, camera, u, v);
       if (!p) continue;
       const auto on = [&](const Plane& plane) { return plane.distance(*p) < options.plane_threshold_m; };
       if (std::abs(p->z() - median_m) > reach_m || std::any_of(planes.begin(), planes.end(), on))

@@ -8,6 +8,7 @@
 
 #include "estimator/perception/outline.h"
 #include "estimator/perception/rigid_motion.h"
+#include "estimator/shape/depth_point.h"
 
 namespace uniquadric {
 namespace {
@@ -27,9 +28,10 @@ std::optional<MovedPixel> moved_pixel(const cv::Point& pixel, const RgbdImage& n
   if (!(z > 0) || !cv::Rect({0, 0}, before.depth.size()).contains(from)) return std::nullopt;
   const double z_before = before.depth.at<float>(from);
   if (!(z_before > 0)) return std::nullopt;
-  const auto ray = camera.unproject({pixel.x, pixel.y});
+  const auto point = depth_point(now.depth, camera, pixel.x, pixel.y);
+  if (!point) return std::nullopt;
   constexpr double kDepthNoise = 0.01;  // relative, of a difference of two measurements
-  return MovedPixel{pixel, {z * *ray, {origin[0], origin[1]}, z_before, kDepthNoise * z}};
+  return MovedPixel{pixel, {*point, {origin[0], origin[1]}, z_before, kDepthNoise * z}};
 }
 
 double error_px(const MovedPixel& moved, const Camera& camera, const Pose& motion) {

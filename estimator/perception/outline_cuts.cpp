@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "estimator/shape/quantile.h"
+
 namespace uniquadric {
 namespace {
 
@@ -38,9 +40,7 @@ double depth_inside(const OutlineSurroundings& around, const Eigen::Vector2d& pi
     if (const double z = depth_at(around.depth, *p); z > 0) values.push_back(z);
   }
   if (values.empty()) return 0;
-  const auto half = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
+  return upper_median(std::move(values));
 }
 
 }  // namespace

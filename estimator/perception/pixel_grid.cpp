@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "estimator/shape/even_choice.h"
+
 namespace uniquadric {
 namespace {
 
@@ -15,8 +17,10 @@ std::int64_t key(const Eigen::Vector2i& square) {
 
 void thin_out(std::vector<std::size_t>& members, std::size_t most) {
   if (members.size() <= most) return;
-  for (std::size_t i = 0; i < most; ++i) members[i] = members[i * members.size() / most];
-  members.resize(most);
+  std::size_t kept = 0;
+  for (const auto i : even_choice(std::ssize(members), static_cast<std::ptrdiff_t>(most)))
+    members[kept++] = members[static_cast<std::size_t>(i)];
+  members.resize(kept);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "estimator/perception/pixel_grid.h"
 #include "estimator/perception/surface_descriptor.h"
+#include "estimator/shape/even_choice.h"
 
 namespace uniquadric {
 namespace {
@@ -168,11 +169,11 @@ void fill_depth(const std::vector<PointPlane>& planes, int label, const cv::Mat&
 }
 
 SurfacePoints surface_points(const std::vector<PointPlane>& planes, const Camera& camera, int most) {
-  const auto n = std::min<std::ptrdiff_t>(std::ssize(planes), most);
-  SurfacePoints result{Eigen::Matrix3Xd(3, n), Eigen::Matrix3Xd(3, n)};
+  const auto chosen = even_choice(std::ssize(planes), most);
+  SurfacePoints result{Eigen::Matrix3Xd(3, std::ssize(chosen)), Eigen::Matrix3Xd(3, std::ssize(chosen))};
   std::ptrdiff_t count = 0;
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const PointPlane& plane = planes[static_cast<std::size_t>(i * std::ssize(planes) / n)];
+  for (const auto i : chosen) {
+    const PointPlane& plane = planes[static_cast<std::size_t>(i)];
     const auto ray = camera.unproject(plane.pixel);
     if (!ray) continue;
     const Eigen::Vector2d undistorted = (camera.matrix() * *ray).head<2>();

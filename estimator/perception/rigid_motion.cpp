@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/perception/ideal_ray.h"
+
 namespace uniquadric {
 namespace {
 
@@ -14,11 +16,6 @@ constexpr int kFinalSteps = 10;
 constexpr double kCauchySigmas = 2;       // where a residual's weight halves
 constexpr double kPriorGates = 4;         // a prior is judged this much more leniently before it is refined
 constexpr double kMinBaseline_m2 = 1e-6;  // twice the area of a triangle of points worth a hypothesis
-
-Eigen::Vector3d seen_at(const PointSighting& s, const Camera& camera) {
-  return s.depth_m *
-         Eigen::Vector3d((s.pixel.x() - camera.cx) / camera.fx, (s.pixel.y() - camera.cy) / camera.fy, 1);
-}
 
 bool is_inlier(const PointSighting& s, const Camera& camera, const Pose& pose,
                const RigidMotionOptions& options) {
@@ -74,7 +71,7 @@ std::optional<Pose> through_three(const std::array<PointSighting, 3>& s, const C
   Eigen::Matrix3d body, seen;
   for (int i = 0; i < 3; ++i) {
     body.col(i) = s[i].point;
-    seen.col(i) = seen_at(s[i], camera);
+    seen.col(i) = s[i].depth_m * ideal_ray(camera, s[i].pixel);
   }
   const Eigen::Vector3d a = body.col(1) - body.col(0), b = body.col(2) - body.col(0);
   if (a.cross(b).norm() < kMinBaseline_m2) return std::nullopt;

@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <utility>
 
+#include "estimator/perception/ideal_ray.h"
+
 namespace uniquadric {
 namespace {
 
@@ -41,8 +43,7 @@ std::optional<Pose> predicted_pose(const TrackedBody& body, std::int64_t step_ns
 
 SeenPoint seen_point(const Camera& camera, const PointTrack& track, double pixel_sigma) {
   const double z = track.depth->depth_m;
-  const Eigen::Vector3d ray((track.undistorted.x() - camera.cx) / camera.fx,
-                            (track.undistorted.y() - camera.cy) / camera.fy, 1);
+  const Eigen::Vector3d ray = ideal_ray(camera, track.undistorted);
   Eigen::Matrix3d J = Eigen::Matrix3d::Zero();  // by pixel x, y in sigmas, then depth in sigmas
   J(0, 0) = z / camera.fx * pixel_sigma;
   J(1, 1) = z / camera.fy * pixel_sigma;

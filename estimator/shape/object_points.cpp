@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "estimator/shape/depth_point.h"
+#include "estimator/shape/even_choice.h"
 #include "estimator/shape/to_matrix.h"
 
 namespace uniquadric {
@@ -39,16 +41,13 @@ std::vector<Eigen::Vector3d> deproject(const cv::Mat& depth, const cv::Mat& mask
       const double z = depth.at<float>(v, u);
       if (mask.at<unsigned char>(v, u) == 0 || !(z > 0 && z < options.max_depth_m)) continue;
       if (is_at_edge(depth, u, v, options.edge_ratio)) continue;
-      if (const auto ray = camera.unproject({u, v})) points.emplace_back(z * *ray);
+      if (const auto point = depth_point(depth, camera, u, v)) points.push_back(*point);
     }
   return points;
 }
 
 Eigen::Matrix3Xd capped(const Eigen::Matrix3Xd& points, Eigen::Index most) {
-  if (points.cols() <= most) return points;
-  Eigen::Matrix3Xd result(3, most);
-  for (Eigen::Index i = 0; i < most; ++i) result.col(i) = points.col(i * points.cols() / most);
-  return result;
+  return points(Eigen::all, even_choice(points.cols(), most));
 }
 
 }  // namespace

@@ -17,4 +17,12 @@ inline double quantile(std::vector<double> values, double q) {
   return values[static_cast<std::size_t>(at)];
 }
 
+/// The middle value, of two the larger; at least one value.
+template <typename T>
+T upper_median(std::vector<T> values) {
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 }  // namespace uniquadric

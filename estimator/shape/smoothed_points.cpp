@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "estimator/shape/even_choice.h"
 #include "estimator/shape/object_points.h"
 
 namespace uniquadric {
@@ -143,11 +144,11 @@ SurfacePoints smoothed_points(const cv::Mat& depth, const cv::Mat& mask, const C
   drop_slivers(inverse_depth, options.edge_ratio);
   std::vector<cv::Point> pixels;
   cv::findNonZero(inverse_depth > 0, pixels);
-  const Eigen::Index most = std::min<Eigen::Index>(std::ssize(pixels), options.max_points);
-  SurfacePoints result{Eigen::Matrix3Xd(3, most), Eigen::Matrix3Xd(3, most)};
+  const auto chosen = even_choice(std::ssize(pixels), options.max_points);
+  SurfacePoints result{Eigen::Matrix3Xd(3, std::ssize(chosen)), Eigen::Matrix3Xd(3, std::ssize(chosen))};
   Eigen::Index count = 0;
-  for (Eigen::Index i = 0; i < most; ++i) {
-    const cv::Point pixel = pixels[i * std::ssize(pixels) / most];
+  for (const auto i : chosen) {
+    const cv::Point pixel = pixels[i];
     const auto plane = surface_at({inverse_depth, pixel.x, pixel.y, options.smooth_px}, options.edge_ratio);
     const auto ray = camera.unproject({pixel.x, pixel.y});
     if (!plane || !ray) continue;

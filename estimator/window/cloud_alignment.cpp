@@ -8,6 +8,9 @@
 #include <limits>
 #include <vector>
 
+#include "estimator/shape/even_choice.h"
+#include "estimator/window/normal_equations.h"
+
 namespace uniquadric {
 namespace {
 
@@ -43,9 +46,7 @@ struct SeenPoint {
 std::vector<SeenPoint> evenly_drawn(const BodyObservation& body, int most) {
   std::vector<SeenPoint> result;
   if (body.normals.cols() == 0) return result;
-  const Eigen::Index n = std::min<Eigen::Index>(body.points.cols(), most);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Index k = i * body.points.cols() / n;
+  for (const auto k : even_choice(body.points.cols(), most)) {
     result.push_back({body.points.col(k), body.normals.col(k)});
     if (body.colors.cols() > 0) result.back().color = body.colors.col(k);
   }
@@ -56,9 +57,7 @@ double cauchy_loss(double residual) {
   return 2 * std::log1p(residual * residual / 4);
 }
 
-struct NormalEquations {
-  Matrix6d information = Matrix6d::Zero();
-  Vector6d gradient = Vector6d::Zero();
+struct CauchyEquations : NormalEquations {
   double cost = 0;
 
   void add(const Vector6d& row, double residual) {
@@ -100,7 +99,7 @@ class Aligner {
   double distance_at(const Pose& pose) const {
     Fit fit;
     fit.pose = pose;
-    NormalEquations equations;
+    CauchyEquations equations;
     add_points(fit, options_.far_m, equations);
     return fit.distance_m;
   }
@@ -112,7 +111,7 @@ class Aligner {
       const double share = static_cast<double>(i) / (kIterations - 1);
       const double reach_m =
           options_.far_m * std::pow(options_.near_m / options_.far_m, std::min(1.0, 1.5 * share));
-      NormalEquations equations;
+      CauchyEquations equations;
       add_points(fit, reach_m, equations);
       if (!add_outline(fit, equations)) return {};
       const double prior = add_prior(fit.pose, equations);
@@ -120,8 +119,7 @@ class Aligner {
       fit.information = equations.information;
       const Vector6d step = -equations.information.ldlt().solve(equations.gradient);
       if (!step.allFinite()) return {};
-      fit.pose.translation += fit.pose.rotation * step.head<3>();
-      fit.pose.rotation = (fit.pose.rotation * exp_so3(step.tail<3>())).normalized();
+      fit.pose = perturbed(fit.pose, step);
       if (fit.pose.translation.z() < kMinDepth) return {};
       if (2 * i > kIterations && step.norm() < kConverged) break;
     }
@@ -166,7 +164,7 @@ class Aligner {
     return std::nullopt;
   }
 
-  void add_points(Fit& fit, double reach_m, NormalEquations& equations) const {
+  void add_points(Fit& fit, double reach_m, CauchyEquations& equations) const {
     const Pose body_from_camera = fit.pose.inverse();
     int matched = 0;
     double sum = 0;
@@ -188,7 +186,7 @@ class Aligner {
   }
 
   // Whether all of the body is in front of the camera: else it has no outline.
-  bool add_outline(Fit& fit, NormalEquations& equations) const {
+  bool add_outline(Fit& fit, CauchyEquations& equations) const {
     const Eigen::Matrix3Xd in_camera =
         (fit.pose.rotation.toRotationMatrix() * ends_).colwise() + fit.pose.translation;
     if (in_camera.row(2).minCoeff() < kMinDepth) return false;
@@ -223,7 +221,7 @@ class Aligner {
     return true;
   }
 
-  double add_prior(const Pose& pose, NormalEquations& equations) const {
+  double add_prior(const Pose& pose, CauchyEquations& equations) const {
     const Eigen::Matrix3d R = pose.rotation.toRotationMatrix();
     const Eigen::Vector3d turn = log_so3(predicted_.rotation.conjugate() * pose.rotation);
     const Eigen::Vector3d shift = R.transpose() * (pose.translation - predicted_.translation);

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/perception/ideal_ray.h"
+#include "estimator/window/normal_equations.h"
+
 namespace uniquadric {
 namespace {
 
@@ -12,18 +15,6 @@ constexpr double kConvergedStep = 1e-7;  // [m], [rad]
 constexpr double kMinDepth = 1e-3;       // [m]; nearer points have no usable projection
 constexpr double kLeastRcond = 1e-10;    // of the normal equations; below, some motion is free
 constexpr double kMinTriangle = 1e-2;    // sine of the angle of three points that give a candidate
-
-Pose perturbed(const Pose& pose, const Vector6d& step) {
-  Pose result;
-  result.rotation = (pose.rotation * exp_so3(step.tail<3>())).normalized();
-  result.translation = pose.translation + pose.rotation * step.head<3>();
-  return result;
-}
-
-struct NormalEquations {
-  Matrix6d information = Matrix6d::Zero();
-  Vector6d gradient = Vector6d::Zero();
-};
 
 // Geman-McClure weights: a wrong track has no pull at all, however wrong it is.
 NormalEquations accumulate(const Camera& camera, const std::vector<LandmarkSighting>& sightings,
@@ -53,8 +44,7 @@ std::optional<Pose> umeyama(const std::vector<LandmarkSighting>& sightings, cons
   for (int i = 0; i < 3; ++i) {
     const LandmarkSighting& s = sightings[picks[i]];
     body.col(i) = s.point_in_body;
-    seen.col(i) = s.depth_m * Eigen::Vector3d((s.pixel.x() - camera.cx) / camera.fx,
-                                              (s.pixel.y() - camera.cy) / camera.fy, 1);
+    seen.col(i) = s.depth_m * ideal_ray(camera, s.pixel);
   }
   const Eigen::Vector3d a = body.col(1) - body.col(0), b = body.col(2) - body.col(0);
   if (a.cross(b).norm() < kMinTriangle * a.norm() * b.norm()) return std::nullopt;

@@ -11,6 +11,7 @@
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/pose_prior.h"
 #include "estimator/factors/reprojection.h"
+#include "estimator/perception/ideal_ray.h"
 
 namespace uniquadric {
 namespace {
@@ -20,11 +21,6 @@ constexpr int kMaxMisses = 3;            // keyframes in a row in which a landma
 constexpr double kLeastSigma = 5e-4;     // [m] of a landmark, however often it was seen
 constexpr double kMinPriorTrace = 1e-6;  // [1/m^2]; less information is none
 constexpr int kMaxIterations = 8;        // of the window's solver: it starts at tracked poses
-
-Eigen::Vector3d back_project(const Camera& camera, const Feature& feature) {
-  return feature.depth_m * Eigen::Vector3d((feature.pixel.x() - camera.cx) / camera.fx,
-                                           (feature.pixel.y() - camera.cy) / camera.fy, 1);
-}
 
 LandmarkSighting sighting_of(const Feature& feature, const BodyPoint& landmark) {
   return {landmark.position, landmark.sigma_m, feature.pixel, feature.depth_m, feature.depth_sigma_m};
@@ -142,7 +138,8 @@ void ShortWindow::add_keyframe(const PerceivedFrame& frame, std::vector<Feature>
   for (const Feature& feature : features) {
     if (landmarks_.contains(feature.track)) continue;
     BodyPoint landmark;
-    landmark.position = body_from_camera * back_project(camera_, feature);
+    landmark.position =
+        body_from_camera * Eigen::Vector3d(feature.depth_m * ideal_ray(camera_, feature.pixel));
     landmark.sigma_m = feature.depth_sigma_m;
     landmark.last_frame = frame.frame;
     landmarks_.emplace(feature.track, landmark);

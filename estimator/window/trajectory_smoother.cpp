@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/shape/quantile.h"
+
 namespace uniquadric {
 namespace {
 
@@ -221,9 +223,7 @@ double usual_step_ns(const std::vector<PoseSample>& samples) {
   std::vector<std::int64_t> steps;
   for (std::size_t k = 1; k < samples.size(); ++k)
     steps.push_back(samples[k].stamp_ns - samples[k - 1].stamp_ns);
-  const auto middle = steps.begin() + std::ssize(steps) / 2;
-  std::nth_element(steps.begin(), middle, steps.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(upper_median(std::move(steps)));
 }
 
 Chain linearise(const std::vector<PoseSample>& samples, const std::vector<Pose>& nominal, Part part,
