@@ -157,7 +157,8 @@ TEST(Robustness, StampsThatStandTwiceAreRefused) {
   EXPECT_FALSE(fs::exists(temp.path() / "out"));
 }
 
-// While it is away the body is occluded or lost, and when it is back it is the same one.
+// While it is away the body is occluded or lost, and when it is back it is the same one, where it is and as
+// large as it is. It is flat, and depth leaves open how thick it is.
 TEST(Robustness, ABodyThatLeavesAndReturnsIsTheSameAndNeverActiveMeanwhile) {
   Sprite visitor = kRed;
   visitor.corner_px = [](std::int64_t n) {  // out at the right by frame 40, in again from 70
@@ -176,7 +177,19 @@ TEST(Robustness, ABodyThatLeavesAndReturnsIsTheSameAndNeverActiveMeanwhile) {
       EXPECT_FALSE(is_active) << state.frame;
       ++away;
     }
-    if (state.frame >= 100) after += is_active;
+    if (state.frame < 100) continue;
+    after += is_active;
+    const Eigen::Vector2d across_px(visitor.size.width - 1, visitor.size.height - 1);
+    const auto ray = drawn_camera().unproject(visitor.corner_px(state.frame) + across_px / 2);
+    const Eigen::Vector3d off = state.ellipsoid.world_from_object.translation - visitor.depth_m * ray.value();
+    EXPECT_LT(off.head<2>().norm(), 0.005) << state.frame;  // m: two thirds of a pixel
+    EXPECT_LT(std::abs(off.z()), 0.03) << state.frame;
+    const Eigen::Quaterniond turn = state.ellipsoid.world_from_object.rotation;
+    EXPECT_GT(std::abs((turn * Eigen::Vector3d::UnitZ()).z()), std::cos(0.02)) << state.frame;
+    EXPECT_GT(std::abs((turn * Eigen::Vector3d::UnitX()).x()), std::cos(0.02)) << state.frame;
+    const Eigen::Vector2d expected_m = across_px / 2 * visitor.depth_m / drawn_camera().fx;
+    EXPECT_NEAR(state.ellipsoid.semi_axes_m.x(), expected_m.x(), 0.008) << state.frame;  // m: a pixel
+    EXPECT_NEAR(state.ellipsoid.semi_axes_m.y(), expected_m.y(), 0.008) << state.frame;
   }
   EXPECT_GE(before, 15);
   EXPECT_GE(away, 20);
