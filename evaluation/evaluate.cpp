@@ -10,6 +10,7 @@
 #include "evaluation/evaluation_files.h"
 #include "evaluation/object_surface.h"
 #include "evaluation/run_record.h"
+#include "evaluation/stamp_check.h"
 
 namespace uniquadric {
 namespace {
@@ -164,6 +165,11 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   write_text(pending.path() / "frames.csv", frames_csv(evaluation.objects));
   write_text(pending.path() / "poses.csv", poses_csv(truth, estimate, evaluation));
   pending.commit();
+  // an estimate of this program numbers its frames as its sequence does, which may be scans
+  const bool same_frames = !scene_of(truth_path).empty() && scene_of(estimate_folder).empty();
+  for (const std::string& fault :
+       stamp_faults(estimate_folder, truth, original, kMaxDifferenceNs, same_frames))
+    fmt::print(stderr, "warning: {}\n", fault);
 }
 
 }  // namespace uniquadric

@@ -125,6 +125,17 @@ ObjectState parse_state(const fs::path& path, int line, const std::vector<std::s
   return state;
 }
 
+// A trajectory without a row would be left out unseen; an empty one has none.
+void refuse_unlisted(const fs::path& folder, const std::map<int, ObjectTrack>& tracks) {
+  if (!fs::is_directory(folder / "objects")) return;
+  std::set<fs::path> unlisted;
+  for (const auto& entry : fs::directory_iterator(folder / "objects"))
+    if (entry.path().extension() == ".tum") unlisted.insert(entry.path());
+  for (const auto& [id, track] : tracks) unlisted.erase(trajectory_file(folder, id));
+  for (const fs::path& file : unlisted)
+    if (!read_tum(file).empty()) throw InputError(file, "objects.csv has no row of this object");
+}
+
 std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
   const fs::path file = folder / "objects.csv";
   const std::string header_before(kStateHeader, std::strlen(kStateHeader) - std::strlen(kMotionColumn));
@@ -173,6 +184,7 @@ std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
     }
     result.push_back(std::move(track));
   }
+  refuse_unlisted(folder, tracks);
   return result;
 }
 

@@ -137,6 +137,13 @@ TEST(Tracks, BadFoldersAreRefusedByFileAndLine) {
   EXPECT_EQ(message("\n1,100,3", "\n0,100,3"), ":3: frame 0 of object 3 does not come after 0");
   EXPECT_EQ(message("frame,", "fraem,").substr(0, 22), ":1: expected the heade");
   write_text(csv, good);
+  write_text(temp.path() / "objects/9.tum", "");
+  EXPECT_NO_THROW(read_tracks(temp.path()));  // nothing of it is left out
+  fs::copy_file(temp.path() / "objects/7.tum", temp.path() / "objects/9.tum",
+                fs::copy_options::overwrite_existing);
+  EXPECT_EQ(input_error([&] { read_tracks(temp.path()); }),
+            (temp.path() / "objects/9.tum").string() + ": objects.csv has no row of this object");
+  fs::remove(temp.path() / "objects/9.tum");
   fs::remove(temp.path() / "objects/7.tum");
   EXPECT_NE(input_error([&] { read_tracks(temp.path()); }).find("7.tum: cannot be read"), std::string::npos);
   fs::remove(csv);

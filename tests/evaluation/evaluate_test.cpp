@@ -284,6 +284,49 @@ TEST_F(Evaluate, AnEstimateOfAnotherSceneIsRefused) {
   EXPECT_THROW(run(truth(), other), InputError);
 }
 
+// What `evaluate` says on stderr of an estimate that was moved in time, or numbered otherwise.
+TEST_F(Evaluate, StampsThatDoNotFitTheTruthsFramesAreNamed) {
+  const auto said = [&](const std::function<void(Tracks&)>& change) {
+    write_changed(change);
+    testing::internal::CaptureStderr();
+    run();
+    return testing::internal::GetCapturedStderr();
+  };
+  const auto warning = [&](const std::string& file, const std::string& what) {
+    return "warning: " + (estimate() / file).string() + ": " + what + "\n";
+  };
+  const auto shift = [](ObjectTrack& object, std::int64_t by_ns) {
+    for (auto& state : object.states) state.stamp_ns += by_ns;
+  };
+  const std::string
+      near =
+          " from the truth's frames (median), and are compared with the nearest; a shifted clock "
+          "moves every error",
+      far = " stamps lie more than 10 ms from every frame of the truth, and are compared with none";
+  write_objects_yaml(truth() / "objects.yaml", kObjects, "a_scene");
+  EXPECT_EQ(said([](Tracks&) {}), "");
+  EXPECT_EQ(said([&](Tracks& tracks) { shift(tracks.objects[0], 100'000); }), "");  // rounded
+  EXPECT_EQ(said([&](Tracks& tracks) { shift(tracks.objects[1], kPeriodNs / 2); }),
+            warning("objects/20.tum", "30 of 30" + far));
+  EXPECT_EQ(said([&](Tracks& tracks) { tracks.objects[2].states.back().stamp_ns += 20'000'000; }),
+            warning("objects/30.tum", "1 of 30" + far));
+  EXPECT_EQ(
+      said([&](Tracks& tracks) {
+        for (auto& pose : tracks.camera) pose.stamp_ns += 8'000'000;
+        shift(tracks.objects[0], -8'000'000);
+      }),
+      warning("camera.tum", "stamps lie 8 ms" + near) + warning("objects/10.tum", "stamps lie 8 ms" + near));
+  const auto from_1 = [](Tracks& tracks) {
+    for (auto& state : tracks.objects[1].states) ++state.frame;
+  };
+  EXPECT_EQ(said(from_1),
+            warning("objects.csv",
+                    "the frame of 30 of 90 rows is not the truth's at their stamp (object 20 at "
+                    "0.000000000 s: frame 1, which is the truth's 0); rows are compared by their stamps"));
+  write_objects_yaml(truth() / "objects.yaml", kObjects);  // a recording's truth may have holes
+  EXPECT_EQ(said(from_1), "");
+}
+
 TEST(RunRecord, SaysWhetherPosesWereGivenWhateverItHolds) {
   for (const char* given :
        {R"({"variant": {"ego": "given"}})", R"({"variant": {"ego": {"source": "given"}}})"})

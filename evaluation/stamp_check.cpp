@@ -1,0 +1,92 @@
+#include "evaluation/stamp_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/sequence/stamps.h"
+#include "core/sequence/trajectory.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+using Stamps = std::vector<std::int64_t>;
+
+// ours: ten times what stamps are off by that another program rounded to 0.1 ms
+constexpr std::int64_t kBeside_ns = 1'000'000;
+
+double milliseconds(std::int64_t ns) {
+  return static_cast<double>(ns) * 1e-6;
+}
+
+// Index of the frame nearest to the stamp; there is one at least.
+std::size_t nearest_frame(const Stamps& frames, std::int64_t stamp_ns) {
+  const auto after = std::lower_bound(frames.begin(), frames.end(), stamp_ns);
+  if (after == frames.begin()) return 0;
+  const auto before = after - 1;
+  const bool is_before = after == frames.end() || stamp_ns - *before <= *after - stamp_ns;
+  return static_cast<std::size_t>((is_before ? before : after) - frames.begin());
+}
+
+void check_file(const fs::path& file, const Stamps& frames, const Stamps& stamps, std::int64_t limit_ns,
+                std::vector<std::string>& faults) {
+  Stamps near;  // distances
+  for (const std::int64_t stamp_ns : stamps) {
+    const std::int64_t distance_ns = std::abs(stamp_ns - frames[nearest_frame(frames, stamp_ns)]);
+    if (distance_ns <= limit_ns) near.push_back(distance_ns);
+  }
+  if (near.size() < stamps.size())
+    faults.push_back(
+        fmt::format("{}: {} of {} stamps lie more than {:g} ms from every frame of the truth, and are "
+                    "compared with none",
+                    file.string(), stamps.size() - near.size(), stamps.size(), milliseconds(limit_ns)));
+  if (near.empty()) return;
+  const auto middle = near.begin() + std::ssize(near) / 2;
+  std::nth_element(near.begin(), middle, near.end());
+  if (*middle > kBeside_ns)
+    faults.push_back(
+        fmt::format("{}: stamps lie {:.3g} ms from the truth's frames (median), and are compared with "
+                    "the nearest; a shifted clock moves every error",
+                    file.string(), milliseconds(*middle)));
+}
+
+void check_frame_numbers(const fs::path& file, const Stamps& frames, const Tracks& estimate,
+                         std::int64_t limit_ns, std::vector<std::string>& faults) {
+  std::size_t rows = 0, wrong = 0;
+  std::string example;
+  for (const ObjectTrack& track : estimate.objects)
+    for (const ObjectState& state : track.states) {
+      const std::size_t frame = nearest_frame(frames, state.stamp_ns);
+      if (std::abs(state.stamp_ns - frames[frame]) > limit_ns) continue;
+      ++rows;
+      if (state.frame == static_cast<std::int64_t>(frame)) continue;
+      if (wrong++ == 0)
+        example = fmt::format("object {} at {} s: frame {}, which is the truth's {}", track.id,
+                              format_stamp(state.stamp_ns), state.frame, frame);
+    }
+  if (wrong > 0)
+    faults.push_back(
+        fmt::format("{}: the frame of {} of {} rows is not the truth's at their stamp ({}); rows are "
+                    "compared by their stamps",
+                    file.string(), wrong, rows, example));
+}
+
+}  // namespace
+
+std::vector<std::string> stamp_faults(const fs::path& estimate_folder, const Tracks& truth,
+                                      const Tracks& estimate, std::int64_t max_difference_ns,
+                                      bool same_frames) {
+  std::vector<std::string> faults;
+  const Stamps frames = stamps_of(truth.camera);
+  if (frames.empty()) return faults;
+  check_file(estimate_folder / "camera.tum", frames, stamps_of(estimate.camera), max_difference_ns, faults);
+  for (const ObjectTrack& track : estimate.objects)
+    check_file(estimate_folder / fmt::format("objects/{}.tum", track.id), frames, stamps_of(track.states),
+               max_difference_ns, faults);
+  if (same_frames)
+    check_frame_numbers(estimate_folder / "objects.csv", frames, estimate, max_difference_ns, faults);
+  return faults;
+}
+
+}  // namespace uniquadric
