@@ -114,6 +114,20 @@ std::vector<SummaryRow> summarize(const Results& results) {
   return rows;
 }
 
+std::string evaluation_text(const CellEvaluation& evaluation) {
+  std::vector<std::vector<std::string>> lines = {{"object"}};
+  for (const char* metric : summary_metrics()) lines[0].push_back(find_metric(metric).label);
+  for (const SubjectFigures& figures : evaluation.subjects) {
+    if (figures.subject == "all") continue;
+    lines.push_back({figures.subject});
+    for (const char* metric : summary_metrics()) {
+      const auto found = figures.value.find(metric);
+      lines.back().push_back(found == figures.value.end() ? "-" : format_figure(found->second));
+    }
+  }
+  return aligned_columns(lines, "<") + "APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares\n";
+}
+
 std::string summary_text(const std::vector<SummaryRow>& rows) {
   std::vector<std::vector<std::string>> lines = {{"scene", "object", "variant", "runs"}};
   for (const char* metric : summary_metrics())

@@ -39,6 +39,9 @@ bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i);
 /// to the report.
 std::string summary_text(const std::vector<SummaryRow>& rows);
 
+/// Plain text of one evaluation: a line an object and one of the camera, `-` where there is no figure.
+std::string evaluation_text(const CellEvaluation& evaluation);
+
 /// The median of values (of an even number the mean of the middle two); asserts that there are any.
 double median(const std::vector<double>& values);
 

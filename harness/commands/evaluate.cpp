@@ -1,9 +1,12 @@
 #include "harness/commands/commands.h"
 
 #include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "core/base/apart.h"
 #include "evaluation/evaluate.h"
+#include "evaluation/report/results.h"
+#include "evaluation/report/summary.h"
 #include "harness/commands/options.h"
 
 namespace uniquadric {
@@ -13,6 +16,7 @@ void add_evaluate(CLI::App& app, Common& common) {
       subcommand(app, "evaluate", "truth and estimate -> evaluation.json, frames.csv, poses.csv", common);
   static std::string truth, estimate_folder, out;
   static EvaluateOptions options;
+  sub->get_option("--quiet")->description("no table on stdout");
   sub->add_option("TRUTH", truth, "truth folder")->required();
   sub->add_option("ESTIMATE", estimate_folder, "estimate folder")->required();
   sub->add_option("OUT", out, "folder for the evaluation")->required();
@@ -36,6 +40,7 @@ void add_evaluate(CLI::App& app, Common& common) {
     options.body_frame = *parse_body_frame(body_frame);
     require_apart(out, {truth, estimate_folder});
     make_stage(common, out, [] { evaluate(truth, estimate_folder, options, out); });
+    if (!options.quiet) std::cout << evaluation_text(read_cell_evaluation(out));
   });
 }
 

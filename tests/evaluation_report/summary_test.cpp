@@ -93,6 +93,20 @@ TEST(Summary, TableHasARowForEachVariantAndThePaper) {
                                                             "2.387", "0.317", "1.014"}));
 }
 
+TEST(Summary, OneEvaluationHasALineAnObjectAndTheCameras) {
+  CellEvaluation evaluation;
+  evaluation.subjects = {{"cube", {{"ape_translation_rmse_m", 0.0123}, {"iou3d_mean", 0.9}, {"coverage", 1}}},
+                         {"never_seen", {{"coverage", 0}}},
+                         {"camera", {{"ape_translation_rmse_m", 0.5}, {"ape_rotation_rmse_rad", 0.25}}},
+                         {"all", {{"hota", 1}}}};
+  EXPECT_EQ(evaluation_text(evaluation),
+            "object       APE.t  APE.r  RPE.t  RPE.r  IoU 3D  IoU 2D  coverage\n"
+            "cube        0.0123      -      -      -   0.900       -     1.000\n"
+            "never_seen       -      -      -      -       -       -         0\n"
+            "camera       0.500  0.250      -      -       -       -         -\n"
+            "APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares\n");
+}
+
 TEST(Summary, FiguresForPeople) {
   EXPECT_EQ(format_figure(0), "0");
   EXPECT_EQ(format_figure(0.00042), "0.00042");

@@ -48,7 +48,13 @@ class Pipeline : public testing::Test {
 TEST_F(Pipeline, TruthAgainstItselfIsPerfect) {
   ok({"simulate", scene(), folder() / "data", "--quiet"});
   const fs::path truth = folder() / "data/truth";
-  ok({"evaluate", truth, truth, folder() / "evaluation", "--quiet"});
+  const ProgramRun quiet = run_program({"evaluate", truth, truth, folder() / "evaluation", "--quiet"});
+  ASSERT_EQ(quiet.exit_code, 0) << quiet.err;
+  EXPECT_EQ(quiet.out, "");
+  const ProgramRun shown = run_program({"evaluate", truth, truth, folder() / "shown"});
+  EXPECT_TRUE(shown.out.starts_with("object  ")) << shown.out;
+  EXPECT_EQ(std::count(shown.out.begin(), shown.out.end(), '\n'), 5)
+      << shown.out;  // head, 2 objects, camera, units
   const json evaluation = json::parse(read_text(folder() / "evaluation/evaluation.json"));
   for (const char* metric : {"ape", "rpe"})
     for (const char* part : {"translation_m", "rotation_rad"}) {
