@@ -116,28 +116,33 @@ std::string alignment_text(const TrajectoryComparison& c, const TrajectoryOption
 }
 
 std::string percent_text(const std::optional<double>& percent) {
-  return percent ? fmt::format(" ({:.4g} % of the path)", *percent) : "";
+  return percent ? fmt::format(" ({:.4g} % of the reference's path up to there)", *percent) : "";
 }
 
 std::string drift_text(const TrajectoryComparison& c) {
   const auto at = [&](std::size_t k) { return format_stamp(c.pairs.stamps_ns[k]); };
   const auto extremes = [&](const char* name, const AngleExtremes& angle) {
-    return fmt::format("  {:<6}{:.6g} deg at {} s to {:.6g} deg at {} s\n", name, angle.min_rad * kDegrees,
+    return fmt::format("  {:<12}{:.6g} deg at {} s to {:.6g} deg at {} s\n", name, angle.min_rad * kDegrees,
                        at(angle.min_index), angle.max_rad * kDegrees, at(angle.max_index));
   };
   const Drift& first = *c.drift;
   const CalibratedDrift& calibrated = *c.calibrated;
   const Eigen::Vector3d angles = calibrated.roll_pitch_yaw_rad * kDegrees;
-  std::string text =
-      fmt::format("drift after aligning the first poses: {:.6g} m{} at {} s, {:.6g} deg at {} s\n",
-                  first.max_translation_m, percent_text(first.max_translation_percent_of_path),
-                  at(first.translation_index), first.max_angle_rad * kDegrees, at(first.angle_index));
+  const auto greatest = [&](double translation_m, const std::optional<double>& percent, std::size_t k) {
+    return fmt::format("  translation {:.6g} m at {} s{}\n", translation_m, at(k), percent_text(percent));
+  };
+  std::string text = "greatest drift, the first poses laid on one another:\n";
+  text += greatest(first.max_translation_m, first.max_translation_percent_of_path, first.translation_index);
+  text += fmt::format("  rotation    {:.6g} deg at {} s\n", first.max_angle_rad * kDegrees,
+                      at(first.angle_index));
   text += extremes("roll", c.drift_angles->roll) + extremes("pitch", c.drift_angles->pitch) +
           extremes("yaw", c.drift_angles->yaw);
-  text += fmt::format(
-      "drift, calibrated: {:.6g} m{} at {} s; roll {:.6g}, pitch {:.6g}, yaw {:.6g} deg at {} s\n",
-      calibrated.max_translation_m, percent_text(calibrated.max_translation_percent_of_path),
-      at(calibrated.translation_index), angles.x(), angles.y(), angles.z(), at(calibrated.angle_index));
+  text +=
+      "greatest drift, calibrated: with the rigid transform of the body's frame that fits all poses best:\n";
+  text += greatest(calibrated.max_translation_m, calibrated.max_translation_percent_of_path,
+                   calibrated.translation_index);
+  text += fmt::format("  rotation    roll {:.6g}, pitch {:.6g}, yaw {:.6g} deg at {} s\n", angles.x(),
+                      angles.y(), angles.z(), at(calibrated.angle_index));
   if (!calibrated.determined) text += "  the motion leaves a part of the calibration open\n";
   return text;
 }

@@ -117,7 +117,8 @@ TEST_F(TrajectoryCommand, TableForPeople) {
   EXPECT_EQ(table.exit_code, 0);
   for (const char* text :
        {"270 (nearest, 0.01 s), coverage 0.9", "alignment  se3 by 270 pairs", "APE transl. [m]",
-        "RPE rotation [rad]", "drift after aligning", "drift, calibrated", "t_rel [%]"})
+        "RPE rotation [rad]", "greatest drift, the first poses laid on one another:\n  translation ",
+        "greatest drift, calibrated:", "% of the reference's path up to there)", "t_rel [%]"})
     EXPECT_NE(table.out.find(text), std::string::npos) << text;
 }
 
