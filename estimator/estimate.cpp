@@ -16,6 +16,7 @@
 #include "core/base/threads.h"
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
+#include "core/sequence/depth_scale.h"
 #include "estimator/backend.h"
 #include "estimator/factors/solver_log.h"
 #include "estimator/single_frame.h"
@@ -240,6 +241,12 @@ Gap longest_gap(const std::vector<FrameInfo>& frames) {
   return longest;
 }
 
+// All that follows would be of another size, or nothing.
+void warn_of_depth(const Sequence& sequence) {
+  if (const auto fault = depth_scale_fault(sequence))
+    fmt::print(stderr, "warning: {}: {}\n", (sequence.folder / "sequence.yaml").string(), *fault);
+}
+
 void warn_of_the_camera(const Perception& perception) {
   const Gap gap = longest_gap(perception.frames());
   if (gap.duration_s > kLongGap_s)
@@ -271,6 +278,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   keep_solver_silent();
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
+  warn_of_depth(sequence);
   PendingFolder pending(out, options.force);
   const auto threads = static_cast<std::size_t>(threads_to_use(options.threads));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -306,6 +314,7 @@ void keep_perception(const fs::path& sequence_folder, const Variant& variant,
   keep_solver_silent();
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
+  warn_of_depth(sequence);
   kept_perception(sequence, variant, options, options.force ? Replace::always : Replace::its_own);
 }
 

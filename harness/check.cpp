@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/folder_hashes.h"
+#include "core/sequence/depth_scale.h"
 #include "core/sequence/stamps.h"
 #include "core/sequence/tracks.h"
 
@@ -151,6 +152,8 @@ void check_observations(const Sequence& sequence, Problems& problems) {
   check_calibration(sequence, problems);
   check_unlisted(sequence, problems);
   check_frames(sequence, problems);
+  if (const auto fault = depth_scale_fault(sequence))
+    add(problems, sequence.folder / "sequence.yaml", *fault);
   check_lidar(sequence, problems);
   attempt(problems, [&] { check_imu(sequence, problems); });
 }

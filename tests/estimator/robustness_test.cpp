@@ -7,6 +7,7 @@
 
 #include "core/base/config.h"
 #include "core/base/error.h"
+#include "core/base/files.h"
 #include "drawn_sequence.h"
 #include "tests/support/temp_folder.h"
 
@@ -26,6 +27,23 @@ TEST(Robustness, NoDepthEverIsNoState) {
   write_drawn_sequence(temp.path(), {kRed}, 12, [](DrawnFrame& drawn) { drawn.depth.setTo(0); });
   const Outcome outcome = run(temp.path());
   EXPECT_TRUE(outcome.tracks.objects.empty());
+}
+
+TEST(Robustness, ADepthScaleThatCannotBeIsWarnedOf) {
+  const TempFolder temp;
+  write_drawn_sequence(temp.path(), {kRed}, 3, [](DrawnFrame&) {});
+  const auto said = [&](const char* find, const std::string& by) {
+    const auto file = temp.path() / "sequence.yaml";
+    std::string text = read_text(file);
+    text.replace(text.find(find), std::string(find).size(), by);
+    write_text(file, text);
+    testing::internal::CaptureStderr();
+    run(temp.path());
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string warning = "sequence.yaml: depth.units_per_m: ";
+  EXPECT_EQ(said("units_per_m: ", "units_per_m: ").find(warning), std::string::npos);
+  EXPECT_NE(said("units_per_m: ", "units_per_m: 0.000").find(warning), std::string::npos);
 }
 
 TEST(Robustness, OneBlackFrameCostsNoTrackAndLittlePrecision) {

@@ -85,7 +85,12 @@ TEST_F(Check, NamesEachThingThatIsWrong) {
   expect_problem(truth / "instances/000000.png", png(cv::Mat(120, 160, CV_16U, cv::Scalar(1))),
                  "frame 0, object 1: ");
   expect_problem(truth / "objects/2.tum", "0 0 0 0 0 0 0 1\n", "2.tum: does not have the sequence's frames");
-  EXPECT_EQ(changes_, 15);
+  for (const char* digits : {"0.000", "10000"})  // before those of the scale
+    expect_problem(
+        sequence / "sequence.yaml",
+        replaced(sequence / "sequence.yaml", "units_per_m: ", std::string("units_per_m: ") + digits),
+        "sequence.yaml: depth.units_per_m: ");
+  EXPECT_EQ(changes_, 17);
   EXPECT_EQ(problems(), "");
 }
 

@@ -1,0 +1,43 @@
+#include "core/sequence/depth_scale.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr std::size_t kImages = 5;                   // ours: a wrong scale is that of them all
+constexpr float kLeast_m = 0.01F, kMost_m = 100.0F;  // ours: wider than the range of any depth camera
+
+void add_depths(const Sequence& sequence, const SequenceFrame& frame, std::vector<float>& depths_m) {
+  try {
+    const cv::Mat depth = read_depth(sequence, frame);
+    std::copy_if(depth.begin<float>(), depth.end<float>(), std::back_inserter(depths_m),
+                 [](float d) { return d > 0; });
+  } catch (const InputError&) {
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> depth_scale_fault(const Sequence& sequence) {
+  std::vector<const SequenceFrame*> frames;
+  for (const SequenceFrame& frame : sequence.frames)
+    if (!frame.depth.empty()) frames.push_back(&frame);
+  const std::size_t images = std::min(kImages, frames.size());
+  std::vector<float> depths_m;
+  for (std::size_t i = 0; i < images; ++i)
+    add_depths(sequence, *frames[i * frames.size() / images], depths_m);
+  if (depths_m.empty()) return std::nullopt;
+  const auto middle = depths_m.begin() + std::ssize(depths_m) / 2;
+  std::nth_element(depths_m.begin(), middle, depths_m.end());
+  if (*middle >= kLeast_m && *middle <= kMost_m) return std::nullopt;
+  return fmt::format("depth.units_per_m: {} gives a median depth of {:.3g} m, expected {:g} to {:g} m",
+                     sequence.depth_units_per_m, *middle, kLeast_m, kMost_m);
+}
+
+}  // namespace uniquadric
