@@ -1,5 +1,6 @@
 #include "evaluation/report/drawing.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -8,7 +9,6 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kOutlinePoints = 120;  // chords under 0.1 px off an ellipse of 250 px
 const cv::Scalar kBlack(0, 0, 0);
 constexpr double kTint = 0.35;  // ours: the surface stays visible
 
@@ -40,47 +40,23 @@ void draw_edge(Canvas& canvas, const Eigen::Vector3d& from, const Eigen::Vector3
   }
 }
 
-// A closed curve given in the rectified image, drawn where the lens puts it.
-void draw_curve(Canvas& canvas, const std::vector<Eigen::Vector2d>& rectified, const cv::Scalar& color,
-                int line) {
-  std::vector<cv::Point> points;
-  const Camera& camera = canvas.camera;
-  for (const Eigen::Vector2d& p : rectified) {
-    Eigen::Vector2d pixel = p;
-    if (camera.has_distortion()) {
-      const auto bent = camera.project({(p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy, 1});
-      if (!bent) return;
-      pixel = *bent;
-    }
-    const auto point = fixed_point(canvas, pixel);
-    if (!point) return;
-    points.push_back(*point);
-  }
-  cv::polylines(canvas.image, points, true, color, line, cv::LINE_AA, kShift);
+std::vector<Eigen::Vector2d> rectangle_corners(const Ellipse& e) {
+  const Eigen::Rotation2Dd rotation(e.angle_rad);
+  std::vector<Eigen::Vector2d> corners;
+  for (const Eigen::Vector2d& sign : {Eigen::Vector2d(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+    corners.push_back(e.center + rotation * sign.cwiseProduct(Eigen::Vector2d(e.semi_major, e.semi_minor)));
+  return corners;
 }
 
-std::vector<Eigen::Vector2d> ellipse_points(const Ellipse& e) {
-  const Eigen::Rotation2Dd rotation(e.angle_rad);
+// A polygon with its sides cut into pieces, which a lens can bend.
+std::vector<Eigen::Vector2d> cut_sides(const std::vector<Eigen::Vector2d>& corners) {
+  constexpr double kPiece_px = 10, kMostPieces = 100;
   std::vector<Eigen::Vector2d> points;
-  for (int i = 0; i < kOutlinePoints; ++i) {
-    const double t = 2 * M_PI * i / kOutlinePoints;
-    points.push_back(e.center +
-                     rotation * Eigen::Vector2d(e.semi_major * std::cos(t), e.semi_minor * std::sin(t)));
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d side = corners[(i + 1) % corners.size()] - corners[i];
+    const int pieces = static_cast<int>(std::clamp(std::ceil(side.norm() / kPiece_px), 1.0, kMostPieces));
+    for (int k = 0; k < pieces; ++k) points.push_back(corners[i] + side * k / pieces);
   }
-  return points;
-}
-
-// Sides cut into pieces: the lens bends them.
-std::vector<Eigen::Vector2d> rectangle_points(const Ellipse& e) {
-  constexpr int kPieces = 8;
-  const Eigen::Rotation2Dd rotation(e.angle_rad);
-  const Eigen::Vector2d corners[] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  std::vector<Eigen::Vector2d> points;
-  for (int side = 0; side < 4; ++side)
-    for (int i = 0; i < kPieces; ++i) {
-      const Eigen::Vector2d p = corners[side] + (corners[(side + 1) % 4] - corners[side]) * i / kPieces;
-      points.push_back(e.center + rotation * Eigen::Vector2d(e.semi_major * p.x(), e.semi_minor * p.y()));
-    }
   return points;
 }
 
@@ -116,12 +92,24 @@ void tint_masks(Canvas& canvas, const cv::Mat& masks) {
     }
 }
 
-void draw_ellipse(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& color, int line_px) {
-  draw_curve(canvas, ellipse_points(ellipse), color, line_px);
+void draw_polygon(Canvas& canvas, const std::vector<Eigen::Vector2d>& corners, const cv::Scalar& color,
+                  int line_px) {
+  std::vector<cv::Point> points;
+  const Camera& camera = canvas.camera;
+  for (const Eigen::Vector2d& p : camera.has_distortion() ? cut_sides(corners) : corners) {
+    const auto pixel =
+        camera.has_distortion()
+            ? camera.project({(p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy, 1})
+            : p;
+    const auto point = pixel ? fixed_point(canvas, *pixel) : std::nullopt;
+    if (!point) return;
+    points.push_back(*point);
+  }
+  cv::polylines(canvas.image, points, true, color, line_px, cv::LINE_AA, kShift);
 }
 
 void draw_rectangle(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& color, int line_px) {
-  draw_curve(canvas, rectangle_points(ellipse), color, line_px);
+  draw_polygon(canvas, rectangle_corners(ellipse), color, line_px);
 }
 
 void draw_box(Canvas& canvas, const Pose& camera_from_object, const Eigen::Vector3d& semi_axes_m,

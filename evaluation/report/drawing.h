@@ -3,6 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 #include <string>
+#include <vector>
 
 #include "core/geometry/camera.h"
 #include "core/geometry/ellipsoid.h"
@@ -26,8 +27,10 @@ Canvas make_canvas(const cv::Mat& image, const Camera& camera, int width_px);
 /// stronger.
 void tint_masks(Canvas& canvas, const cv::Mat& masks);
 
-/// Draws an ellipse of the rectified image, or its rotated rectangle, where the lens puts it.
-void draw_ellipse(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& color, int line_px);
+/// Draws a closed polygon of the rectified image, or the rotated rectangle of an ellipse there, where the
+/// lens puts it.
+void draw_polygon(Canvas& canvas, const std::vector<Eigen::Vector2d>& corners, const cv::Scalar& color,
+                  int line_px);
 void draw_rectangle(Canvas& canvas, const Ellipse& ellipse, const cv::Scalar& color, int line_px);
 
 /// Draws the twelve edges of a box, semi-axes half its sides [m], where the lens puts them; what lies less

@@ -2,15 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <Eigen/Geometry>
+#include <algorithm>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/sequence/calibration.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
 #include "evaluation/report/absence.h"
 #include "evaluation/report/drawing.h"
 #include "evaluation/report/jpeg.h"
+#include "evaluation/report/outline.h"
 #include "evaluation/report/page.h"
 
 namespace uniquadric {
@@ -25,26 +28,32 @@ const cv::Scalar kTrueColor(80, 220, 60), kEstimatedColor(0, 140, 255), kBoxColo
 
 enum class Whose { truth, estimate };
 
+// Names of the truth stand above the outline, of the estimate below.
+void draw_name(Canvas& canvas, const std::string& name, const std::vector<Eigen::Vector2d>& outline,
+               Whose whose, const cv::Scalar& color) {
+  Eigen::AlignedBox2d bounds;
+  for (const Eigen::Vector2d& p : outline) bounds.extend(p);
+  const double middle = bounds.center().x();
+  const cv::Point2d at = whose == Whose::truth ? canvas.at({middle, bounds.min().y()}) + cv::Point2d(0, -6)
+                                               : canvas.at({middle, bounds.max().y()}) + cv::Point2d(0, 16);
+  draw_label(canvas, name, at, color);
+}
+
 void draw_object(Canvas& canvas, const ObjectTrack& track, const ObjectState& state,
                  const Pose& camera_from_world, Whose whose) {
   const Pose camera_from_object = camera_from_world * state.ellipsoid.world_from_object;
+  const Eigen::Vector3d& semi_axes_m = state.ellipsoid.semi_axes_m;
   const bool is_truth = whose == Whose::truth;
   const cv::Scalar& color = is_truth ? kTrueColor : kEstimatedColor;
-  if (!is_truth) draw_box(canvas, camera_from_object, state.ellipsoid.semi_axes_m, kBoxColor, 1);
-  const EllipseProjection projection =
-      project(canvas.camera, camera_from_object, state.ellipsoid.semi_axes_m);
-  if (projection.status != ProjectionStatus::ok) return;
-  const Ellipse& e = projection.ellipse;
-  draw_ellipse(canvas, e, color, kOutline_px);
-  if (!is_truth) draw_rectangle(canvas, e, color, 1);
-  // True names stand above the outline, estimated ones below.
-  const double half_height_px =
-      std::hypot(e.semi_major * std::sin(e.angle_rad), e.semi_minor * std::cos(e.angle_rad));
-  const cv::Point2d at = is_truth
-                             ? canvas.at(e.center - Eigen::Vector2d(0, half_height_px)) + cv::Point2d(0, -6)
-                             : canvas.at(e.center + Eigen::Vector2d(0, half_height_px)) + cv::Point2d(0, 16);
+  if (!is_truth) draw_box(canvas, camera_from_object, semi_axes_m, kBoxColor, 1);
+  const auto outline = superellipsoid_outline(canvas.camera, camera_from_object, semi_axes_m, state.exponent);
+  if (outline.empty()) return;
+  draw_polygon(canvas, outline, color, kOutline_px);
+  const EllipseProjection ellipse = project(canvas.camera, camera_from_object, semi_axes_m);
+  if (!is_truth && state.exponent == 2 && ellipse.status == ProjectionStatus::ok)
+    draw_rectangle(canvas, ellipse.ellipse, color, 1);
   const bool is_occluded = state.status == ObjectStatus::occluded;
-  draw_label(canvas, label_of(track) + (is_occluded ? " (occluded)" : ""), at, color);
+  draw_name(canvas, label_of(track) + (is_occluded ? " (occluded)" : ""), outline, whose, color);
 }
 
 void draw_tracks(Canvas& canvas, const Tracks& tracks, std::int64_t stamp_ns, Whose whose) {
@@ -53,6 +62,25 @@ void draw_tracks(Canvas& canvas, const Tracks& tracks, std::int64_t stamp_ns, Wh
   for (const ObjectTrack& track : tracks.objects)
     if (const ObjectState* state = state_at(track, stamp_ns))
       draw_object(canvas, track, *state, camera->inverse(), whose);
+}
+
+bool has_superellipsoids(const Tracks& tracks) {
+  for (const ObjectTrack& track : tracks.objects)
+    for (const ObjectState& state : track.states)
+      if (state.exponent != 2) return true;
+  return false;
+}
+
+// Beside superellipsoids boxes are shown as such; ellipsoids are compared with the ellipsoid within.
+Tracks read_truth(const fs::path& folder, const Tracks& estimate) {
+  if (folder.empty()) return {};
+  Tracks truth = read_tracks(folder);
+  if (!fs::exists(folder / "objects.yaml") || !has_superellipsoids(estimate)) return truth;
+  for (const ObjectDescription& object : read_objects_yaml(folder / "objects.yaml"))
+    for (ObjectTrack& track : truth.objects)
+      if (track.id == object.id && (object.shape == "box" || object.shape == "rounded_box"))
+        for (ObjectState& state : track.states) state.exponent = 1;
+  return truth;
 }
 
 // One below the other in the upper left corner.
@@ -85,7 +113,7 @@ void write_overlays(const fs::path& sequence_folder, const fs::path& truth_folde
                     const fs::path& estimate_folder, const fs::path& out, int count, bool force) {
   const Sequence sequence = open_sequence(sequence_folder);
   const Tracks estimate = read_tracks(estimate_folder);
-  const Tracks truth = truth_folder.empty() ? Tracks{} : read_tracks(truth_folder);
+  const Tracks truth = read_truth(truth_folder, estimate);
   const fs::path visibility_file = truth_folder / "instances/visibility.csv";
   const VisibilityTable visibility = !truth_folder.empty() && fs::exists(visibility_file)
                                          ? read_visibility(visibility_file)

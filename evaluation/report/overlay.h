@@ -5,12 +5,13 @@
 namespace uniquadric {
 
 /// Draws `count` evenly spaced frames (the first and the last among them) to `out`/NNNNNN.jpg, 640 px wide:
-/// the segmenter's masks tinted, the outlines of the true ellipsoids green, of the estimated ones orange with
-/// their rotated rectangle thin, the edges of the estimated boxes yellow; in the corner why an object has no
-/// state (absence.h). An estimate's own masks (`estimate`/masks/NNNNNN.png) come before the sequence's.
-/// Objects whose projection is no ellipse are not outlined. `truth` may be empty (recordings). Also writes
-/// `out`/sheet.jpg, all of them in one grid. Throws InputError for folders that cannot be read, and for an
-/// `out` that exists, unless `force` replaces it.
+/// the segmenter's masks tinted, the outlines of the true ellipsoids green (of true boxes where the estimate
+/// has superellipsoids), of the estimated bodies orange, ellipsoids with their rotated rectangle, the edges
+/// of the estimated boxes yellow; in the corner why an object has no state (absence.h). An estimate's own
+/// masks
+/// (`estimate`/masks/NNNNNN.png) come before the sequence's. Objects whose projection is no ellipse are not
+/// outlined. `truth` may be empty (recordings). Also writes `out`/sheet.jpg, all of them in one grid. Throws
+/// InputError for folders that cannot be read, and for an `out` that exists, unless `force` replaces it.
 void write_overlays(const std::filesystem::path& sequence, const std::filesystem::path& truth,
                     const std::filesystem::path& estimate, const std::filesystem::path& out, int count,
                     bool force);

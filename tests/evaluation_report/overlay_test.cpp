@@ -11,6 +11,7 @@
 #include "evaluation/report/absence.h"
 #include "evaluation/report/drawing.h"
 #include "evaluation/report/jpeg.h"
+#include "evaluation/report/outline.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -102,6 +103,48 @@ TEST(Overlay, OutlinesStandWhereTheSpheresProject) {
   EXPECT_FALSE(is_green(pixel(radius_px(4) + 6)) ||
                is_orange(pixel(radius_px(4) + 6)));  // nothing between them
   EXPECT_FALSE(is_green(pixel(0)) || is_orange(pixel(0)));
+}
+
+// What sticks out of the ellipsoid is the superellipsoid's.
+TEST(Overlay, TheEstimatedSuperellipsoidHasItsOwnOutline) {
+  const GreyRecording recording(4, 3);
+  const auto at_diagonal = [&](double exponent) {
+    Tracks tracks = read_tracks(recording.estimate);
+    for (auto& state : tracks.objects[0].states) state.exponent = exponent;
+    write_estimate(recording.estimate, tracks);
+    write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
+    // the cube's face is at 105 px, the sphere's circle at 63 px to each side; this one's outline between
+    const Eigen::Vector3d axes_m = Eigen::Vector3d::Constant(0.5);
+    double most_px = 0;
+    for (const Eigen::Vector2d& p : superellipsoid_outline(Camera{}, GreyRecording::at(3), axes_m, 1.2))
+      most_px = std::max(most_px, (p.x() + p.y() - 319.5 - 239.5) / 2);
+    EXPECT_GT(most_px, 75);
+    EXPECT_LT(most_px, 100);
+    return recording.first().at<cv::Vec3b>(static_cast<int>(std::lround(239.5 + most_px)),
+                                           static_cast<int>(std::lround(319.5 + most_px)));
+  };
+  EXPECT_FALSE(is_orange(at_diagonal(2)));
+  EXPECT_TRUE(is_orange(at_diagonal(1.2)));
+}
+
+// Ellipsoids are compared with the ellipsoid in the true box, superellipsoids with the box.
+TEST(Overlay, ATrueBoxIsDrawnAsTheEstimatesBodiesAre) {
+  const GreyRecording recording(4, 2.6);  // no line of which is near those of the truth
+  const auto objects = recording.truth / "objects.yaml";
+  write_objects_yaml(objects, {{1, "box", Eigen::Vector3d::Constant(0.5), "rounded_box", ""}});
+  const auto at = [&](double exponent, double side_px, double down_px) {
+    Tracks tracks = read_tracks(recording.estimate);
+    for (auto& state : tracks.objects[0].states) state.exponent = exponent;
+    write_estimate(recording.estimate, tracks);
+    write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
+    return recording.first().at<cv::Vec3b>(static_cast<int>(std::lround(239.5 + down_px)),
+                                           static_cast<int>(std::lround(319.5 + side_px)));
+  };
+  const double face_px = 525 * 0.5 / 3.5, circle_px = 525 * 0.5 / std::sqrt(16 - 0.25);
+  EXPECT_TRUE(is_green(at(2, circle_px, 0)));
+  EXPECT_FALSE(is_green(at(2, -face_px, 30)));
+  EXPECT_TRUE(is_green(at(1.2, -face_px, 30)));
+  EXPECT_FALSE(is_green(at(1.2, circle_px, 0)));
 }
 
 TEST(Overlay, TheEstimatesWorldDoesNotMatter) {
@@ -281,7 +324,7 @@ TEST(Drawing, OutlineFollowsTheLens) {
   camera.distortion = {-0.3, 0.1, 0.001, -0.002, 0};
   Canvas canvas = make_canvas(cv::Mat(480, 640, CV_8UC3, cv::Scalar(0, 0, 0)), camera, 320);
   const Ellipse ellipse{{500, 380}, 100, 50, 0.5};
-  draw_ellipse(canvas, ellipse, {255, 255, 255}, 1);
+  draw_rectangle(canvas, ellipse, {255, 255, 255}, 1);  // touches the ellipse at its vertices
   const Eigen::Vector2d axis(std::cos(ellipse.angle_rad), std::sin(ellipse.angle_rad));
   int hits = 0;
   for (const double side : {-1.0, 1.0}) {
