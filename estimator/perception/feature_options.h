@@ -59,6 +59,8 @@ void visit(Io& io, FeatureOptions& o) {
   io.positive("max_pixel_sigma", o.max_pixel_sigma, kSigma_px);
   io.positive("max_slip_px", o.max_slip_px);
   io.positive("aligned_pixel_gate", o.aligned_pixel_gate);
+  io.positive("max_scale_change", o.max_scale_change);
+  io.number("max_scale_refused_s", o.max_scale_refused_s, 0.0, 1e6);
   io.section("flow", [&](auto& inner) {
     inner.number("window_px", o.flow.window_px, 3, 100);
     inner.number("levels", o.flow.levels, 0, 8);

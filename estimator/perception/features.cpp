@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "estimator/perception/depth_scale.h"
 #include "estimator/perception/frame_view.h"
 
 namespace uniquadric {
@@ -99,9 +100,11 @@ struct FeatureTracker::State {
   std::int64_t last_stamp_ns = 0;
   std::int64_t next_id = 0;
   std::map<int, TrackedBody> bodies;
+  DepthScaleWatch depth_scale;
 
   void follow_all(const FrameView& view, const FlowImage& image);
   void find_corners(const FrameView& view);
+  void ignore_depth(FrameView& view);
   void update_landmarks(const FrameView& view, TrackedBody& body) const;
   TrackedFeatures result() const;
 };
@@ -135,6 +138,12 @@ void FeatureTracker::State::follow_all(const FrameView& view, const FlowImage& i
     }
     body.tracks = std::move(kept);
   }
+}
+
+void FeatureTracker::State::ignore_depth(FrameView& view) {
+  view.depth = cv::Mat::zeros(view.depth.size(), view.depth.type());
+  for (auto& [label, body] : bodies)
+    for (auto& track : body.tracks) track.depth.reset();
 }
 
 // Fills bodies up: lost tracks that should be seen, then new corners, of which some may be recognised.
@@ -226,6 +235,9 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
   view.seed = s.seed;
   FlowImage flow_image = make_flow_image(view.gray, s.options.flow);
   if (!s.last_image.pyramid.empty()) s.follow_all(view, flow_image);
+  const auto scale = s.depth_scale.judge(view, s.bodies[0], frame.stamp_ns);
+  if (scale == DepthScaleWatch::Verdict::refused) s.ignore_depth(view);
+  if (scale == DepthScaleWatch::Verdict::changed) s.bodies.clear();
   std::map<int, std::pair<std::optional<Pose>, int>> before;
   for (auto& [label, body] : s.bodies) {
     before[label] = {body.camera_from_map, body.map};
@@ -239,7 +251,9 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
   }
   s.last_image = std::move(flow_image);
   s.last_stamp_ns = frame.stamp_ns;
-  return s.result();
+  TrackedFeatures result = s.result();
+  result.depth_refused = scale == DepthScaleWatch::Verdict::refused;
+  return result;
 }
 
 }  // namespace uniquadric

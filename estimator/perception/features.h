@@ -40,9 +40,11 @@ struct FeatureOptions {
   double max_prediction_gap_s = 0.2;  // after a longer gap nothing is known of the motion
   double max_anchor_warp = 1.6;       // scale or shear of a patch, either way; then a new anchor is taken
   double min_anchor_correlation = 0.8;
-  double max_pixel_sigma = 0.25;  // of an alignment [px]
-  double max_slip_px = 0.5;       // off the landmark, of a track whose anchor does not fit any more
-  double aligned_pixel_gate = 1;  // of tracks that were aligned: true ones are off by a tenth
+  double max_pixel_sigma = 0.25;   // of an alignment [px]
+  double max_slip_px = 0.5;        // off the landmark, of a track whose anchor does not fit any more
+  double aligned_pixel_gate = 1;   // of tracks that were aligned: true ones are off by a tenth
+  double max_scale_change = 0.02;  // of depth from image to image: 0.0003 simulated, 0.01 recorded by hand
+  double max_scale_refused_s = 1;  // what stays otherwise for longer is how it is
   PointFlowOptions flow;
   PatchAlignmentOptions alignment;
   PlaneDepthOptions depth;
@@ -60,6 +62,7 @@ struct TrackedFeatures {
   /// bodies whose motion enough features agree on.
   std::map<int, Pose> motions;
   std::optional<Pose> background_motion;  ///< the same of the background: the camera's motion, backwards
+  bool depth_refused = false;             ///< its scale is another one than before: none was used
 };
 
 /// Corners on the background and on each body, tracked from frame to frame by Lucas-Kanade seeded with the

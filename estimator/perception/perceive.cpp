@@ -4,6 +4,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <deque>
 #include <memory>
 #include <opencv2/imgproc.hpp>
@@ -235,13 +236,15 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     return work;
   };
   DepthCheck depth_check(options.depth_check);
-  int unusable = 0;
+  std::atomic<int> unusable = 0;
+  const auto refuse_depth = [&](Work& work) {
+    work.depth.setTo(0);
+    work.result.depth_refused = true;
+    ++unusable;
+  };
   const auto check = [&](std::shared_ptr<Work> work) {
-    if (!work->depth.empty() && !depth_check.is_measurement(work->result.stamp_ns, work->depth)) {
-      work->depth.setTo(0);
-      work->result.depth_refused = true;
-      ++unusable;
-    }
+    if (!work->depth.empty() && !depth_check.is_measurement(work->result.stamp_ns, work->depth))
+      refuse_depth(*work);
     return work;
   };
   const auto cut_out = [&](std::shared_ptr<Work> work) {
@@ -280,6 +283,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     BodyHints hints;
     if (run.feedback) hints = run.feedback->hints(frame.frame, frame.stamp_ns);
     const TrackedFeatures tracked = features.track(frame, work->rgb, work->depth, work->masks, hints);
+    if (tracked.depth_refused) refuse_depth(*work);
     add_features(tracked, work->result);
     watch.stop("features");
     if (lidar_depth) lidar_depth->saw(tracked.bodies);
@@ -336,7 +340,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   if (unusable > 0)
     fmt::print(stderr,
                "warning: {} depth images are no measurements: they have one value, or jump as a whole\n",
-               unusable);
+               unusable.load());
   if (lidar) {
     lidar->finish();
     out.keep_map(lidar->odometry().map_points());

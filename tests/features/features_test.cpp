@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include "drawn_world.h"
@@ -198,6 +199,45 @@ TEST(Features, PoorInputGivesNoMotionAndNoCrash) {
   }
   FeatureTracker unmasked(small_camera(), {}, 1);
   EXPECT_TRUE(unmasked.track(frame_at(0), good.gray, {}, {}).bodies.empty());
+}
+
+// Frames whose depth is refused, of twelve; `scale`: of the depth of a frame.
+// `lost`: the frame where all that was mapped has the wrong scale, and the motion is not known.
+std::set<int> refused_frames(const std::function<double(int)>& scale, int lost = 0) {
+  const TumblingBox world;
+  FeatureTracker tracker(small_camera(), {}, 1);
+  std::set<int> refused;
+  for (int i = 0; i < 12; ++i) {
+    DrawnFrame frame = world.frame(i, {0.005, 2});
+    frame.depth = frame.depth * scale(i);
+    const auto seen = track(tracker, i, frame);
+    if (seen.depth_refused) refused.insert(i);
+    for (const auto* features : {&seen.background, &seen.bodies.at(3)}) {
+      const auto with_depth = std::count_if(features->begin(), features->end(),
+                                            [](const Feature& feature) { return feature.depth_m > 0; });
+      EXPECT_GE(with_depth, seen.depth_refused ? 0 : 30) << i;
+      EXPECT_LE(with_depth, seen.depth_refused ? 0 : std::ssize(*features)) << i;
+    }
+    EXPECT_EQ(seen.background_motion.has_value(), i != 0 && i != lost) << i;
+    if (!seen.background_motion) continue;
+    const Pose truth = world.camera_from_wall(i) * world.camera_from_wall(i - 1).inverse();
+    const Eigen::Vector3d shift = seen.background_motion->translation;
+    EXPECT_LT((shift - truth.translation).norm(), 0.01) << i;  // where 4 % of the wall's depth are 0.11
+  }
+  return refused;
+}
+
+TEST(Features, DepthOfAnotherScaleForAWhileIsRefused) {
+  EXPECT_EQ(refused_frames([](int) { return 1; }), std::set<int>{});
+  EXPECT_EQ(refused_frames([](int i) { return 1 + 0.001 * i; }), std::set<int>{});
+  EXPECT_EQ(refused_frames([](int i) { return i == 7 ? 0.96 : 1; }), std::set<int>{7});
+  EXPECT_EQ(refused_frames([](int i) { return i >= 5 && i < 8 ? 1.04 : 1; }), (std::set<int>{5, 6, 7}));
+}
+
+// The map is of the first frame; four are believed after it until the scale changes.
+TEST(Features, DepthOfAnotherScaleThatStaysIsBelieved) {
+  EXPECT_EQ(refused_frames([](int i) { return i == 0 ? 1.04 : 1; }, 1), std::set<int>{});
+  EXPECT_EQ(refused_frames([](int i) { return i >= 5 ? 1.04 : 1; }, 9), (std::set<int>{5, 6, 7, 8}));
 }
 
 }  // namespace
