@@ -81,7 +81,9 @@ struct RgbdOdometry::State {
   void insert_keyframe(std::int64_t frame, const std::vector<Feature>& features);
   void begin_map(const Pose& pose, std::int64_t frame, const std::vector<Feature>& features);
   bool follow(std::int64_t frame, const TrackedFeatures& features);
-  bool begin_anew(const SequenceFrame& frame, const std::vector<Feature>& features);
+  bool is_young() const { return given_up.empty() && std::ssize(frames) < options.young_frames; }
+  bool is_hopeless(std::int64_t stamp_ns) const;
+  void begin_anew(std::int64_t frame, const std::vector<Feature>& features);
   void append(const Stretch& stretch, Trajectory& trajectory) const;
   void look_for_floor(const cv::Mat& depth, const cv::Mat& masks, std::int64_t frame);
   Pose world_from_map() const { return upright_world_from_camera(up.value_or(-Eigen::Vector3d::UnitY())); }
@@ -134,8 +136,6 @@ void RgbdOdometry::State::begin_map(const Pose& pose, std::int64_t frame,
 
 // Places the camera in the map; false where it is lost.
 bool RgbdOdometry::State::follow(std::int64_t frame, const TrackedFeatures& features) {
-  const auto& motion = features.background_motion;
-  if (motion) presumed = *motion * presumed;
   const auto prior = camera_from_world ? std::optional(presumed) : std::nullopt;
   const auto fit = locate(map, features.background, prior, frame);
   camera_from_world.reset();
@@ -145,27 +145,30 @@ bool RgbdOdometry::State::follow(std::int64_t frame, const TrackedFeatures& feat
   return true;
 }
 
-// A young map is no loss: its frames are looked for in the new one, as are those that were lost.
-bool RgbdOdometry::State::begin_anew(const SequenceFrame& frame, const std::vector<Feature>& features) {
+// Whether it is time to give the map up, which the frames in `lost` do not fit.
+bool RgbdOdometry::State::is_hopeless(std::int64_t stamp_ns) const {
   const auto followed = count_followed(lost);
-  if (given_up.empty() && std::ssize(frames) < options.young_frames) {
-    if (std::ssize(lost) < options.young_lost_frames || followed < options.pose.min_inliers) return false;
+  if (is_young())
+    return std::ssize(lost) >= options.young_lost_frames && followed >= options.pose.min_inliers;
+  return seconds(frames.back().stamp_ns, stamp_ns) >= options.restart_after_s &&
+         followed >= options.restart_features;
+}
+
+// A young map is no loss: its frames are looked for in the new one, as are those that were lost.
+void RgbdOdometry::State::begin_anew(std::int64_t frame, const std::vector<Feature>& features) {
+  if (is_young()) {
     before.insert(before.end(), frames.begin(), frames.end());
     presumed = {};
     up.reset();
     frames_seen = 1;
   } else {
-    if (seconds(frames.back().stamp_ns, frame.stamp_ns) < options.restart_after_s ||
-        followed < options.restart_features)
-      return false;
     given_up.push_back({std::move(map), std::move(frames), std::move(before)});
     before.clear();
   }
-  before.insert(before.end(), lost.begin(), lost.end() - 1);
+  before.insert(before.end(), lost.begin(), lost.end());
   map = {};
   frames.clear();
-  begin_map(presumed, frame.frame, features);
-  return true;
+  begin_map(presumed, frame, features);
 }
 
 RgbdOdometry::RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed)
@@ -182,12 +185,18 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
   State& s = *state_;
   ++s.frames_seen;
   const auto& seen = features.background;
+  const bool can_begin = count_with_depth(seen) >= s.options.pose.min_inliers;
+  if (features.background_motion) s.presumed = *features.background_motion * s.presumed;
   if (s.map.keyframes.empty()) {
-    if (count_with_depth(seen) < s.options.pose.min_inliers) return;
+    if (!can_begin) return;
     s.begin_map(Pose{}, frame.frame, seen);
+  } else if (features.depth_changed && can_begin) {
+    s.begin_anew(frame.frame, seen);
   } else if (!s.follow(frame.frame, features)) {
     s.lost.push_back({frame.frame, frame.stamp_ns, 0, {}, seen, features.background_motion});
-    if (!s.begin_anew(frame, seen)) return;
+    if (!s.is_hopeless(frame.stamp_ns)) return;
+    s.lost.pop_back();
+    s.begin_anew(frame.frame, seen);
   }
   s.lost.clear();
   s.presumed = *s.camera_from_world;

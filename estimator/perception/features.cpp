@@ -105,6 +105,7 @@ struct FeatureTracker::State {
   void follow_all(const FrameView& view, const FlowImage& image);
   void find_corners(const FrameView& view);
   void ignore_depth(FrameView& view);
+  void begin_anew(FrameView& view, const cv::Mat& depth);
   void update_landmarks(const FrameView& view, TrackedBody& body) const;
   TrackedFeatures result() const;
 };
@@ -141,9 +142,22 @@ void FeatureTracker::State::follow_all(const FrameView& view, const FlowImage& i
 }
 
 void FeatureTracker::State::ignore_depth(FrameView& view) {
-  view.depth = cv::Mat::zeros(view.depth.size(), view.depth.type());
+  const cv::Mat none = cv::Mat::zeros(view.depth.size(), view.depth.type());  // zeroing it would be for all
+  view.depth = none;
   for (auto& [label, body] : bodies)
     for (auto& track : body.tracks) track.depth.reset();
+}
+
+// With depth of another scale than all that was mapped before. How bodies moved is known by their pixels.
+void FeatureTracker::State::begin_anew(FrameView& view, const cv::Mat& depth) {
+  for (auto& [label, body] : bodies) {
+    TrackedBody anew;
+    anew.label = label;
+    anew.motion = body.motion;
+    anew.motion_ns = body.motion_ns;
+    body = std::move(anew);
+  }
+  view.depth = depth;
 }
 
 // Fills bodies up: lost tracks that should be seen, then new corners, of which some may be recognised.
@@ -236,13 +250,13 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
   FlowImage flow_image = make_flow_image(view.gray, s.options.flow);
   if (!s.last_image.pyramid.empty()) s.follow_all(view, flow_image);
   const auto scale = s.depth_scale.judge(view, s.bodies[0], frame.stamp_ns);
-  if (scale == DepthScaleWatch::Verdict::refused) s.ignore_depth(view);
-  if (scale == DepthScaleWatch::Verdict::changed) s.bodies.clear();
+  if (scale != DepthScaleWatch::Verdict::believed) s.ignore_depth(view);
   std::map<int, std::pair<std::optional<Pose>, int>> before;
   for (auto& [label, body] : s.bodies) {
     before[label] = {body.camera_from_map, body.map};
     move_body(view, body);
   }
+  if (scale == DepthScaleWatch::Verdict::changed) s.begin_anew(view, depth);
   s.find_corners(view);
   for (auto& [label, body] : s.bodies) {
     const auto& [pose, map] = before[label];
@@ -253,6 +267,7 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
   s.last_stamp_ns = frame.stamp_ns;
   TrackedFeatures result = s.result();
   result.depth_refused = scale == DepthScaleWatch::Verdict::refused;
+  result.depth_changed = scale == DepthScaleWatch::Verdict::changed;
   return result;
 }
 

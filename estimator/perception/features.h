@@ -63,6 +63,7 @@ struct TrackedFeatures {
   std::map<int, Pose> motions;
   std::optional<Pose> background_motion;  ///< the same of the background: the camera's motion, backwards
   bool depth_refused = false;             ///< its scale is another one than before: none was used
+  bool depth_changed = false;             ///< its scale is another one for good: all features are new
 };
 
 /// Corners on the background and on each body, tracked from frame to frame by Lucas-Kanade seeded with the
