@@ -15,23 +15,26 @@ endif()
 # One value for one input on every machine: no contraction to FMA, no value-changing optimisation.
 add_compile_options(-ffp-contract=off)
 
-# What nearly every file includes is parsed once, which halves the time of many; not beside ccache, which
-# tells a file's result by all that the file includes.
+# Without ccache, as on a new machine, nearly all of the time of a build is compiling, so there:
+# - What most files include is parsed once; not beside ccache, which tells a file's result by all that the file includes.
+# - GCC's garbage collection starts at 512 MB instead of 128 MB, which few files reach.
 function(uniquadric_headers name)
+  cmake_parse_arguments(ARG "" "" "HEADERS;LINKS" ${ARGN})
   file(WRITE ${PROJECT_BINARY_DIR}/generated/${name}.cpp "")
   add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/generated/${name}.cpp)
-  target_link_libraries(${name} PRIVATE Eigen3::Eigen uniquadric_warnings)
-  target_precompile_headers(${name} PRIVATE <Eigen/Geometry> <algorithm> <filesystem> <functional> <map> <optional>
-                            <string> <vector> ${ARGN})
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen fmt::fmt opencv_core uniquadric_warnings ${ARG_LINKS})
+  target_precompile_headers(${name} PRIVATE <Eigen/Geometry> <algorithm> <filesystem> <fmt/format.h> <functional> <map>
+                            <opencv2/core.hpp> <optional> <string> <vector> ${ARG_HEADERS})
 endfunction()
 if(NOT CCACHE)
+  add_compile_options("$<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-heapsize=524288>")
   uniquadric_headers(library_headers)
-  uniquadric_headers(test_headers <gtest/gtest.h>)
-  target_link_libraries(test_headers PRIVATE GTest::gtest_main)
+  uniquadric_headers(test_headers HEADERS <gtest/gtest.h> LINKS GTest::gtest_main)
 endif()
 function(uniquadric_reuse_headers target headers)
   if(NOT CCACHE)
     target_precompile_headers(${target} REUSE_FROM ${headers})
+    target_compile_definitions(${target} PRIVATE FMT_SHARED)  # as fmt was parsed with it, or GCC parses all again
   endif()
 endfunction()
 
