@@ -19,7 +19,7 @@ constexpr double kSlid = 1.5,
                  kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
 constexpr double kLeastBase = 0.2, kMostBase = 0.6;  // [s] of the time that the velocity is taken from
 constexpr double kSure =
-    0.75;  // share of the points that lie on the surface of a body that is back: any face fits any other
+    0.9;  // share of the points that lie on the surface of a body that is back: any face fits any other
 constexpr int kPatience = 6;  // times the frames of a restart, until a part of the body in view will do
 constexpr double kRest =
     0.7;  // [s]: the turn of a body that is not seen fades, which a wrong velocity would carry furthest
@@ -108,7 +108,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   }
   const bool is_lost = hidden_s > options_.lifecycle.lost_after_s;
   if (is_lost && std::exchange(said_lost_, true)) return std::nullopt;
-  const PoseSigmas sigmas = prediction_sigmas_at(frame);
+  const PoseSigmas sigmas = prediction_sigmas_at(frame, sure_ns_);
   Matrix6d covariance = recent_.back().covariance;
   covariance.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
   covariance.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
@@ -210,8 +210,8 @@ bool BodyEstimator::is_stale(const PerceivedFrame& frame) const {
          seconds(sure_ns_, frame.stamp_ns) > options_.lifecycle.search_after_s;
 }
 
-PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame) const {
-  const double t = seconds(recent_.back().stamp_ns, frame.stamp_ns);
+PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame, std::int64_t since_ns) const {
+  const double t = seconds(since_ns, frame.stamp_ns);
   const LifecycleOptions& o = options_.lifecycle;
   return {kPredictionSigma + o.acceleration_mps2 * t * t / 2,
           kPredictionSigma + o.angular_acceleration_radps2 * t * t / 2};
@@ -222,15 +222,23 @@ void BodyEstimator::place_center(Pose& world_from_body, const Eigen::Vector3d& a
 }
 
 // The body is in view and too few of its points are found again: its surface places it. When that goes on,
-// the short window starts anew from there.
+// the short window starts anew from there. After a time out of view it may be on from the last guess, or
+// anywhere that its points are.
 std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
-  Pose predicted = predict(frame, &body);
   const bool stale = is_stale(frame);
-  if (stale)
-    if (const auto center = shape_.center_of(frame, body)) place_center(predicted, *center);
-  const auto found =
-      align_to_cloud(camera_, body, shape_.surface(), frame.world_from_camera->inverse() * predicted,
-                     prediction_sigmas_at(frame), stale, options_.alignment);
+  const SurfaceModel surface = shape_.surface();
+  const auto found_from = [&](const Pose& world_from_body, std::int64_t since_ns) {
+    return align_to_cloud(camera_, body, surface, frame.world_from_camera->inverse() * world_from_body,
+                          prediction_sigmas_at(frame, since_ns), stale, options_.alignment);
+  };
+  Pose predicted = predict(frame, &body);
+  auto found = found_from(predicted, recent_.back().stamp_ns);
+  const auto center = stale ? shape_.center_of(frame, body) : std::nullopt;
+  if (center) {
+    place_center(predicted, *center);
+    const auto other = found_from(predicted, sure_ns_);
+    if (other && (!found || other->matched > found->matched)) found = other;
+  }
   if (!found) return std::nullopt;
   BodyPose pose;
   pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);

@@ -94,7 +94,7 @@ class BodyEstimator {
   Eigen::Vector3d body_center() const { return shape_.shape().body_from_object.translation; }
   void place_center(Pose& world_from_body, const Eigen::Vector3d& at) const;
   bool is_stale(const PerceivedFrame& frame) const;
-  PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame) const;
+  PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame, std::int64_t since_ns) const;
   BodyState state_at(const PerceivedFrame& frame, const Pose& world_from_body,
                      const Matrix6d& covariance) const;
 

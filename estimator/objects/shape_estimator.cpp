@@ -207,6 +207,7 @@ std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<Accumul
 
 SurfaceModel ShapeEstimator::surface() const {
   SurfaceModel model = surface_.model();
+  model.body_from_object = shape_.body_from_object;
   const bool is_young = keyframes_ <= options_.search_keyframes;
   if (!is_young) model.unseen = unseen_ends(shape_, model.points, radius_m_);
   return model;

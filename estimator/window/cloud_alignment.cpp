@@ -15,8 +15,9 @@ namespace uniquadric {
 namespace {
 
 constexpr int kIterations = 15;
-constexpr int kPartners = 6;         // model points among which one with a like normal is looked for
-constexpr int kLeastModel = 50;      // points of a model that a pose is taken from
+constexpr int kPartners = 6;        // model points among which one with a like normal is looked for
+constexpr int kLeastModel = 50;     // points of a model that a pose is taken from
+constexpr double kOtherSide = 0.3;  // share of the points that it must match more, to be the one that is seen
 constexpr double kUnmatched = 0.45;  // the cost of a point one sigma off
 constexpr double kEvidence = 0.1;    // of the points' cost where fits are compared: neighbours err together
 constexpr double kMinDepth = 0.1;    // [m]
@@ -246,6 +247,19 @@ class Aligner {
   Eigen::Matrix3Xd ends_;  // what an outline touches
 };
 
+// The 23 turns of a cube.
+std::vector<Eigen::Quaterniond> quarter_turns() {
+  std::vector<Eigen::Quaterniond> turns;
+  const auto about = [](int axis, int quarters) {
+    return exp_so3(quarters * M_PI_2 * Eigen::Vector3d::Unit(axis));
+  };
+  for (int quarters = 0; quarters < 4; ++quarters)
+    for (const auto& tilt : {about(0, 0), about(0, 1), about(0, 2), about(0, 3), about(1, 1), about(1, 3)})
+      turns.push_back(tilt * about(2, quarters));
+  turns.erase(turns.begin());
+  return turns;
+}
+
 }  // namespace
 
 std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObservation& body,
@@ -263,12 +277,22 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
           predicted.rotation * exp_so3(turn * options.turn_rad * Eigen::Vector3d::Unit(axis));
     }
   const Aligner aligner(camera, body, model, predicted, sigmas, options);
-  Fit best;
-  for (const Pose& start : starts) {
+  const auto fit_from = [&](const Pose& start) {
     Fit fit = aligner.fit_from(start);
-    if (!std::isfinite(fit.cost) || !aligner.holds_points(fit.pose)) continue;
+    if (!std::isfinite(fit.cost) || !aligner.holds_points(fit.pose)) return Fit{};
     if (starts.size() > 1) fit.cost += aligner.color_cost(fit.pose);
-    if (fit.cost < best.cost) best = fit;
+    return fit;
+  };
+  Fit best;
+  for (const Pose& start : starts)
+    if (const Fit fit = fit_from(start); fit.cost < best.cost) best = fit;
+  if (stale && model.body_from_object && std::isfinite(best.cost)) {
+    const Pose camera_from_object = best.pose * *model.body_from_object;
+    for (const Eigen::Quaterniond& turn : quarter_turns()) {
+      const Fit fit = fit_from(camera_from_object * Pose{turn, Eigen::Vector3d::Zero()} *
+                               model.body_from_object->inverse());
+      if (fit.matched >= best.matched + kOtherSide && fit.cost < best.cost) best = fit;
+    }
   }
   if (!std::isfinite(best.cost)) return std::nullopt;
   // A face that was never seen matches nothing: the outline is enough to go on.

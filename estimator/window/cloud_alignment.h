@@ -13,9 +13,10 @@ namespace uniquadric {
 
 /// What has been seen of a body's surface, in the body's frame.
 struct SurfaceModel {
-  Eigen::Matrix3Xd points, normals;  ///< (3 x n) [m]; unit, outward
-  Eigen::Matrix3Xf colors;           ///< of the points, CIE L*a*b*; (3 x 0) where they are not known
-  Eigen::Matrix3Xd unseen{3, 0};     ///< (3 x m) where a model has the ends of what was not seen [m]
+  Eigen::Matrix3Xd points, normals;        ///< (3 x n) [m]; unit, outward
+  Eigen::Matrix3Xf colors;                 ///< of the points, CIE L*a*b*; (3 x 0) where they are not known
+  Eigen::Matrix3Xd unseen{3, 0};           ///< (3 x m) where a model has the ends of what was not seen [m]
+  std::optional<Pose> body_from_object{};  ///< its axes: turned about them by quarters it looks much the same
 };
 
 /// How a body that shows too few of its features is found by its surface. All numbers are ours.
@@ -46,8 +47,8 @@ struct CloudAlignment {
 
 /// Pose of a body of known surface from one outline and depth cloud (3 x n, camera frame, noise taken off)
 /// and a predicted camera_from_body with its sigmas: iterated closest points, point to plane; the outline's
-/// tangents touch the model's points. `stale`: tries starts that are turned about the predicted one. Nothing
-/// where it does not fit.
+/// tangents touch the model's points. `stale`: tries starts that are turned about the predicted one, and then
+/// the object's other sides. Nothing where it does not fit.
 std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObservation& body,
                                              const SurfaceModel& model, const Pose& predicted,
                                              const PoseSigmas& sigmas, bool stale,

@@ -311,6 +311,22 @@ TEST(BodyEstimator, ABodyThatWasHiddenIsFoundAgainByItsSurface) {
   EXPECT_LT(after.axes_m, 0.006);
 }
 
+// It shows other faces than when it was last seen, and goes on turning.
+TEST(BodyEstimator, ATumblingBodyThatWasHiddenIsFoundAgainByItsSurface) {
+  for (const double until : {1.8, 2.0, 2.2, 2.5}) {
+    SyntheticOptions options = three_seconds();
+    options.frames = 120;
+    options.found_again = false;
+    options.hidden = [until](int, double t) { return t > 1.5 && t < until; };
+    const Errors after = run(box_body(kAxes, tumbling), options, 3);
+    EXPECT_EQ(after.frames, 30);
+    EXPECT_LT(after.translation_m, 0.01) << until;
+    EXPECT_LT(after.axes_m, 0.005) << until;
+    // without colours nothing tells the box from itself turned by half
+    EXPECT_LT(std::min(after.rotation_rad, std::abs(after.rotation_rad - M_PI)), 0.03) << until;
+  }
+}
+
 TEST(BodyEstimator, ABodyThatWasHiddenIsFoundAgainByItsFeatures) {
   SyntheticOptions options = three_seconds();
   options.frames = 120;
