@@ -17,19 +17,22 @@ add_compile_options(-ffp-contract=off)
 
 # Without ccache, as on a new machine, nearly all of the time of a build is compiling, so there:
 # - What most files include is parsed once; not beside ccache, which tells a file's result by all that the file includes.
+# - Tests are optimised less, as most run for less time than their optimisation takes; what they test is not.
 # - GCC's garbage collection starts at 512 MB instead of 128 MB, which few files reach.
 function(uniquadric_headers name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "HEADERS;LINKS;OPTIONS" ${ARGN})
   file(WRITE ${PROJECT_BINARY_DIR}/generated/${name}.cpp "")
   add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/generated/${name}.cpp)
   target_link_libraries(${name} PRIVATE Eigen3::Eigen fmt::fmt opencv_core uniquadric_warnings ${ARG_LINKS})
+  target_compile_options(${name} PRIVATE ${ARG_OPTIONS})
   target_precompile_headers(${name} PRIVATE <Eigen/Geometry> <algorithm> <filesystem> <fmt/format.h> <functional> <map>
                             <opencv2/core.hpp> <optional> <string> <vector> ${ARG_HEADERS})
 endfunction()
 if(NOT CCACHE)
+  set(test_options $<$<CONFIG:Release>:-O1>)
   add_compile_options("$<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-heapsize=524288>")
   uniquadric_headers(library_headers)
-  uniquadric_headers(test_headers HEADERS <gtest/gtest.h> LINKS GTest::gtest_main)
+  uniquadric_headers(test_headers HEADERS <gtest/gtest.h> LINKS GTest::gtest_main OPTIONS ${test_options})
 endif()
 function(uniquadric_reuse_headers target headers)
   if(NOT CCACHE)
@@ -61,6 +64,7 @@ function(uniquadric_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main uniquadric_warnings)
   target_compile_definitions(${name} PRIVATE UNIQUADRIC_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_compile_options(${name} PRIVATE ${test_options})
   uniquadric_reuse_headers(${name} test_headers)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
 endfunction()
