@@ -24,8 +24,11 @@ constexpr int kPatience = 6;  // times the frames of a restart, until a part of 
 constexpr double kRest =
     0.7;  // [s]: the turn of a body that is not seen fades, which a wrong velocity would carry furthest
 
+// What goes beyond the image on all sides, as a mask of everything does, shows no end of a body.
 bool can_start(const BodyObservation& body) {
-  return body.silhouette && body.points.cols() > 0;
+  if (!body.silhouette || body.points.cols() == 0) return false;
+  const auto& support = body.silhouette->support;
+  return std::any_of(support.begin(), support.end(), [](const SupportLine& line) { return line.free; });
 }
 
 BodyObservation features_of(const BodyObservation& body) {

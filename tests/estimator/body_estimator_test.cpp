@@ -280,6 +280,17 @@ TEST(BodyEstimator, WhatComesLateIsNotKnownBefore) {
   EXPECT_GT(size(true, 89), 1.02 * size(false, 89));  // then they take the place of the earlier ones
 }
 
+TEST(BodyEstimator, WhatFillsTheImageIsNoBodyYet) {
+  SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
+  constexpr int kFilled = 5;
+  for (int i = 0; i < kFilled; ++i)
+    for (SupportLine& line : perception.frames[i].bodies.at(0).silhouette->support) line.free = false;
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  for (int i = 0; i <= kFilled; ++i)
+    EXPECT_EQ(estimator.step(perception.frames[i], &perception.frames[i].bodies[0]).has_value(),
+              i == kFilled);
+}
+
 // The first sight is a glimpse of some points, none of which is seen again: the next one is another first.
 TEST(BodyEstimator, AGlimpseThatLeadsNowhereIsForgotten) {
   SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());
