@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWidth_px = 640;
-constexpr int kOutline_px = 2;
+constexpr int kTrue_px = 5, kEstimated_px = 2;  // of outlines: the estimated one on the true one shows both
 constexpr double kNoteHeight_px = 18;
 const cv::Scalar kTrueColor(80, 220, 60), kEstimatedColor(0, 140, 255), kBoxColor(60, 220, 255),
     kTextColor(255, 255, 255);
@@ -48,7 +48,7 @@ void draw_object(Canvas& canvas, const ObjectTrack& track, const ObjectState& st
   if (!is_truth) draw_box(canvas, camera_from_object, semi_axes_m, kBoxColor, 1);
   const auto outline = superellipsoid_outline(canvas.camera, camera_from_object, semi_axes_m, state.exponent);
   if (outline.empty()) return;
-  draw_polygon(canvas, outline, color, kOutline_px);
+  draw_polygon(canvas, outline, color, is_truth ? kTrue_px : kEstimated_px);
   const EllipseProjection ellipse = project(canvas.camera, camera_from_object, semi_axes_m);
   if (!is_truth && state.exponent == 2 && ellipse.status == ProjectionStatus::ok)
     draw_rectangle(canvas, ellipse.ellipse, color, 1);
