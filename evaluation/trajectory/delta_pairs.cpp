@@ -85,6 +85,7 @@ std::vector<IndexStep> delta_steps(const std::vector<Pose>& poses, const std::ve
   if (options.unit == DeltaUnit::frames) {
     if (options.delta != std::floor(options.delta))
       throw InputError("delta in frames must be a whole number");
+    if (options.delta >= static_cast<double>(poses.size())) return {};  // 2^64 and more fit no index
     return frame_steps(poses.size(), static_cast<std::size_t>(options.delta), options.all_pairs);
   }
   const Distance distance = distance_in(options.unit, poses, stamps_ns);

@@ -27,6 +27,18 @@ TEST_F(CompareTrajectories, StepsInMetresSecondsAndDegrees) {
   EXPECT_NEAR(turned(options).rmse, 6 * kDegree, kPoseRounding);
 }
 
+TEST_F(CompareTrajectories, NoStepIsLongerThanTheTrajectory) {
+  const auto way = random_walk(9, 2);
+  const std::vector<std::int64_t> stamps_ns(way.size());
+  for (const bool all_pairs : {false, true}) {
+    EXPECT_EQ(delta_steps(way, stamps_ns, {8, DeltaUnit::frames, 0.1, all_pairs}).size(), 1u);
+    for (const double frames : {9., 0x1p63, 0x1p64, 1e30, 1e300}) {  // no index holds 2^64 and more
+      EXPECT_TRUE(delta_steps(way, stamps_ns, {frames, DeltaUnit::frames, 0.1, all_pairs}).empty()) << frames;
+      EXPECT_TRUE(evo_steps(way, {frames, DeltaUnit::frames, 0.1, all_pairs}).empty()) << frames;
+    }
+  }
+}
+
 TEST(EvoSteps, DifferFromOursAsEvoDoes) {
   std::vector<Pose> poses;
   for (int i = 0; i < 9; ++i) poses.push_back({yaw(10 * kDegree * i), {0.5 * i, 0, 0}});
