@@ -11,6 +11,7 @@
 #include "evaluation/report/metrics.h"
 #include "evaluation/report/results.h"
 #include "evaluation/report/series.h"
+#include "evaluation/run_record.h"
 
 namespace uniquadric {
 namespace {
@@ -127,6 +128,16 @@ std::map<std::string, double> read_stages(const fs::path& file, const json& root
   return stages;
 }
 
+// As the run's options say; of estimates without any, the errors: no program follows a camera without one.
+bool read_camera_given(const json& root) {
+  const json config = root.value("config", json());
+  const json run = config.is_object() ? config.value("estimate", json()) : json();
+  if (run.is_object() && run.contains("variant")) return camera_was_given(run.dump());
+  for (const char* part : {"/camera/ape/translation_m/rmse", "/camera/ape/rotation_rad/rmse"})
+    if (const json::json_pointer rmse(part); !root.contains(rmse) || root[rmse] != 0) return false;
+  return true;
+}
+
 }  // namespace
 
 CellEvaluation read_cell_evaluation(const fs::path& folder) {
@@ -149,6 +160,7 @@ CellEvaluation read_cell_evaluation(const fs::path& folder) {
        {std::tuple{"/camera", "camera", MetricScope::camera}, std::tuple{"", "all", MetricScope::all}})
     if (SubjectFigures figures = read_figures(file, root, base, subject, scope); !figures.value.empty())
       evaluation.subjects.push_back(std::move(figures));
+  evaluation.camera_given = read_camera_given(root);
   evaluation.stage_ms = read_stages(file, root);
   evaluation.series = read_series(folder / "frames.csv", names);
   return evaluation;

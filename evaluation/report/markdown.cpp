@@ -17,6 +17,7 @@ std::string line(const std::vector<std::string>& fields) {
 std::string figure(const SummaryRow& row, const char* metric) {
   const auto found = row.spread.find(metric);
   if (found == row.spread.end()) return "-";
+  if (shows_given(row, find_metric(metric))) return "given";
   const std::string text = format_figure(found->second.median);
   return found->second.best ? fmt::format("**{}**", text) : text;
 }
@@ -68,7 +69,8 @@ std::string failures(const Results& results) {
 
 std::string page_markdown(const Results& results, const std::vector<SummaryRow>& summary) {
   std::string text = fmt::format(
-      "# {}\nMedians over seeds; the best variant of an object in bold; runs: with a result / all.\n\n",
+      "# {}\nMedians over seeds; runs: with a result / all; the best of an object's variants with the most "
+      "results in bold; given: poses of the camera that were not estimated.\n\n",
       results.name);
   text += table(summary) + arc_markdown(results) + lidar_markdown(results.lidar) + failures(results) +
           "\n## How it was made\n";

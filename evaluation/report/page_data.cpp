@@ -63,8 +63,8 @@ json spread_json(const Spread& s, int digits) {
 json row_json(const SummaryRow& row, int digits) {
   json spread = json::object();
   for (const auto& [metric, s] : row.spread) spread[metric] = spread_json(s, digits);
-  return {{"scene", row.scene}, {"object", row.object}, {"variant", row.variant},
-          {"runs", row.runs},   {"good", row.good},     {"spread", spread}};
+  return {{"scene", row.scene}, {"object", row.object}, {"variant", row.variant}, {"runs", row.runs},
+          {"good", row.good},   {"given", row.given},   {"spread", spread}};
 }
 
 // A list, or its one value where all are the same (true semi-axes).

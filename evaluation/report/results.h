@@ -29,6 +29,7 @@ struct ObjectSeries {
 struct CellEvaluation {
   std::string program;                     ///< that evaluated, with version; empty where absent
   std::string alignment;                   ///< of the estimate's world; empty where absent
+  bool camera_given = false;               ///< the camera's poses were given to the estimator, not estimated
   std::vector<SubjectFigures> subjects;    ///< objects in their order, then `camera`, then `all`
   std::vector<ObjectSeries> series;        ///< objects in order of their ids
   std::map<std::string, double> stage_ms;  ///< a frame, by stage; `frame` is all of them

@@ -6,9 +6,9 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cassert>
 #include <cmath>
+#include <span>
 
 #include "evaluation/report/markup.h"
-#include "evaluation/report/metrics.h"
 #include "evaluation/statistics/statistics.h"
 
 namespace uniquadric {
@@ -19,36 +19,58 @@ Spread spread_of(const std::vector<double>& values) {
   return {s.median, s.min, s.max, static_cast<int>(s.n), false, s.mean, confidence_interval(values), values};
 }
 
+// Objects that were never met are listed too, with coverage 0 and without errors.
+bool has_result(const SubjectFigures& figures) {
+  if (figures.subject == "all") return true;
+  const auto coverage = figures.value.find("coverage");
+  return figures.value.contains("ape_translation_rmse_m") &&
+         (coverage == figures.value.end() || coverage->second > 0);
+}
+
 SummaryRow summarize_row(const Results& results, const std::string& scene, const std::string& object,
                          const std::string& variant) {
-  SummaryRow row{scene, object, variant, 0, 0, {}, paper_row(object)};
+  SummaryRow row{scene, object, variant, 0, 0, object == "camera", {}, paper_row(object)};
   std::map<std::string, std::vector<double>> values;
   for (const Cell& cell : results.cells) {
     if (cell.scene != scene || cell.variant != variant) continue;
     ++row.runs;
     const SubjectFigures* figures = find_subject(cell, object);
     if (!figures) continue;
-    ++row.good;
+    row.good += has_result(*figures) ? 1 : 0;
+    row.given = row.given && cell.evaluation->camera_given;
     for (const auto& [metric, value] : figures->value) values[metric].push_back(value);
   }
   for (const auto& [metric, list] : values) row.spread[metric] = spread_of(list);
+  row.given = row.given && row.good > 0;
   return row;
 }
 
+// The spreads of a metric that compare: of the rows with the most results, those over the most runs.
+std::vector<Spread*> comparable(std::span<SummaryRow> rows, const char* metric) {
+  int good = 0, n = 0;
+  std::vector<Spread*> spreads;
+  for (const SummaryRow& row : rows)
+    if (!row.given) good = std::max(good, row.good);
+  for (SummaryRow& row : rows)
+    if (const auto found = row.spread.find(metric);
+        !row.given && row.good == good && found != row.spread.end())
+      spreads.push_back(&found->second);
+  for (const Spread* spread : spreads) n = std::max(n, spread->n);
+  std::erase_if(spreads, [n](const Spread* spread) { return spread->n < n; });
+  return spreads;
+}
+
 // Marks the best of the rows of one scene and object.
-void mark_best(std::vector<SummaryRow>::iterator begin, std::vector<SummaryRow>::iterator end) {
+void mark_best(std::span<SummaryRow> rows) {
+  const auto less = [](const Spread* a, const Spread* b) { return a->median < b->median; };
   for (const Metric& metric : all_metrics()) {
-    std::vector<double> medians;
-    for (auto row = begin; row != end; ++row)
-      if (const auto found = row->spread.find(metric.name); found != row->spread.end())
-        medians.push_back(found->second.median);
-    if (medians.empty()) continue;
-    const auto [min, max] = std::minmax_element(medians.begin(), medians.end());
-    if (*min == *max) continue;
-    const double best = metric.lower_is_better ? *min : *max;
-    for (auto row = begin; row != end; ++row)
-      if (const auto found = row->spread.find(metric.name); found != row->spread.end())
-        found->second.best = found->second.median == best;
+    const std::vector<Spread*> spreads = comparable(rows, metric.name);
+    if (spreads.empty()) continue;
+    const auto [min, max] = std::minmax_element(spreads.begin(), spreads.end(), less);
+    const double least = (*min)->median, greatest = (*max)->median;
+    if (least == greatest) continue;
+    for (Spread* spread : spreads)
+      spread->best = spread->median == (metric.lower_is_better ? least : greatest);
   }
 }
 
@@ -69,6 +91,10 @@ std::vector<std::string> paper_line(const SummaryRow& row) {
 }
 
 }  // namespace
+
+bool shows_given(const SummaryRow& row, const Metric& metric) {
+  return row.given && metric.lower_is_better;
+}
 
 bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i) {
   return i + 1 == rows.size() || rows[i + 1].object != rows[i].object || rows[i + 1].scene != rows[i].scene;
@@ -108,7 +134,7 @@ std::vector<SummaryRow> summarize(const Results& results) {
       const auto first = rows.size();
       for (const std::string& variant : variants_of(results, scene))
         rows.push_back(summarize_row(results, scene, subject, variant));
-      mark_best(rows.begin() + static_cast<std::ptrdiff_t>(first), rows.end());
+      mark_best(std::span(rows).subspan(first));
     }
   }
   return rows;
@@ -141,7 +167,7 @@ std::string summary_text(const std::vector<SummaryRow>& rows) {
   }
   return aligned_columns(lines, "<<<") +
          "medians over seeds; APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares; * best of its "
-         "object;\n"
+         "object's variants with the most runs;\n"
          "(paper): Table III, Single Frame OBB, on the paper's own sequences\n";
 }
 

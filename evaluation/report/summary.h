@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/report/metrics.h"
 #include "evaluation/report/paper_table.h"
 #include "evaluation/report/results.h"
 
@@ -14,7 +15,7 @@ namespace uniquadric {
 struct Spread {
   double median = 0, min = 0, max = 0;
   int n = 0;
-  bool best = false;  ///< no variant of the same scene and object has a better median, and one has a worse
+  bool best = false;  ///< of the variants compared (summarize), none has a better median and one a worse
   double mean = 0;
   std::optional<double> interval;  ///< half the mean's 95 % confidence interval; nothing of a single run
   std::vector<double> values;      ///< in order of the runs
@@ -23,14 +24,21 @@ struct Spread {
 /// A row of the summary.
 struct SummaryRow {
   std::string scene, object, variant;
-  int runs = 0, good = 0;                ///< cells tried or planned, and those with a result for this object
+  int runs = 0, good = 0;                ///< cells tried or planned, and those with errors of this object
+  bool given = false;                    ///< the camera's poses were given in all runs: no estimate of them
   std::map<std::string, Spread> spread;  ///< by metric name; absent where no run has the figure
   std::optional<PaperRow> paper;         ///< of the object's name
 };
 
 /// Rows by scene, object (`camera` and `all` last) and variant, in the order of cells.csv. A scene without a
-/// single good run has one row a variant with the object `all`.
+/// single good run has one row a variant with the object `all`. A run whose evaluation lists the object but
+/// never met it (coverage 0, or no APE) has no result. The best of a metric is sought among the variants of
+/// the same scene and object that have the most runs with a result, and of those the most with this metric:
+/// who loses the hard runs is not the better for it. Given cameras are left out.
 std::vector<SummaryRow> summarize(const Results& results);
+
+/// Whether a table says `given` in place of the row's figure: errors of poses that were given.
+bool shows_given(const SummaryRow& row, const Metric& metric);
 
 /// Whether the row at `i` is the last of its scene and object.
 bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i);

@@ -2,10 +2,10 @@
 const ablation_state = { metric: null };
 const kLogarithmicFrom = 20; // times between the greatest and the least
 
-// Objects with two variants or more that have the metric: [{scene, object, rows}].
+// Objects with two variants or more that have the metric, cameras that were given left out: [{scene, object, rows}].
 function ablation_groups(metric) {
   const groups = new Map();
-  for (const row of data.summary.filter((r) => metric in r.spread)) {
+  for (const row of data.summary.filter((r) => metric in r.spread && !r.given)) {
     const key = JSON.stringify([row.scene, row.object]);
     groups.set(key, [...(groups.get(key) ?? []), row]);
   }

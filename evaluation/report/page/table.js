@@ -33,7 +33,7 @@ const sort_keys = {
 
 function sorted_rows(rows) {
   if (!summary_state.sort) return rows;
-  const key = sort_keys[summary_state.sort] ?? ((row) => row.spread[summary_state.sort]?.median);
+  const key = sort_keys[summary_state.sort] ?? ((row) => (shows_given(row, metric_of.get(summary_state.sort)) ? undefined : row.spread[summary_state.sort]?.median));
   const sign = summary_state.descending ? -1 : 1;
   return rows.map((row, index) => ({ row, index, value: key(row) })).sort((a, b) => {
     if (a.value === undefined || b.value === undefined) // without a figure: always last
@@ -55,9 +55,13 @@ function head_cell(name, label, title, number) {
     el("button", { type: "button", "data-sort": name, click: () => sort_by(name) }, label));
 }
 
+// Errors of a camera whose poses were given: no estimate's.
+const shows_given = (row, metric) => row.given === true && metric?.better === "lower";
+
 function figure_cell(row, metric) {
   const spread = row.spread[metric.name];
   if (!spread) return el("td", { class: "number" }, row.paper ? "" : "–");
+  if (shows_given(row, metric)) return el("td", { class: "number", title: "the camera's poses were given, not estimated" }, "given");
   const text = row.paper ? spread.median.toFixed(3) : format_figure(spread.median);
   const range = spread.max > spread.min ? el("small", {}, `${format_short(spread.min)} – ${format_short(spread.max)}`) : null;
   const title = row.paper ? "as printed in Table III" : `${metric.name}: ${spread.median}, ${spread.n} runs`;
