@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstring>
 #include <functional>
 #include <istream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <ostream>
+#include <stdexcept>
 
 #include "core/base/error.h"
 #include "core/geometry/box_symmetry.h"
@@ -112,8 +115,9 @@ bool next_line(std::istream& in, std::string& line) {
 
 int run_metric(const std::string& kind, const MetricOptions& options, std::istream& in, std::ostream& out) {
   const Answer answer = answer_for(kind, options);
-  int exit_code = 0;
+  int exit_code = 0, number = 0;
   for (std::string line; next_line(in, line);) {
+    ++number;
     if (line.find_first_not_of(" \t\r") == line.npos) continue;
     json result, id;
     try {
@@ -123,12 +127,13 @@ int run_metric(const std::string& kind, const MetricOptions& options, std::istre
       id = json::parse(input.id_json());
       result = answer(input);
     } catch (const InputError& e) {
-      result = {{"error", e.what()}};
+      result = {{"error", e.what()}, {"line", number}};
       exit_code = 2;
     }
     result["id"] = id;
     out << result.dump(-1, ' ', false, json::error_handler_t::replace)
         << std::endl;  // at once: it may be a dialogue
+    if (!out) throw std::runtime_error(fmt::format("the answer cannot be written: {}", std::strerror(errno)));
   }
   return exit_code;
 }

@@ -7,6 +7,7 @@
 
 #include "core/sequence/stamps.h"
 #include "core/sequence/trajectory.h"
+#include "evaluation/trajectory/trajectory_error.h"
 
 namespace uniquadric {
 namespace {
@@ -80,6 +81,11 @@ std::vector<std::string> stamp_faults(const fs::path& estimate_folder, const Tra
   std::vector<std::string> faults;
   const Stamps frames = stamps_of(truth.camera);
   if (frames.empty()) return faults;
+  if (estimate.camera.size() < kMinPairs)
+    faults.push_back(
+        fmt::format("{}: holds {} of the {} poses that the camera's errors and an alignment need at least; "
+                    "objects are compared where they stand in the estimate's world",
+                    (estimate_folder / "camera.tum").string(), estimate.camera.size(), kMinPairs));
   check_file(estimate_folder / "camera.tum", frames, stamps_of(estimate.camera), max_difference_ns, faults);
   for (const ObjectTrack& track : estimate.objects)
     check_file(estimate_folder / fmt::format("objects/{}.tum", track.id), frames, stamps_of(track.states),

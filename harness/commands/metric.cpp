@@ -128,6 +128,9 @@ void add_metric(CLI::App& app, Common& common) {
     if (!std::set<std::string>{"iou3d", "iou2d", "project", "pose"}.contains(kind))
       throw InputError(
           fmt::format("metric '{}' is none of iou3d, iou2d, project, pose, map, depth, surface", kind));
+    for (const char* name : {"--samples", "--seed"})
+      if (sub->count(name) > 0 && options.method != "monte-carlo")
+        throw InputError(fmt::format("{} requires --method monte-carlo", name));
     common.exit_code = run_metric(kind, options, std::cin, std::cout);
   });
 }

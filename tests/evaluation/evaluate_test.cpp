@@ -316,6 +316,12 @@ TEST_F(Evaluate, StampsThatDoNotFitTheTruthsFramesAreNamed) {
         shift(tracks.objects[0], -8'000'000);
       }),
       warning("camera.tum", "stamps lie 8 ms" + near) + warning("objects/10.tum", "stamps lie 8 ms" + near));
+  for (const std::size_t poses : {0, 1, 2})
+    EXPECT_EQ(
+        said([&](Tracks& tracks) { tracks.camera.resize(poses); }),
+        warning("camera.tum", "holds " + std::to_string(poses) +
+                                  " of the 3 poses that the camera's errors and an alignment need at "
+                                  "least; objects are compared where they stand in the estimate's world"));
   const auto from_1 = [](Tracks& tracks) {
     for (auto& state : tracks.objects[1].states) ++state.frame;
   };

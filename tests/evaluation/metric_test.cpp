@@ -66,17 +66,20 @@ TEST(Metric, BadLinesAreAnsweredAndTheOthersGoOn) {
                                         "\n",
                                         R"({"id":7})"
                                         "\n"};
-  std::string lines = "not json\n";
+  std::string lines = "not json\n \n";  // the blank line has a number and no answer
   for (const auto& line : bad) lines += line + pair(good, good);
   const Answers answers = ask("iou3d", lines);
   EXPECT_EQ(answers.exit_code, 2);
   ASSERT_EQ(answers.lines.size(), 1 + 2 * bad.size());
   EXPECT_TRUE(answers.lines[0]["id"].is_null());
+  EXPECT_EQ(answers.lines[0]["line"], 1);
   for (std::size_t i = 0; i < bad.size(); ++i) {
     const json& answer = answers.lines[1 + 2 * i];
     EXPECT_EQ(answer["id"], 7) << bad[i];
     EXPECT_TRUE(answer.contains("error") && !answer.contains("iou")) << bad[i];
+    EXPECT_EQ(answer["line"], 3 + 2 * i) << bad[i];
     EXPECT_EQ(answers.lines[2 + 2 * i]["iou"], 1) << bad[i];
+    EXPECT_FALSE(answers.lines[2 + 2 * i].contains("line"));
   }
 }
 

@@ -60,13 +60,12 @@ TEST_F(Cli, ForceNeverReplacesAnInput) {
 TEST_F(Cli, AFullOutputIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   const fs::path scene = write("scene.yaml", small_scene_yaml());
-  EXPECT_EQ(std::system((std::string(UNIQUADRIC_PROGRAM " info ") + scene.string() + " >/dev/full 2>" +
-                         (folder() / "err").string())
-                            .c_str()) >>
-                8,
-            2);
-  EXPECT_NE(read_text(folder() / "err").find("cannot be written: No space left on device"),
-            std::string::npos);
+  for (const std::string& command : {"info " + scene.string(), std::string("metric iou3d")}) {
+    const std::string call = "echo nonsense | " UNIQUADRIC_PROGRAM " " + command + " >/dev/full 2>";
+    EXPECT_EQ(std::system((call + (folder() / "err").string()).c_str()) >> 8, 2) << command;
+    const std::string said = read_text(folder() / "err");
+    EXPECT_NE(said.find("cannot be written: No space left on device"), std::string::npos) << said;
+  }
 }
 
 }  // namespace

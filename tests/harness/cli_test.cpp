@@ -52,6 +52,8 @@ TEST_F(Cli, RefusesWhatItDoesNotKnow) {
     expect_refusal({"simulate", "a.yaml", out(), "--noise-scale", scale}, "is no number of at least 0");
   expect_refusal({"simulate", folder() / "none.yaml", out()}, "none.yaml: cannot be read");
   expect_refusal({"metric", "iou4d"}, "iou4d");
+  for (const char* option : {"--samples", "--seed"})
+    expect_refusal({"metric", "iou3d", option, "10"}, option + std::string(" requires --method monte-carlo"));
 }
 
 TEST_F(Cli, MetricAnswersLineByLine) {
