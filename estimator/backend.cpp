@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
 
 #include "estimator/shape/even_choice.h"
 
@@ -50,9 +51,9 @@ ObjectState object_state(const BodyState& body) {
   return state;
 }
 
-// The states of a body as they are known at the end: the last shape, the whole trajectory smoothed.
+// The states of a body's life as they are known at the end: the last shape, the whole trajectory smoothed.
 // From here on the body's frame is the object's.
-void finish(std::vector<BodyState>& states, const TrajectorySmootherOptions& options) {
+void finish(std::span<BodyState> states, const TrajectorySmootherOptions& options) {
   const Shape shape = states.back().shape;
   const Matrix6d turn = turned(shape.body_from_object.rotation.inverse());
   std::vector<PoseSample> samples;
@@ -109,8 +110,8 @@ class BodyRun {
           !surface.points.empty())
         result.surfaces[id_] = std::move(surface);
     if (variant.output == Output::final && !states_.empty()) {
-      forget_first_lives();
-      finish(states_, variant.body.trajectory);
+      forget_glimpses();
+      finish_lives(variant.body.trajectory);
     }
     result.observations_without_state += without_state_;
     result.times.insert(result.times.end(), times_.begin(), times_.end());
@@ -123,13 +124,25 @@ class BodyRun {
  private:
   // A body is begun anew where its first sights led nowhere. What they were taken for is not what it turned
   // out to be, and nothing leads from their frame to that of the later life.
-  void forget_first_lives() {
-    const int last = states_.back().beginning;
+  void forget_glimpses() {
+    std::set<int> lives = {states_.back().beginning};
+    for (const BodyState& state : states_)
+      if (state.status == ObjectStatus::active) lives.insert(state.beginning);
     std::erase_if(states_, [&](const BodyState& state) {
-      const bool goes = state.beginning != last;
+      const bool goes = !lives.contains(state.beginning);
       without_state_ += goes && state.status != ObjectStatus::lost && seen_.contains(state.frame);
       return goes;
     });
+  }
+
+  // Each life has a frame of its own.
+  void finish_lives(const TrajectorySmootherOptions& options) {
+    for (auto begin = states_.begin(); begin != states_.end();) {
+      const auto end = std::find_if(
+          begin, states_.end(), [&](const BodyState& state) { return state.beginning != begin->beginning; });
+      finish({begin, end}, options);
+      begin = end;
+    }
   }
 
   int id_;

@@ -60,6 +60,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
                                              std::vector<StageTime>* times) {
   shape_.note_times(times);
   if (!frame.world_from_camera) return std::nullopt;
+  if (frame.depth_changed && !recent_.empty()) begin_anew();
   shape_.receive(frame.frame);  // silhouettes that came late
   if (recent_.empty()) {
     if (!body || !start(frame, *body)) return std::nullopt;
@@ -104,9 +105,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   }
   const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
   if (body && can_start(*body) && was_a_glimpse(hidden_s)) {
-    const int beginnings = beginnings_ + 1;
-    *this = BodyEstimator(id_, camera_, options_, seed_);
-    beginnings_ = beginnings;
+    begin_anew();
     return step(frame, body, times);
   }
   const bool is_lost = hidden_s > options_.lifecycle.lost_after_s;
@@ -123,6 +122,12 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   // of a part alone the centre is not known well enough to count
   state.evidence = center && is_whole(*body->silhouette) ? PoseEvidence::guess : PoseEvidence::none;
   return state;
+}
+
+void BodyEstimator::begin_anew() {
+  const int beginnings = beginnings_ + 1;
+  *this = BodyEstimator(id_, camera_, options_, seed_);
+  beginnings_ = beginnings;
 }
 
 bool BodyEstimator::start(const PerceivedFrame& frame, const BodyObservation& body) {

@@ -82,6 +82,7 @@ class BodyEstimator {
     Matrix6d covariance;
   };
 
+  void begin_anew();
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
   bool has_own_outline(const PerceivedFrame& frame, const BodyObservation& body) const;
   bool was_a_glimpse(double hidden_s) const;

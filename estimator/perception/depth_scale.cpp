@@ -1,12 +1,13 @@
 #include "estimator/perception/depth_scale.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/base/seconds.h"
 #include "estimator/perception/rigid_motion.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -29,9 +30,7 @@ std::optional<double> measured_scale(const FrameView& view, const TrackedBody& b
   for (std::size_t i = 0; i < sightings.size(); ++i)
     if (fit->inlier[i])
       ratios.push_back(sightings[i].depth_m / (fit->camera_from_body * sightings[i].point).z());
-  const auto middle = ratios.begin() + std::ssize(ratios) / 2;
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return *middle;
+  return upper_median(std::move(ratios));
 }
 
 }  // namespace
@@ -46,7 +45,9 @@ DepthScaleWatch::Verdict DepthScaleWatch::judge(const FrameView& view, const Tra
     if (refused_++ == 0) refused_since_ns_ = stamp_ns;
     if (refused_ <= believed_ && seconds(refused_since_ns_, stamp_ns) < view.options.max_scale_refused_s)
       return Verdict::refused;
+    const int agreed = refused_;
     *this = {};
+    believed_ = agreed;
     return Verdict::changed;
   }
   refused_ = 0;

@@ -238,7 +238,9 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   DepthCheck depth_check(options.depth_check);
   std::atomic<int> unusable = 0;
   const auto refuse_depth = [&](Work& work) {
-    work.depth.setTo(0);
+    const cv::Mat none = cv::Mat::zeros(work.depth.size(), work.depth.type());
+    work.depth = none;  // another one: the tracker of masks keeps that which it saw
+    work.surfaces.clear();
     work.result.depth_refused = true;
     ++unusable;
   };
@@ -284,6 +286,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     if (run.feedback) hints = run.feedback->hints(frame.frame, frame.stamp_ns);
     const TrackedFeatures tracked = features.track(frame, work->rgb, work->depth, work->masks, hints);
     if (tracked.depth_refused) refuse_depth(*work);
+    work->result.depth_changed = tracked.depth_changed;
     add_features(tracked, work->result);
     watch.stop("features");
     if (lidar_depth) lidar_depth->saw(tracked.bodies);

@@ -65,6 +65,7 @@ struct FrameInfo {
   std::optional<Pose> world_from_camera;  ///< nothing: the camera was lost
   bool has_masks = false;                 ///< whether its masks are known: segmented, or carried to it
   bool depth_refused = false;             ///< its depth image is no measurement
+  bool depth_changed = false;             ///< from here on depth has another scale than all that was known
 };
 
 struct PerceivedFrame : FrameInfo {

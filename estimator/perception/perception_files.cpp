@@ -268,7 +268,7 @@ void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_cam
     index.put(frames_[i].frame);
     index.put(frames_[i].stamp_ns);
     index.put(frames_[i].has_masks);
-    index.put(frames_[i].depth_refused);
+    index.put(static_cast<char>(frames_[i].depth_refused | frames_[i].depth_changed << 1));
     index.put(has_pose);
     if (has_pose) put(index, pose->second);
     index.put(places_[i]);
@@ -321,7 +321,9 @@ Perception::Perception(const fs::path& folder)
     frame.frame = index.get<std::int64_t>();
     frame.stamp_ns = index.get<std::int64_t>();
     frame.has_masks = index.get<char>() != 0;
-    frame.depth_refused = index.get<char>() != 0;
+    const auto depth = index.get<char>();
+    frame.depth_refused = depth & 1;
+    frame.depth_changed = depth & 2;
     if (index.get<char>() != 0) frame.world_from_camera = get_pose(index);
     places_.push_back(index.get<FilePlace>());
   }

@@ -26,6 +26,7 @@ SyntheticPerception two_frames() {
   perception.frames[1].bodies[0].colors = Eigen::Matrix3Xf::Constant(3, 7, 42.5F);
   perception.frames[0].has_masks = true;
   perception.frames[1].depth_refused = true;
+  perception.frames[0].depth_changed = true;
   perception.frames[0].bodies[0].silhouette->support[3].free = false;
   Silhouette late = *perception.frames[0].bodies[0].silhouette;
   late.segmented = true;
@@ -68,6 +69,8 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   EXPECT_FALSE(back.frames()[1].has_masks);
   EXPECT_FALSE(back.frames()[0].depth_refused);
   EXPECT_TRUE(back.frames()[1].depth_refused);
+  EXPECT_TRUE(back.frames()[0].depth_changed);
+  EXPECT_FALSE(back.frames()[1].depth_changed);
   EXPECT_EQ(back.ego_restarts(), 2);
   EXPECT_EQ(frames[0].world_from_camera->translation, perception.frames[0].world_from_camera->translation);
   EXPECT_FALSE(frames[1].world_from_camera);

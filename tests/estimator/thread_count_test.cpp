@@ -1,6 +1,8 @@
 // The same bytes for any number of threads.
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
+
 #include "core/base/error.h"
 #include "drawn_sequence.h"
 #include "tests/support/temp_folder.h"
@@ -29,6 +31,16 @@ TEST(Robustness, JoinedWithTheBackEndTheBytesAreThoseOfAnyNumberOfThreads) {
       input_error([&] { estimate(temp.path(), joined, options, temp.path() / "out"); });
   EXPECT_NE(message.find("feedback: backend"), std::string::npos) << message;
   EXPECT_FALSE(fs::exists(temp.path() / "out") || fs::exists(options.perception));
+}
+
+TEST(Robustness, ARefusedDepthLeavesTheSameBytesForAnyNumberOfThreads) {
+  const TempFolder temp;
+  write_drawn_sequence(temp.path(), {kRed}, 24, [](DrawnFrame& drawn) {
+    if (drawn.frame.frame >= 10 && drawn.frame.frame < 16) drawn.depth *= 1.04;
+  });
+  const Outcome one = run(temp.path(), 1, windows(EgoSource::rgbd)),
+                four = run(temp.path(), 4, windows(EgoSource::rgbd));
+  EXPECT_EQ(one.files, four.files);
 }
 
 TEST(Robustness, ThirtyBodiesHaveTheSameBytesForAnyNumberOfThreads) {

@@ -203,9 +203,10 @@ TEST(Features, PoorInputGivesNoMotionAndNoCrash) {
 
 // Frames whose depth is refused, of twelve; `scale`: of the depth of a frame.
 // `changed`: the frame where all that was mapped has the wrong scale.
-std::set<int> refused_frames(const std::function<double(int)>& scale, int changed = 0) {
+std::set<int> refused_frames(const std::function<double(int)>& scale, int changed = 0,
+                             const FeatureOptions& options = {}) {
   const TumblingBox world;
-  FeatureTracker tracker(small_camera(), {}, 1);
+  FeatureTracker tracker(small_camera(), options, 1);
   std::set<int> refused;
   for (int i = 0; i < 12; ++i) {
     DrawnFrame frame = world.frame(i, {0.005, 2});
@@ -239,6 +240,9 @@ TEST(Features, DepthOfAnotherScaleForAWhileIsRefused) {
 TEST(Features, DepthOfAnotherScaleThatStaysIsBelieved) {
   EXPECT_EQ(refused_frames([](int i) { return i == 0 ? 1.04 : 1; }, 1), std::set<int>{});
   EXPECT_EQ(refused_frames([](int i) { return i >= 5 ? 1.04 : 1; }, 9), (std::set<int>{5, 6, 7, 8}));
+  FeatureOptions hasty;
+  hasty.max_scale_refused_s = 0.05;  // a frame and a half
+  EXPECT_EQ(refused_frames([](int i) { return i >= 5 ? 1.04 : 1; }, 7, hasty), (std::set<int>{5, 6}));
 }
 
 }  // namespace
