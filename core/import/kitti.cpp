@@ -107,6 +107,19 @@ RecordedTruth describe_truth(const KittiRecording& recording) {
   return truth;
 }
 
+// Frames between the first and the last file that have none: lost on the way, where scans are not slower.
+void add_holes(const FilesByFrame& files, const char* what, Recording& recording) {
+  if (files.empty()) return;
+  const std::int64_t first = files.begin()->first, last = files.rbegin()->first;
+  const std::int64_t holes = last - first + 1 - std::ssize(files);
+  if (holes == 0) return;
+  std::int64_t hole = first;
+  while (files.contains(hole)) ++hole;
+  recording.left_out.push_back(fmt::format("{}: {} of the frames {} to {} have no {}, the first {:06}",
+                                           files.begin()->second.parent_path().string(), holes, first, last,
+                                           what, hole));
+}
+
 Recording as_recording(const KittiRecording& kitti) {
   Recording recording;
   recording.sequence = describe(kitti);
@@ -119,6 +132,8 @@ Recording as_recording(const KittiRecording& kitti) {
       return read_kitti_scan(scans.at(*parse_integer(scan.file.stem().string())), period_ns);
     };
   }
+  add_holes(kitti.images, "image", recording);
+  add_holes(kitti.scans, "scan", recording);
   if (kitti.labels.empty()) return recording;
   if (!kitti.world_from_camera.empty())
     recording.truth = describe_truth(kitti);

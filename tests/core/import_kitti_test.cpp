@@ -138,6 +138,23 @@ TEST_F(ImportKitti, SensorsReadBackAsTheRecordingHasThem) {
   EXPECT_TRUE(std::isnan(points[1].x));  // the readers of scans pass it over, not the import
 }
 
+TEST_F(ImportKitti, SaysWhatFramesHaveNoFile) {
+  const auto said = [&] {
+    testing::internal::CaptureStderr();
+    import();
+    return testing::internal::GetCapturedStderr();
+  };
+  const auto line = [&](const char* folder, const std::string& what) {
+    return "uniquadric: " + (source_.folder / folder / "0007").string() + ": " + what + "\n";
+  };
+  EXPECT_EQ(said(), "");
+  fs::remove(source_.file("velodyne", 1, "bin"));
+  const std::string scans = line("velodyne", "1 of the frames 0 to 3 have no scan, the first 000001");
+  EXPECT_EQ(said(), scans);
+  for (const int frame : {1, 2}) fs::remove(source_.file("image_02", frame, "png"));
+  EXPECT_EQ(said(), line("image_02", "2 of the frames 0 to 3 have no image, the first 000001") + scans);
+}
+
 TEST_F(ImportKitti, TruthAndScansMeetInTheWorld) {
   import();
   const Sequence sequence = open_sequence(out());
