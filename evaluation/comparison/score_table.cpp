@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text.h"
+#include "evaluation/report/metrics.h"
 #include "evaluation/report/results.h"
 
 namespace uniquadric {
@@ -63,6 +64,9 @@ std::optional<double> parse_value(const Line& line, const Fields& fields, bool l
   if (!value) line.fail("value '{}' is no finite number", text);
   if (std::abs(*value) > kMostValue) line.fail("value {} is beyond {}", text, kMostValue);
   if (lower && *value < 0) line.fail("value {} of an error is below 0", text);
+  for (const Metric& metric : all_metrics())  // others are another program's
+    if (metric.name == fields[kMetric])
+      if (const auto why = impossible(metric, *value)) line.fail("value of {}: {}", metric.name, *why);
   return value;
 }
 

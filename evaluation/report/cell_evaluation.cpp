@@ -80,8 +80,10 @@ SubjectFigures read_figures(const fs::path& file, const json& root, const std::s
   SubjectFigures figures{subject, {}};
   for (const Metric& metric : all_metrics())
     if (metric.scopes & static_cast<int>(scope))
-      if (const auto value = number_at(file, root, base + metric.pointer))
+      if (const auto value = number_at(file, root, base + metric.pointer)) {
+        if (const auto why = impossible(metric, *value)) fail(file, field_name(base + metric.pointer), *why);
         figures.value[metric.name] = *value;
+      }
   return figures;
 }
 

@@ -1,5 +1,7 @@
 #include "evaluation/report/metrics.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 
@@ -127,6 +129,13 @@ const Metric& find_metric(std::string_view name) {
                                   [&](const Metric& metric) { return name == metric.name; });
   assert(found != std::end(kMetrics));
   return *found;
+}
+
+std::optional<std::string> impossible(const Metric& metric, double value) {
+  constexpr double kRounding = 1e-9;  // of a mean of shares
+  if (value < 0 && std::string_view(metric.name) != "mota") return fmt::format("{} is below 0", value);
+  if (!metric.lower_is_better && value > 1 + kRounding) return fmt::format("{} is more than 1", value);
+  return std::nullopt;
 }
 
 std::span<const char* const> summary_metrics() {

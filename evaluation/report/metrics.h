@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace uniquadric {
@@ -25,6 +27,10 @@ std::span<const Metric> all_metrics();
 
 /// The metric of that name; asserts that there is one.
 const Metric& find_metric(std::string_view name);
+
+/// Why a value cannot be the metric's, as "1.5 is more than 1"; nothing of one that can. Errors, counts and
+/// times are 0 at least, what is better higher is a share (MOTA may be negative).
+std::optional<std::string> impossible(const Metric& metric, double value);
 
 /// Columns of the short tables, in order.
 std::span<const char* const> summary_metrics();

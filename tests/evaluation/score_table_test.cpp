@@ -68,6 +68,11 @@ TEST_F(ScoreFile, RefusesByLine) {
   expect_third("s,cube,v,2,iou3d_mean,1e200,higher,ok", "value 1e200 is beyond 1e+100");
   expect_third("s,cube,v,2,iou3d_mean,0.5,higher,failed", "value '0.5' of a cell that failed");
   expect_third("s,cube,v,2,d_shape_mean_m,-1,lower,ok", "value -1 of an error is below 0");
+  expect_third("s,cube,v,2,iou3d_mean,1.5,higher,ok", "value of iou3d_mean: 1.5 is more than 1");
+  expect_third("s,cube,v,2,iou3d_mean,-0.1,higher,ok", "value of iou3d_mean: -0.1 is below 0");
+  expect_third("s,cube,v,2,coverage,-1,higher,ok", "value of coverage: -1 is below 0");
+  expect_third("s,all,v,2,mota,1.5,higher,ok", "value of mota: 1.5 is more than 1");
+  read(kHeader + "s,all,v,2,mota,-1.5,higher,ok\ns,all,v,2,another_score,7,higher,ok\n");
   expect_third("s,cube,v,2,iou3d_mean,0.5,up,ok", "better 'up' is neither lower nor higher");
   expect_third("s,cube,v,2,iou3d_mean,0.5,lower,ok", "better 'lower' of iou3d_mean differs");
   expect_third("s,cube,v,2,iou3d_mean,0.5,higher,lost", "status 'lost' is neither ok nor failed");

@@ -44,6 +44,14 @@ const BadFile kBadFiles[] = {
      "field objects[0].name: expected a text"},
     {kEvaluation, R"({"schema": 1, "objects": [{"id": 1, "ape": {"translation_m": {"rmse": "far"}}}]})",
      "field objects[0].ape.translation_m.rmse: expected a number"},
+    {kEvaluation, R"({"schema": 1, "objects": [{"id": 1, "iou3d": {"mean": 1.5}}]})",
+     "evaluation.json: field objects[0].iou3d.mean: 1.5 is more than 1"},
+    {kEvaluation, R"({"schema": 1, "objects": [{"id": 1, "iou2d": {"mean": -0.5}}]})",
+     "evaluation.json: field objects[0].iou2d.mean: -0.5 is below 0"},
+    {kEvaluation, R"({"schema": 1, "objects": [], "camera": {"coverage": 2}})",
+     "evaluation.json: field camera.coverage: 2 is more than 1"},
+    {kEvaluation, R"({"schema": 1, "objects": [{"id": 1, "ape": {"translation_m": {"rmse": -1}}}]})",
+     "evaluation.json: field objects[0].ape.translation_m.rmse: -1 is below 0"},
     {kEvaluation, R"({"schema": 1, "objects": [{"id": 1, "ape": 3}]})",
      "field objects[0].ape: expected an object"},
     {kFrames, "", "frames.csv: is empty"},
@@ -87,7 +95,7 @@ TEST(ReportInput, NamesFileAndLineOrFieldAndWritesNothing) {
       EXPECT_FALSE(fs::exists(folder.path() / file));
     ++cases;
   }
-  EXPECT_EQ(cases, 36);
+  EXPECT_EQ(cases, 40);
 }
 
 TEST(ReportInput, FolderThatIsNoResultsFolder) {
