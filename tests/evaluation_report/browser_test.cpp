@@ -151,6 +151,23 @@ void expect_variants_side_by_side(const json& figures_seen) {
   EXPECT_EQ(figures_seen[3][1].at("title"), "rotbbox: mean 0.0100 of one run");
 }
 
+// Two marks at least on every axis, and no bar of a share beyond 0 and 1.
+void expect_axes_with_marks(const json& seen) {
+  const json& axes = seen.at("axes");
+  EXPECT_GT(axes.size(), 300u);
+  for (const json& marks : axes) {
+    ASSERT_GE(marks.size(), 2u) << axes;
+    EXPECT_LT(marks.front(), marks.back());
+    EXPECT_GE(marks.front(), -1e-6);  // per cent: rounding
+    EXPECT_LE(marks.back(), 100 + 1e-6);
+  }
+  const json& clipped = seen.at("clipped");
+  constexpr double kPercent = 0.01;
+  EXPECT_NEAR(clipped.at("bars")[0][1], clipped.at("one"), kPercent);
+  EXPECT_NEAR(clipped["bars"][1][0], clipped.at("zero"), kPercent);
+  EXPECT_GT(clipped["bars"][0][0], clipped["bars"][1][0]);
+}
+
 void expect_slider_moves_ellipsoids(const json& space, const json& motion) {
   const json &early = space.at("early"), &late = space.at("late");
   EXPECT_EQ(early.at("index"), 5);
@@ -229,6 +246,7 @@ TEST_F(Browser, TablesSortAndTheSliderMovesTheEllipsoids) {
   expect_sorted(seen.at("table"));
   expect_surfaces_and_times(seen);
   expect_variants_side_by_side(seen.at("ablation"));
+  expect_axes_with_marks(seen);
   expect_slider_moves_ellipsoids(seen.at("space"),
                                  json::parse(page_motion(read_results(folder_.path()), {})));
   expect_turns_zooms_follows_and_plays(seen.at("space"));

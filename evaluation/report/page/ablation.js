@@ -12,28 +12,43 @@ function ablation_groups(metric) {
   return [...groups.values()].filter((rows) => rows.length > 1).map((rows) => ({ scene: rows[0].scene, object: rows[0].object, rows }));
 }
 
+// The mean's 95 % interval; of IoU and coverage within what they can be.
+function interval_of({ mean, interval }, lower_is_better) {
+  const half = interval ?? 0;
+  return lower_is_better ? [mean - half, mean + half] : [Math.max(0, mean - half), Math.min(1, mean + half)];
+}
+
+// The round numbers from `from` to `to`, two at least.
+function round_marks(from, to) {
+  for (let step = round_length((to - from) / 3); ; step /= 2) {
+    const first = Math.ceil(from / step), count = Math.floor(to / step) - first + 1;
+    if (count >= 2) return Array.from({ length: count }, (_, i) => (first + i) * step);
+  }
+}
+
 // Where a value lies on an axis, in per cent, and the axis' round marks.
 function ablation_axis(spreads, lower_is_better) {
   const values = spreads.flatMap((s) => s.values), least = Math.min(...values), greatest = Math.max(...values);
   if (lower_is_better && least > 0 && greatest / least > kLogarithmicFrom) {
     const from = Math.log10(least) - 0.1, to = Math.log10(Math.max(greatest, ...spreads.map((s) => s.mean + (s.interval ?? 0)))) + 0.1;
-    const powers = Array.from({ length: Math.floor(to) - Math.ceil(from) + 1 }, (_, i) => 10 ** (Math.ceil(from) + i));
-    return { at: (v) => (100 * ((v > 0 ? Math.max(from, Math.log10(v)) : from) - from)) / (to - from), marks: powers };
+    const decades = Array.from({ length: Math.ceil(to) - Math.floor(from) }, (_, i) => 10 ** (Math.floor(from) + i));
+    const of_each = (factors) => decades.flatMap((d) => factors.map((f) => f * d)).filter((v) => v >= 10 ** from && v <= 10 ** to);
+    const powers = of_each([1]); // of little more than a decade there may be one
+    return { at: (v) => (100 * ((v > 0 ? Math.max(from, Math.log10(v)) : from) - from)) / (to - from), marks: powers.length > 1 ? powers : of_each([1, 2, 5]) };
   }
-  const ends = spreads.flatMap((s) => [s.mean - (s.interval ?? 0), s.mean + (s.interval ?? 0), ...s.values]);
+  const ends = spreads.flatMap((s) => [...interval_of(s, lower_is_better), ...s.values]);
   const low = Math.min(...ends), high = Math.max(...ends), margin = 0.05 * (high - low) || 0.05 * Math.abs(high) || 1;
-  const from = low - margin, to = high + margin, step = round_length((to - from) / 3), marks = [];
-  for (let k = Math.ceil(from / step); k * step <= to; ++k) marks.push(k * step);
-  return { at: (v) => (100 * (v - from)) / (to - from), marks };
+  const from = low - margin, to = high + margin;
+  return { at: (v) => (100 * (v - from)) / (to - from), marks: round_marks(from, to) };
 }
 
 function ablation_row({ variant, spread }, metric, axis_of) {
   const s = spread[metric.name], { at, marks } = axis_of, mark = (name, left, extra = "") => el("i", { class: name, style: `left:${left}%;${extra}` });
-  const half = s.interval, range = half === null ? "of one run" : `± ${format_short(half)} (95 %) of ${s.n} runs`;
+  const [low, high] = interval_of(s, metric.better === "lower"), half = s.interval, range = half === null ? "of one run" : `± ${format_short(half)} (95 %) of ${s.n} runs`;
   return el("div", { class: "ablation-row", style: `--color:${variant_color(variant)}`, title: `${variant}: mean ${format_figure(s.mean)} ${range}` },
     el("span", {}, variant.replaceAll("_", "_\u200b")), // a long name breaks after an underscore
     el("div", { class: "track" }, ...marks.map((m) => mark("tick", at(m))),
-      half === null ? null : mark("interval", at(s.mean - half), `width:${at(s.mean + half) - at(s.mean - half)}%`),
+      half === null ? null : mark("interval", at(low), `width:${at(high) - at(low)}%`),
       ...s.values.map((v) => mark("seed", at(v))), mark("mean", at(s.mean))),
     el("span", {}, format_figure(s.mean)));
 }
