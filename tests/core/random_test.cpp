@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <set>
 #include <vector>
+
+#include "core/base/philox.h"
 
 namespace uniquadric {
 namespace {
@@ -50,6 +53,31 @@ TEST(RandomStream, FillDrawsTheSameNumbersAsBits) {
     filled += static_cast<int>(size);
   }
   EXPECT_EQ(filled, 304);
+}
+
+// Answers of its authors' kat_vectors (Random123).
+TEST(Philox, GivesItsKnownAnswers) {
+  using Block = std::array<std::uint32_t, 4>;
+  EXPECT_EQ(philox({0, 0, 0, 0}, {0, 0}), (Block{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  constexpr std::uint32_t kOnes = 0xffffffff;
+  EXPECT_EQ(philox({kOnes, kOnes, kOnes, kOnes}, {kOnes, kOnes}),
+            (Block{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
+  EXPECT_EQ(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+            (Block{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+}
+
+// On a processor with AVX2 the lanes are computed by it, and a block by itself never is.
+TEST(Philox, LanesAreTheBlocksOneByOne) {
+  const std::array<std::uint32_t, 2> key{7, 0xdeadbeef};
+  for (const std::uint32_t first : {0u, 12345u, 0xfffffff8u}) {  // the last one wraps around
+    const std::array<std::uint32_t, 4> counter{first, 1, 2, 3};
+    std::array<std::uint32_t, 4 * kPhiloxLanes> lanes{};
+    philox_lanes(counter, key, lanes.data());
+    for (std::uint32_t i = 0; i < kPhiloxLanes; ++i) {
+      const auto block = philox({first + i, 1, 2, 3}, key);
+      for (std::uint32_t k = 0; k < 4; ++k) EXPECT_EQ(lanes[4 * i + k], block[k]) << first << ' ' << i;
+    }
+  }
 }
 
 TEST(RandomStream, UniformAndBelowFillTheirRangesEvenly) {
