@@ -1,4 +1,5 @@
 #include "estimator/window/cloud_alignment.h"
+#include "core/geometry/box_symmetry.h"
 
 #include <pcl/kdtree/kdtree_flann.h>
 
@@ -247,19 +248,6 @@ class Aligner {
   Eigen::Matrix3Xd ends_;  // what an outline touches
 };
 
-// The 23 turns of a cube.
-std::vector<Eigen::Quaterniond> quarter_turns() {
-  std::vector<Eigen::Quaterniond> turns;
-  const auto about = [](int axis, int quarters) {
-    return exp_so3(quarters * M_PI_2 * Eigen::Vector3d::Unit(axis));
-  };
-  for (int quarters = 0; quarters < 4; ++quarters)
-    for (const auto& tilt : {about(0, 0), about(0, 1), about(0, 2), about(0, 3), about(1, 1), about(1, 3)})
-      turns.push_back(tilt * about(2, quarters));
-  turns.erase(turns.begin());
-  return turns;
-}
-
 }  // namespace
 
 std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObservation& body,
@@ -288,9 +276,9 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
     if (const Fit fit = fit_from(start); fit.cost < best.cost) best = fit;
   if (stale && model.body_from_object && std::isfinite(best.cost)) {
     const Pose camera_from_object = best.pose * *model.body_from_object;
-    for (const Eigen::Quaterniond& turn : quarter_turns()) {
-      const Fit fit = fit_from(camera_from_object * Pose{turn, Eigen::Vector3d::Zero()} *
-                               model.body_from_object->inverse());
+    for (const Eigen::Matrix3d& turn : box_rotations()) {
+      const Pose turned{Eigen::Quaterniond(turn), Eigen::Vector3d::Zero()};
+      const Fit fit = fit_from(camera_from_object * turned * model.body_from_object->inverse());
       if (fit.matched >= best.matched + kOtherSide && fit.cost < best.cost) best = fit;
     }
   }
