@@ -40,8 +40,8 @@ std::vector<std::optional<std::size_t>> states_of_match(const ObjectOverlaps& ov
 }
 
 // Stamps of all simulations start at 0: those of another scene would fit.
-void require_one_scene(const fs::path& truth, const fs::path& estimate) {
-  const std::string of_truth = scene_of(truth), of_estimate = scene_of(estimate);
+void require_one_scene(const fs::path& truth, const std::string& of_truth, const fs::path& estimate,
+                       const std::string& of_estimate) {
   if (!of_truth.empty() && !of_estimate.empty() && of_truth != of_estimate)
     throw InputError(estimate,
                      fmt::format("is an estimate of another scene: its scene_hash is {}, that of {} is {}",
@@ -140,7 +140,8 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const bool is_simulation =
       !fs::exists(truth_folder / "camera.tum") && fs::is_directory(truth_folder / "truth");
   const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
-  require_one_scene(truth_path, estimate_folder);
+  const std::string of_truth = scene_of(truth_path), of_estimate = scene_of(estimate_folder);
+  require_one_scene(truth_path, of_truth, estimate_folder, of_estimate);
   const Tracks truth = read_tracks(truth_path), original = read_tracks(estimate_folder);
   const std::string run_config = read_run_config(estimate_folder);
   const AlignmentKind kind =
@@ -166,7 +167,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   write_text(pending.path() / "poses.csv", poses_csv(truth, estimate, evaluation));
   pending.commit();
   // an estimate of this program numbers its frames as its sequence does, which may be scans
-  const bool same_frames = !scene_of(truth_path).empty() && scene_of(estimate_folder).empty();
+  const bool same_frames = !of_truth.empty() && of_estimate.empty();
   for (const std::string& fault :
        stamp_faults(estimate_folder, truth, original, kMaxDifferenceNs, same_frames))
     fmt::print(stderr, "warning: {}\n", fault);

@@ -7,6 +7,7 @@
 
 #include "core/sequence/stamps.h"
 #include "core/sequence/trajectory.h"
+#include "evaluation/association/stamps.h"
 #include "evaluation/trajectory/trajectory_error.h"
 
 namespace uniquadric {
@@ -21,20 +22,11 @@ double milliseconds(std::int64_t ns) {
   return static_cast<double>(ns) * 1e-6;
 }
 
-// Index of the frame nearest to the stamp; there is one at least.
-std::size_t nearest_frame(const Stamps& frames, std::int64_t stamp_ns) {
-  const auto after = std::lower_bound(frames.begin(), frames.end(), stamp_ns);
-  if (after == frames.begin()) return 0;
-  const auto before = after - 1;
-  const bool is_before = after == frames.end() || stamp_ns - *before <= *after - stamp_ns;
-  return static_cast<std::size_t>((is_before ? before : after) - frames.begin());
-}
-
 void check_file(const fs::path& file, const Stamps& frames, const Stamps& stamps, std::int64_t limit_ns,
                 std::vector<std::string>& faults) {
   Stamps near;  // distances
   for (const std::int64_t stamp_ns : stamps) {
-    const std::int64_t distance_ns = std::abs(stamp_ns - frames[nearest_frame(frames, stamp_ns)]);
+    const std::int64_t distance_ns = std::abs(stamp_ns - frames[nearest_index(frames, stamp_ns)]);
     if (distance_ns <= limit_ns) near.push_back(distance_ns);
   }
   if (near.size() < stamps.size())
@@ -58,7 +50,7 @@ void check_frame_numbers(const fs::path& file, const Stamps& frames, const Track
   std::string example;
   for (const ObjectTrack& track : estimate.objects)
     for (const ObjectState& state : track.states) {
-      const std::size_t frame = nearest_frame(frames, state.stamp_ns);
+      const std::size_t frame = nearest_index(frames, state.stamp_ns);
       if (std::abs(state.stamp_ns - frames[frame]) > limit_ns) continue;
       ++rows;
       if (state.frame == static_cast<std::int64_t>(frame)) continue;

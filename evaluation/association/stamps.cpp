@@ -9,14 +9,6 @@ namespace {
 
 using Stamps = std::vector<std::int64_t>;
 
-std::size_t nearest_index(const Stamps& stamps, std::int64_t stamp) {
-  const auto after = std::lower_bound(stamps.begin(), stamps.end(), stamp);
-  if (after == stamps.begin()) return 0;
-  const std::size_t before = static_cast<std::size_t>(after - stamps.begin()) - 1;
-  if (after == stamps.end()) return before;
-  return stamp - stamps[before] <= *after - stamp ? before : before + 1;
-}
-
 std::vector<IndexPair> nearest_pairs(const Stamps& reference, const Stamps& estimate, std::int64_t limit) {
   const bool estimate_is_longer = estimate.size() > reference.size();
   const Stamps& shorter = estimate_is_longer ? reference : estimate;
@@ -52,6 +44,14 @@ std::vector<IndexPair> exclusive_pairs(const Stamps& reference, const Stamps& es
 }
 
 }  // namespace
+
+std::size_t nearest_index(const Stamps& stamps, std::int64_t stamp) {
+  const auto after = std::lower_bound(stamps.begin(), stamps.end(), stamp);
+  if (after == stamps.begin()) return 0;
+  const std::size_t before = static_cast<std::size_t>(after - stamps.begin()) - 1;
+  if (after == stamps.end()) return before;
+  return stamp - stamps[before] <= *after - stamp ? before : before + 1;
+}
 
 std::vector<IndexPair> associate(const Stamps& reference_ns, const Stamps& estimate_ns,
                                  const StampOptions& options) {

@@ -21,6 +21,10 @@ struct IndexPair {
   bool operator==(const IndexPair&) const = default;
 };
 
+/// Index of the stamp nearest to `stamp_ns`, of two the earlier one. `stamps_ns` increase; there is one at
+/// least.
+std::size_t nearest_index(const std::vector<std::int64_t>& stamps_ns, std::int64_t stamp_ns);
+
 /// Pairs of poses that belong to one time, in order of the reference. Stamps are strictly increasing. Of two
 /// that are equally near the earlier one is taken; of lists of equal length the estimate counts as the
 /// shorter (evo's choice).
