@@ -142,8 +142,7 @@ void FeatureTracker::State::follow_all(const FrameView& view, const FlowImage& i
 }
 
 void FeatureTracker::State::ignore_depth(FrameView& view) {
-  const cv::Mat none = cv::Mat::zeros(view.depth.size(), view.depth.type());  // zeroing it would be for all
-  view.depth = none;
+  view.depth = cv::Mat(view.depth.size(), view.depth.type(), cv::Scalar(0));  // another: the caller keeps his
   for (auto& [label, body] : bodies)
     for (auto& track : body.tracks) track.depth.reset();
 }

@@ -238,8 +238,8 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   DepthCheck depth_check(options.depth_check);
   std::atomic<int> unusable = 0;
   const auto refuse_depth = [&](Work& work) {
-    const cv::Mat none = cv::Mat::zeros(work.depth.size(), work.depth.type());
-    work.depth = none;  // another one: the tracker of masks keeps that which it saw
+    // another one: the tracker of masks keeps that which it saw
+    work.depth = cv::Mat(work.depth.size(), work.depth.type(), cv::Scalar(0));
     work.surfaces.clear();
     work.result.depth_refused = true;
     ++unusable;
