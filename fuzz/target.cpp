@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "core/base/error.h"
+#include "core/base/files.h"
 
 namespace uniquadric::fuzz {
 namespace {
@@ -21,7 +22,8 @@ struct MemoryFolder {
   fs::path path;
   MemoryFolder() {
     std::string pattern = "/dev/shm/uniquadric-fuzz-XXXXXX";
-    path = mkdtemp(pattern.data());
+    if (!mkdtemp(pattern.data())) throw_unwritable(pattern);
+    path = pattern;
   }
   ~MemoryFolder() {
     std::error_code ignored;
