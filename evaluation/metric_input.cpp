@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "evaluation/strict_json_parts.h"
 
 namespace uniquadric {
 namespace {
@@ -39,11 +40,16 @@ std::string without_non_finite(const std::string& line) {
 }
 
 json parse(const std::string& text) {
-  const auto shallow = [](int depth, json::parse_event_t, json&) {
-    if (depth > kMaxDepth) throw InputError(fmt::format("is nested more than {} levels deep", kMaxDepth));
-    return true;
-  };
-  return json::parse(text, shallow, false);
+  try {
+    try {
+      return parse_strict_json(text, kMaxDepth);
+    } catch (const JsonFault& e) {
+      if (!e.is_syntax) throw;
+      return parse_strict_json(without_non_finite(text), kMaxDepth);
+    }
+  } catch (const JsonFault& e) {
+    throw InputError(e.what());
+  }
 }
 
 const json& member(const json& object, const std::string& path, const char* key) {
@@ -110,8 +116,6 @@ struct MetricLine::Json {
 
 MetricLine::MetricLine(const std::string& text) {
   json parsed = parse(text);
-  if (parsed.is_discarded()) parsed = parse(without_non_finite(text));
-  if (parsed.is_discarded()) throw InputError("is not valid JSON");
   if (!parsed.is_object()) throw InputError("expected a JSON object");
   json_ = std::make_shared<const Json>(Json{std::move(parsed)});
 }

@@ -17,7 +17,8 @@ struct PosedCamera {
 /// as null, so that the field that holds them can be named.
 class MetricLine {
  public:
-  /// Throws InputError when `text` is no JSON object, or one nested more deeply than any line here is.
+  /// Throws InputError when `text` is no JSON object, or one that parse_strict_json refuses, or one nested
+  /// more deeply than any line here is.
   explicit MetricLine(const std::string& text);
 
   /// The value of "id" as JSON text, "null" without one. Throws InputError unless it is a string, a number or

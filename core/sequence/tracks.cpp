@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 constexpr int kTracksSchema = 1;
 // No body is smaller or larger than that, and the volumes of such are numbers.
 constexpr double kLeastSemiAxis_m = 1e-9, kMostSemiAxis_m = 1e6;
+constexpr double kLeastExponent = 1, kMostExponent = 2;  // of superellipsoid_support: beyond is no body
 constexpr double kMostAxisRatio = 1e6;  // as `metric` has it: IoU of thinner ones drowns in rounding
 const char* const kStateHeader =
     "frame,timestamp_ns,id,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m,exponent_q,var_semi_axis_x_m2,var_semi_"
@@ -109,6 +110,10 @@ ObjectState parse_state(const fs::path& path, int line, const std::vector<std::s
   if (const std::string fault = fault_of(state.ellipsoid.semi_axes_m); !fault.empty())
     throw InputError(path, line, "semi-axes: " + fault);
   state.exponent = positive(6);
+  if (state.exponent < kLeastExponent || state.exponent > kMostExponent)
+    throw InputError(path, line,
+                     fmt::format("column exponent_q: '{}' is not from {} (a box) to {} (an ellipsoid)",
+                                 fields[6], kLeastExponent, kMostExponent));
   for (int i = 0; i < 9; ++i) {
     if (fields[7 + i].empty()) continue;
     const auto value = parse_double(fields[7 + i]);

@@ -12,6 +12,7 @@
 #include "evaluation/report/results.h"
 #include "evaluation/report/series.h"
 #include "evaluation/run_record.h"
+#include "evaluation/strict_json_parts.h"
 
 namespace uniquadric {
 namespace {
@@ -25,18 +26,10 @@ constexpr int kMostLevels = 64;                   // ours: as of YAML, whose var
 json parse_json(const fs::path& file) {
   const std::string text = read_text(file);
   if (text.size() > kMostJsonBytes) throw InputError(file, "is longer than an evaluation");
-  const auto shallow = [&](int depth, json::parse_event_t, const json&) {
-    if (depth > kMostLevels)
-      throw InputError(file, fmt::format("is nested more than {} levels deep", kMostLevels));
-    return true;
-  };
   try {
-    return json::parse(text, shallow);
-  } catch (const json::parse_error& e) {
-    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size()));
-    throw InputError(file, 1 + static_cast<int>(std::count(text.begin(), end, '\n')), "is not valid JSON");
-  } catch (const json::out_of_range&) {
-    throw InputError(file, "holds a number that no double can");
+    return parse_strict_json(text, kMostLevels);
+  } catch (const JsonFault& e) {
+    throw InputError(file, e.line, e.what());
   }
 }
 

@@ -1,5 +1,6 @@
 #include "core/sequence/tracks.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -126,6 +127,9 @@ TEST(Tracks, BadFoldersAreRefusedByFileAndLine) {
   EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,1e200"), ":2: semi-axes: expected at most 1000000 m");
   EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,1e-300"), ":2: semi-axes: expected at least 1e-09 m");
   EXPECT_EQ(message("\n0,0,3,0.1", "\n0,0,3,1e-8"), ":2: semi-axes: are more than 1000000 times apart");
+  for (const char* q : {"0.999", "2.001", "100"})
+    EXPECT_EQ(message(",1.5,", fmt::format(",{},", q)),
+              fmt::format(":2: column exponent_q: '{}' is not from 1 (a box) to 2 (an ellipsoid)", q));
   EXPECT_EQ(message("\n0,0,3,", "\n0,0,0,"), ":2: column id: '0' is not a valid value");
   EXPECT_EQ(message("active,unknown\n1,", "asleep,unknown\n1,"),
             ":2: column state: 'asleep' is not a valid value");

@@ -158,6 +158,30 @@ TEST(Metric, IdsAreTextNumbersOrNullAndNestingEnds) {
     EXPECT_EQ(ask("iou3d", R"({"id":)" + std::string(id) + rest).lines.at(0)["id"].dump(), id);
 }
 
+// Ids that another program may take for one another, and keys of which some programs read the first and some
+// the last.
+TEST(Metric, IdsBeyondADoubleAndKeysThatStandTwiceAreNamed) {
+  const std::string good = ellipsoid("[0,0,0]", "[1,1,1]");
+  const std::string rest = R"(,"gt":)" + good + R"(,"est":)" + good;
+  const auto error_of = [&](const std::string& line) {
+    const Answers answers = ask("iou3d", line + "\n" + pair(good, good));
+    EXPECT_EQ(answers.exit_code, 2) << line;
+    EXPECT_EQ(answers.lines.at(1)["iou"], 1) << line;
+    return answers.lines.at(0).value("error", "");
+  };
+  for (const char* id : {"9007199254740993", "-9007199254740993", "18446744073709551615", "1e20"})
+    EXPECT_NE(error_of(R"({"id":)" + std::string(id) + rest + "}").find("is beyond 2^53"), std::string::npos)
+        << id;
+  EXPECT_EQ(error_of(R"({"id":1)" + rest + R"(,"gt":)" + good + "}"), "key \"gt\" stands twice");
+  EXPECT_EQ(error_of(R"({"id":1,"id":2)" + rest + "}"), "key \"id\" stands twice");
+  EXPECT_EQ(error_of(R"({"id":1,"note":{"a":[{"b":1,"b":NaN}]})" + rest + "}"), "key \"b\" stands twice");
+  // the same key in two objects is none that stands twice; of other numbers than ids any will do
+  const std::string fine = R"({"id":9007199254740991,"n":[{"b":9007199254740993},{"b":1}])" + rest + "}";
+  const Answers answers = ask("iou3d", fine);
+  EXPECT_EQ(answers.exit_code, 0) << answers.lines.at(0);
+  EXPECT_EQ(answers.lines.at(0)["id"].dump(), "9007199254740991");
+}
+
 TEST(Metric, ALineWithoutEndIsAnsweredAndTheNextGoesOn) {
   const std::string good = pair(ellipsoid("[1,2,3]", "[1,1,1]"), ellipsoid("[1,2,3]", "[1,1,1]"));
   const Answers answers = ask("iou3d", std::string(3 << 20, '[') + "\n" + good);

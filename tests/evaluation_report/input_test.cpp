@@ -35,7 +35,11 @@ const BadFile kBadFiles[] = {
     {"cells.csv", kCellsHeader + "s,a,1,ok,/etc,\n", "cells.csv:2: folder is not relative"},
     {kEvaluation, "{\n\"schema\": 1,\n oops}", "evaluation.json:3: is not valid JSON"},
     {kEvaluation, "[]", "evaluation.json: expected an object"},
-    {kEvaluation, "{\"schema\": 1e999}", "evaluation.json: holds a number"},
+    {kEvaluation, "{\n\"schema\": 1e999\n}", "evaluation.json:2: holds a number"},
+    {kEvaluation, "{\"schema\": 1,\n\"objects\": [{\"id\": 1,\n\"id\": 2}]}",
+     "evaluation.json:3: key \"id\" stands twice"},
+    {kEvaluation, "{\"schema\": 1,\n\n\"objects\": [{\"id\": 9007199254740993}]}",
+     "evaluation.json:3: id 9007199254740993 is beyond 2^53"},
     {kEvaluation, "{\"objects\": []}", "evaluation.json: field schema"},
     {kEvaluation, "{\"schema\": 2, \"objects\": []}", "evaluation.json: field schema"},
     {kEvaluation, "{\"schema\": 1}", "evaluation.json: field objects: expected a list"},
@@ -95,7 +99,7 @@ TEST(ReportInput, NamesFileAndLineOrFieldAndWritesNothing) {
       EXPECT_FALSE(fs::exists(folder.path() / file));
     ++cases;
   }
-  EXPECT_EQ(cases, 40);
+  EXPECT_EQ(cases, 42);
 }
 
 TEST(ReportInput, FolderThatIsNoResultsFolder) {
