@@ -29,6 +29,10 @@ ChangeRule change_rule(const std::string& metric, bool lower_is_better) {
   return {true, ChangeScale::ratio, kRatioMargin, kPlaceRatioMargin, metric.ends_with("_ms")};
 }
 
+bool counts_as_none(const ChangeRule& rule, double value) {
+  return rule.scale == ChangeScale::ratio && value <= kLeastError;
+}
+
 double to_scale(const ChangeRule& rule, double value) {
   return rule.scale == ChangeScale::ratio ? std::log(std::max(value, kLeastError)) : value;
 }

@@ -28,6 +28,9 @@ ChangeRule change_rule(const std::string& metric, bool lower_is_better);
 /// against rounding) is no change, 0 against x is the finite, large loss from 1e-9.
 double loss(const ChangeRule& rule, double a, double b);
 
+/// Whether a value is so small that loss() takes it for 1e-9.
+bool counts_as_none(const ChangeRule& rule, double value);
+
 /// A value on the scale on which means are taken (the logarithm for ratios), and back.
 double to_scale(const ChangeRule& rule, double value);
 double from_scale(const ChangeRule& rule, double value);

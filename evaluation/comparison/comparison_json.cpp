@@ -77,7 +77,9 @@ std::string comparison_json(const ScoreComparison& c) {
       {"new_failures", to_json(c.pairing.new_failures)},
       {"mended", to_json(c.pairing.mended)},
       {"missing_in_a", to_json(c.pairing.missing_in_a)},
-      {"missing_in_b", to_json(c.pairing.missing_in_b)}};
+      {"missing_in_b", to_json(c.pairing.missing_in_b)},
+      {"metrics_of_a_alone", c.pairing.metrics_of_a_alone},
+      {"metrics_of_b_alone", c.pairing.metrics_of_b_alone}};
   for (const Verdict verdict : {Verdict::worse, Verdict::suspect, Verdict::better, Verdict::same})
     root["counts"][to_string(verdict)] = count_verdicts(c, verdict);
   root["metrics"] = json::array();

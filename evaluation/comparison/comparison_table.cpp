@@ -1,6 +1,7 @@
 #include "evaluation/comparison/comparison_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +14,7 @@
 namespace uniquadric {
 namespace {
 
-constexpr std::size_t kMostGaps = 12;
+constexpr std::size_t kMostGaps = 12, kMostNames = 4;
 constexpr double kTenPercent = 10, kThousandPercent = 1000;
 
 bool has_variants(const ScoreComparison& comparison) {
@@ -31,6 +32,12 @@ std::string format_change(const ChangeRule& rule, double loss) {
   const double percent = 100 * std::expm1(change), size = std::abs(percent);
   if (size >= kThousandPercent) return fmt::format("x {}", format_figure(std::exp(change)));
   return fmt::format("{}{:.{}f} %", sign, size, size < kTenPercent ? 1 : 0);
+}
+
+// From an error of 0 there is no ratio to tell.
+std::string format_change(const MetricChange& change) {
+  if (change.loss > 0 && counts_as_none(change.rule, change.a)) return "from none";
+  return format_change(change.rule, change.loss);
 }
 
 std::string format_p(double p) {
@@ -72,14 +79,20 @@ std::string ranges(const std::vector<std::uint64_t>& seeds) {
   return text;
 }
 
+std::string names_of(const std::vector<std::string>& metrics) {
+  const std::size_t named = metrics.size() > kMostNames + 1 ? kMostNames : metrics.size();
+  std::string text =
+      fmt::format("{}", fmt::join(metrics.begin(), metrics.begin() + std::ptrdiff_t(named), ", "));
+  if (named < metrics.size()) text += fmt::format(" and {} more", metrics.size() - named);
+  return text;
+}
+
 std::string describe(const Gap& gap, const std::vector<std::uint64_t>& seeds) {
   const std::string runs =
       fmt::format("{} seed{} {}", gap.run.variant, seeds.size() == 1 ? "" : "s", ranges(seeds));
   if (gap.object.empty())
     return fmt::format("{} {}: the whole run{}", gap.run.sequence, runs, seeds.size() == 1 ? "" : "s");
-  const std::string what =
-      gap.metrics.size() == 1 ? gap.metrics.front() : count_of(gap.metrics.size(), "figure");
-  return fmt::format("{}/{} {}: {}", gap.run.sequence, gap.object, runs, what);
+  return fmt::format("{}/{} {}: {}", gap.run.sequence, gap.object, runs, names_of(gap.metrics));
 }
 
 // Seeds that lack the same are one line.
@@ -113,7 +126,7 @@ TableLines change_table(const ScoreComparison& comparison, bool all) {
   for (const MetricChange& change : comparison.metrics) {
     if (!all && change.verdict == Verdict::same) continue;
     lines.push_back({to_string(change.verdict), change.metric, change.subjects, format_figure(change.a),
-                     format_figure(change.b), format_change(change.rule, change.loss), significance(change),
+                     format_figure(change.b), format_change(change), significance(change),
                      to_string(change.reason), worst_place(change, comparison.options)});
     if (with_variant) lines.back().insert(lines.back().begin() + 1, change.variant);
   }
@@ -154,6 +167,10 @@ std::string extent(const ScoreComparison& comparison) {
 std::vector<GapList> gap_lists(const ScoreComparison& comparison) {
   const Pairing& pairing = comparison.pairing;
   std::vector<GapList> lists;
+  if (!pairing.metrics_of_a_alone.empty())
+    lists.push_back({"metrics of A alone", pairing.metrics_of_a_alone});
+  if (!pairing.metrics_of_b_alone.empty())
+    lists.push_back({"metrics of B alone", pairing.metrics_of_b_alone});
   add_list("new failures (with a figure in A, failed in B)", pairing.new_failures, lists);
   add_list("missing in B", pairing.missing_in_b, lists);
   add_list("missing in A", pairing.missing_in_a, lists);

@@ -20,12 +20,12 @@ std::string headline(const ScoreComparison& comparison);
 /// What was paired: sequences, seeds, figures.
 std::string extent(const ScoreComparison& comparison);
 
-/// A list of gaps with its title, e.g. new failures, and what is not said of them all.
+/// A list of gaps with its title, e.g. new failures.
 struct GapList {
   std::string title;
   std::vector<std::string> lines;  ///< at most 12; the last says how many there are besides
 };
-/// Those that are not empty: new failures, missing in B, missing in A, mended.
+/// Those that are not empty: metrics of one side alone, new failures, missing in B, missing in A, mended.
 std::vector<GapList> gap_lists(const ScoreComparison& comparison);
 
 }  // namespace uniquadric

@@ -93,6 +93,10 @@ MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule, co
   change.loss = sum(summands);
   change.noise = norm(summands);
   const auto mean = [&](double PairedScore::*side) {
+    // Of errors that all count as the least one there is, the mean is their own: 0 stays 0.
+    const bool tiny = std::all_of(pairs.begin(), pairs.end(),
+                                  [&](const PairedScore* p) { return counts_as_none(rule, p->*side); });
+    if (tiny) return sum(weighted(by_run(pairs, [&](const PairedScore& p) { return p.*side; })));
     return from_scale(
         rule, sum(weighted(by_run(pairs, [&](const PairedScore& p) { return to_scale(rule, p.*side); }))));
   };

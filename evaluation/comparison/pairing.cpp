@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <set>
 
 #include "core/base/error.h"
 
@@ -79,6 +81,19 @@ void require_same_directions(const ScoreTable& a, const ScoreTable& b) {
   }
 }
 
+std::set<std::string> metrics_of(const ScoreTable& table) {
+  std::set<std::string> names;
+  for (const auto& [key, value] : table.cells) names.insert(key.metric);
+  return names;
+}
+
+std::vector<std::string> without(const std::set<std::string>& names, const std::set<std::string>& others) {
+  std::vector<std::string> rest;
+  if (!others.empty())
+    std::set_difference(names.begin(), names.end(), others.begin(), others.end(), std::back_inserter(rest));
+  return rest;
+}
+
 }  // namespace
 
 Pairing pair_scores(const ScoreTable& a, const ScoreTable& b) {
@@ -97,6 +112,9 @@ Pairing pair_scores(const ScoreTable& a, const ScoreTable& b) {
   pairing.mended = gaps.mended.list();
   pairing.missing_in_a = gaps.missing_in_a.list();
   pairing.missing_in_b = gaps.missing_in_b.list();
+  const std::set<std::string> of_a = metrics_of(a), of_b = metrics_of(b);
+  pairing.metrics_of_a_alone = without(of_a, of_b);
+  pairing.metrics_of_b_alone = without(of_b, of_a);
   return pairing;
 }
 

@@ -28,6 +28,8 @@ struct Pairing {
   std::vector<Gap> mended;                      ///< failed in A, ok in B
   std::vector<Gap> missing_in_a, missing_in_b;  ///< in the other side alone, or not run
   std::size_t failed_in_both = 0;               ///< cells
+  /// that the other side, which has others, knows nowhere; in order of their names
+  std::vector<std::string> metrics_of_a_alone, metrics_of_b_alone;
 };
 
 /// Pairs cells by (sequence, object, variant, seed, metric); variants go by their own names, so name them

@@ -39,8 +39,10 @@ struct MetricChange {
   std::string variant, metric;
   std::string subjects;  ///< objects, camera or all
   ChangeRule rule;
-  double a = 0, b = 0;  ///< mean over sequences of means over seeds of means over objects (geometric: ratio)
-  double loss = 0;      ///< the same mean of the pairs' losses, on the rule's scale; positive is worse
+  /// mean over sequences of means over seeds of means over objects (geometric: ratio, unless all are too
+  /// small to count)
+  double a = 0, b = 0;
+  double loss = 0;  ///< the same mean of the pairs' losses, on the rule's scale; positive is worse
   double noise =
       0;  ///< standard deviation of that mean when each pair's sign is a coin's; a loss of 3 is seen
   std::size_t sequences = 0, pairs = 0;     ///< pairs of (sequence, seed)

@@ -91,6 +91,52 @@ TEST(ScoreComparison, ZerosOfErrorsAndCounts) {
   EXPECT_NEAR(change_rule("d_shape_mean_m", true).margin, std::log(1.02), kRounding);
 }
 
+// What counts as 1e-9 in a ratio is shown as it is.
+TEST(ScoreComparison, AnErrorOfNothingIsShownAsNothing) {
+  const auto of_value = [](double value) {
+    auto scores = fabricated_scores(0, 1);
+    for (FabricatedScore& score : scores)
+      if (score.metric == "d_shape_mean_m") score.value = value;
+    return scores;
+  };
+  EXPECT_EQ(find(compare(of_value(0), of_value(0)), "d_shape_mean_m").a, 0);
+  EXPECT_NEAR(find(compare(of_value(3e-16), of_value(0)), "d_shape_mean_m").a, 3e-16, 1e-28);
+  const std::string text = comparison_text(compare(of_value(0), of_value(0.01)));
+  EXPECT_NE(text.find("d_shape_mean_m  objects  0  0.0100  from none"), std::string::npos) << text;
+  const MetricChange mended = find(compare(of_value(0.01), of_value(0)), "d_shape_mean_m");
+  EXPECT_NEAR(mended.a, 0.01, kRounding);
+  EXPECT_EQ(mended.b, 0);
+}
+
+// Of a metric that one side knows nowhere, the name; of figures that are missing here and there, the names.
+TEST(ScoreComparison, NamesMetricsThatOneSideLacks) {
+  const auto a = fabricated_scores(0, 1);
+  auto b = a;
+  std::erase_if(b, [](const FabricatedScore& score) {
+    return score.metric == "iou2d_mean" ||
+           (score.sequence == "s2" && score.seed == 3 && score.metric != "coverage");
+  });
+  for (FabricatedScore& score : b)
+    if (score.metric == "d_shape_mean_m") score.metric = "d_mean_m";
+  const ScoreComparison c = compare(a, b);
+  EXPECT_EQ(c.pairing.metrics_of_a_alone, (std::vector<std::string>{"d_shape_mean_m", "iou2d_mean"}));
+  EXPECT_EQ(c.pairing.metrics_of_b_alone, std::vector<std::string>{"d_mean_m"});
+  for (const std::string& text : {comparison_text(c), comparison_markdown(c)}) {
+    EXPECT_NE(text.find("metrics of A alone:\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("d_shape_mean_m\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("s1/cube v seeds 1-8: d_shape_mean_m, iou2d_mean\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("s2/cube v seed 3: ape_rotation_rmse_rad, ape_translation_rmse_m, d_shape_mean_m, "
+                        "id_switches and 3 more\n"),
+              std::string::npos)
+        << text;
+  }
+  const nlohmann::json json = nlohmann::json::parse(comparison_json(c));
+  EXPECT_EQ(json["metrics_of_a_alone"].size(), 2u);
+  EXPECT_EQ(json["metrics_of_b_alone"].size(), 1u);
+  // a side without any figure lacks them all: its runs are named
+  EXPECT_TRUE(compare(a, {}).pairing.metrics_of_a_alone.empty());
+}
+
 // The same values as each metric: another switch in every run fails, one in twenty does not.
 TEST(ScoreComparison, CountsHaveAMarginOfTheirOwn) {
   const auto a = fabricated_scores(0, 1);
