@@ -44,7 +44,8 @@ ObjectState object_state(const BodyState& body) {
   state.stamp_ns = body.stamp_ns;
   state.ellipsoid = {body.world_from_body * body.shape.body_from_object, body.shape.semi_axes_m};
   state.ellipsoid.world_from_object.rotation.normalize();
-  state.exponent = body.shape.exponents.outline;
+  state.exponents = body.shape.exponents;
+  state.profile_axis = body.shape.profile_axis;
   state.covariance_diagonal = variances_of(body);
   state.status = body.status;
   state.motion = body.motion;

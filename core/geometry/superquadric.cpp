@@ -76,6 +76,15 @@ double superellipsoid_support(const Eigen::Vector3d& semi_axes_m, const SuperExp
   return superellipsoid_support_derivatives(semi_axes_m, q, normal, smoothing_m).value;
 }
 
+Eigen::Vector3d support_point(const Superellipsoid& body, const Eigen::Vector3d& normal) {
+  const int z = body.profile_axis;
+  const Eigen::Vector3i named((z + 1) % 3, (z + 2) % 3, z);  // x, y, z of the exponents
+  Eigen::Vector3d point;
+  point(named) =
+      superellipsoid_support_derivatives(body.semi_axes_m(named), body.exponents, normal(named)).by_normal;
+  return point;
+}
+
 double superellipsoid_gauge(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
                             const Eigen::Vector3d& point) {
   const auto dual = [](double exponent) { return exponent / (exponent - 1); };

@@ -24,6 +24,7 @@ double superellipsoid_volume(const Eigen::Vector3d& semi_axes_m, double q);
 /// outline in (x, y), and of its profile above (n_z > 0) and below. All equal: the superellipsoid above.
 struct SuperExponents {
   double outline = 2, upper = 2, lower = 2;
+  bool operator==(const SuperExponents&) const = default;
 };
 
 /// Support function with three exponents,
@@ -51,6 +52,17 @@ SupportDerivatives superellipsoid_support_derivatives(const Eigen::Vector3d& sem
 /// norms with 1/p + 1/q = 1 for each exponent, the profile's by the sign of z. q > 1.
 double superellipsoid_gauge(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
                             const Eigen::Vector3d& point);
+
+/// A superellipsoid whose profile runs along any of its axes (0 x, 1 y, 2 z); its outline lies in the two
+/// others.
+struct Superellipsoid {
+  Eigen::Vector3d semi_axes_m;
+  SuperExponents exponents{};
+  int profile_axis = 2;
+};
+
+/// The point of the body that supports `normal`.
+Eigen::Vector3d support_point(const Superellipsoid& body, const Eigen::Vector3d& normal);
 
 }  // namespace uniquadric
 

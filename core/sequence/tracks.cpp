@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -27,8 +27,9 @@ const char* const kStateHeader =
     "frame,timestamp_ns,id,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m,exponent_q,var_semi_axis_x_m2,var_semi_"
     "axis_y_m2,"
     "var_semi_axis_z_m2,var_translation_x_m2,var_translation_y_m2,var_translation_z_m2,var_rotation_x_rad2,"
-    "var_rotation_y_rad2,var_rotation_z_rad2,state,motion";
-const char* const kMotionColumn = ",motion";  // estimates made before there was such a column have none
+    "var_rotation_y_rad2,var_rotation_z_rad2,state,motion,exponent_upper_q,exponent_lower_q,profile_axis";
+constexpr std::size_t kColumns[] = {17, 18, 21};  // what came later older estimates lack
+constexpr std::string_view kAxisNames = "xyz";
 
 std::optional<ObjectStatus> parse_status(std::string_view text) {
   for (const auto status :
@@ -109,11 +110,16 @@ ObjectState parse_state(const fs::path& path, int line, const std::vector<std::s
   for (int i = 0; i < 3; ++i) state.ellipsoid.semi_axes_m[i] = positive(3 + i);
   if (const std::string fault = fault_of(state.ellipsoid.semi_axes_m); !fault.empty())
     throw InputError(path, line, "semi-axes: " + fault);
-  state.exponent = positive(6);
-  if (state.exponent < kLeastExponent || state.exponent > kMostExponent)
-    throw InputError(path, line,
-                     fmt::format("column exponent_q: '{}' is not from {} (a box) to {} (an ellipsoid)",
-                                 fields[6], kLeastExponent, kMostExponent));
+  const auto exponent = [&](std::size_t column) {
+    const double value = positive(column);
+    if (value < kLeastExponent || value > kMostExponent)
+      throw InputError(
+          path, line,
+          fmt::format("column {}: '{}' is not from {} (a box) to {} (an ellipsoid)",
+                      split(kStateHeader, ',')[column], fields[column], kLeastExponent, kMostExponent));
+    return value;
+  };
+  state.exponents.outline = state.exponents.upper = state.exponents.lower = exponent(6);
   for (int i = 0; i < 9; ++i) {
     if (fields[7 + i].empty()) continue;
     const auto value = parse_double(fields[7 + i]);
@@ -123,10 +129,16 @@ ObjectState parse_state(const fs::path& path, int line, const std::vector<std::s
   const auto status = parse_status(fields[16]);
   if (!status) fail(16);
   state.status = *status;
-  if (fields.size() == 17) return state;
+  if (fields.size() == kColumns[0]) return state;
   const auto motion = parse_motion(fields[17]);
   if (!motion) fail(17);
   state.motion = *motion;
+  if (fields.size() == kColumns[1]) return state;
+  state.exponents.upper = exponent(18);
+  state.exponents.lower = exponent(19);
+  const auto axis = kAxisNames.find(fields[20]);
+  if (fields[20].size() != 1 || axis == std::string_view::npos) fail(20);
+  state.profile_axis = static_cast<int>(axis);
   return state;
 }
 
@@ -143,7 +155,7 @@ void refuse_unlisted(const fs::path& folder, const std::map<int, ObjectTrack>& t
 
 std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
   const fs::path file = folder / "objects.csv";
-  const std::string header_before(kStateHeader, std::strlen(kStateHeader) - std::strlen(kMotionColumn));
+  const auto names = split(kStateHeader, ',');
   std::size_t columns = 0;
   std::map<int, ObjectTrack> tracks;
   bool header = true;
@@ -152,8 +164,9 @@ std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
       [&](int line, const std::vector<std::string_view>& fields) {
         if (std::exchange(header, false)) {
           columns = fields.size();
-          if (fields != split(kStateHeader, ',') && fields != split(header_before, ','))
-            throw InputError(file, line, fmt::format("expected the header {}", kStateHeader));
+          const bool is_known = std::ranges::find(kColumns, columns) != std::end(kColumns) &&
+                                std::equal(fields.begin(), fields.end(), names.begin());
+          if (!is_known) throw InputError(file, line, fmt::format("expected the header {}", kStateHeader));
           return;
         }
         if (fields.size() != columns)
@@ -301,10 +314,11 @@ void write_estimate(const fs::path& folder, const Tracks& tracks) {
   for (const auto& [id, state] : rows) {
     const auto& a = state->ellipsoid.semi_axes_m;
     text += fmt::format("{},{},{},{},{},{},{}", state->frame, state->stamp_ns, id, a.x(), a.y(), a.z(),
-                        state->exponent);
+                        state->exponents.outline);
     for (const double variance : state->covariance_diagonal)
       text += std::isfinite(variance) && variance >= 0 ? fmt::format(",{}", variance) : ",";
-    text += fmt::format(",{},{}\n", to_string(state->status), to_string(state->motion));
+    text += fmt::format(",{},{},{},{},{}\n", to_string(state->status), to_string(state->motion),
+                        state->exponents.upper, state->exponents.lower, kAxisNames[state->profile_axis]);
   }
   write_text(folder / "objects.csv", text);
 }

@@ -9,6 +9,7 @@
 
 #include "core/geometry/camera.h"
 #include "core/geometry/ellipsoid.h"
+#include "core/geometry/superquadric.h"
 #include "core/sequence/trajectory.h"
 
 namespace uniquadric {
@@ -31,8 +32,9 @@ const char* to_string(ObjectMotion motion);
 struct ObjectState {
   std::int64_t frame = 0;
   std::int64_t stamp_ns = 0;
-  Ellipsoid ellipsoid;  ///< world_from_object and semi-axes [m]
-  double exponent = 2;  ///< dual exponent q of the superellipsoid: 2 is the ellipsoid
+  Ellipsoid ellipsoid;       ///< world_from_object and semi-axes [m]
+  SuperExponents exponents;  ///< of the superellipsoid with those semi-axes: all 2, the ellipsoid
+  int profile_axis = 2;      ///< along which its profiles are, 0 x, 1 y, 2 z
   /// Variances: semi-axes [m^2], translation [m^2], rotation vector [rad^2]; NaN where not estimated.
   Vector9d covariance_diagonal = Vector9d::Constant(std::numeric_limits<double>::quiet_NaN());
   ObjectStatus status = ObjectStatus::active;

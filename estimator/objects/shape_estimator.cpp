@@ -215,7 +215,9 @@ SurfaceModel ShapeEstimator::surface() const {
 
 // Names stay when another axis becomes the profile's.
 Shape ShapeEstimator::shape() const {
-  return with_axes_turned(shape_, (3 - turns_) % 3);
+  Shape shape = with_axes_turned(shape_, (3 - turns_) % 3);
+  shape.profile_axis = (2 + turns_) % 3;
+  return shape;
 }
 
 AxisFusionOptions ShapeEstimator::fusion() const {

@@ -79,6 +79,7 @@ struct Shape {
   Pose body_from_object;  ///< the common offset: centre and axes in the short window's frame of the body
   Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();
   SuperExponents exponents;  ///< all equal unless the options say three
+  int profile_axis = 2;      ///< otherwise than z only where its axes were named anew
   /// Variances: semi-axes, translation, rotation vector, as in ObjectState.
   Vector9d variances = Vector9d::Constant(std::numeric_limits<double>::quiet_NaN());
 };

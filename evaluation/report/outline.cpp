@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/geometry/superquadric.h"
-
 namespace uniquadric {
 namespace {
 
@@ -14,10 +12,9 @@ constexpr int kMostSteps = 50;        // ours: five or so are taken
 constexpr double kLeastGain = 1e-12;  // ours: of a tangent; far below a pixel
 
 // The point of the body that is furthest in a direction, all in the camera's frame.
-Eigen::Vector3d furthest(const Pose& camera_from_object, const Eigen::Vector3d& semi_axes_m, double exponent,
+Eigen::Vector3d furthest(const Pose& camera_from_object, const Superellipsoid& body,
                          const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d normal = camera_from_object.rotation.conjugate() * direction;
-  return camera_from_object * superellipsoid_support_point(semi_axes_m, exponent, normal);
+  return camera_from_object * support_point(body, camera_from_object.rotation.conjugate() * direction);
 }
 
 }  // namespace
@@ -25,17 +22,16 @@ Eigen::Vector3d furthest(const Pose& camera_from_object, const Eigen::Vector3d& 
 // The tangent of direction u touches where u . (x, y) / z is greatest over the body. With d that ratio so
 // far, the point furthest along (u, -d) has a greater one, until d is the greatest (Dinkelbach's iteration).
 std::vector<Eigen::Vector2d> superellipsoid_outline(const Camera& camera, const Pose& camera_from_object,
-                                                    const Eigen::Vector3d& semi_axes_m, double exponent) {
-  const double q = std::max(exponent, 1.0);
+                                                    const Superellipsoid& body) {
   std::vector<Eigen::Vector2d> outline;
-  if (!(furthest(camera_from_object, semi_axes_m, q, -Eigen::Vector3d::UnitZ()).z() > 0)) return outline;
+  if (!(furthest(camera_from_object, body, -Eigen::Vector3d::UnitZ()).z() > 0)) return outline;
   for (int i = 0; i < kTangents; ++i) {
     const double angle = 2 * std::numbers::pi * i / kTangents;
     const Eigen::Vector2d u(std::cos(angle), std::sin(angle));
     Eigen::Vector2d touched = camera_from_object.translation.hnormalized();
     for (int step = 0; step < kMostSteps; ++step) {
       const Eigen::Vector3d direction(u.x(), u.y(), -u.dot(touched));
-      const Eigen::Vector2d next = furthest(camera_from_object, semi_axes_m, q, direction).hnormalized();
+      const Eigen::Vector2d next = furthest(camera_from_object, body, direction).hnormalized();
       if (u.dot(next - touched) < kLeastGain) break;
       touched = next;
     }

@@ -46,11 +46,12 @@ void draw_object(Canvas& canvas, const ObjectTrack& track, const ObjectState& st
   const bool is_truth = whose == Whose::truth;
   const cv::Scalar& color = is_truth ? kTrueColor : kEstimatedColor;
   if (!is_truth) draw_box(canvas, camera_from_object, semi_axes_m, kBoxColor, 1);
-  const auto outline = superellipsoid_outline(canvas.camera, camera_from_object, semi_axes_m, state.exponent);
+  const auto outline = superellipsoid_outline(canvas.camera, camera_from_object,
+                                              {semi_axes_m, state.exponents, state.profile_axis});
   if (outline.empty()) return;
   draw_polygon(canvas, outline, color, is_truth ? kTrue_px : kEstimated_px);
   const EllipseProjection ellipse = project(canvas.camera, camera_from_object, semi_axes_m);
-  if (!is_truth && state.exponent == 2 && ellipse.status == ProjectionStatus::ok)
+  if (!is_truth && state.exponents == SuperExponents{} && ellipse.status == ProjectionStatus::ok)
     draw_rectangle(canvas, ellipse.ellipse, color, 1);
   const bool is_occluded = state.status == ObjectStatus::occluded;
   draw_name(canvas, label_of(track) + (is_occluded ? " (occluded)" : ""), outline, whose, color);
@@ -67,7 +68,7 @@ void draw_tracks(Canvas& canvas, const Tracks& tracks, std::int64_t stamp_ns, Wh
 bool has_superellipsoids(const Tracks& tracks) {
   for (const ObjectTrack& track : tracks.objects)
     for (const ObjectState& state : track.states)
-      if (state.exponent != 2) return true;
+      if (state.exponents != SuperExponents{}) return true;
   return false;
 }
 
@@ -79,7 +80,7 @@ Tracks read_truth(const fs::path& folder, const Tracks& estimate) {
   for (const ObjectDescription& object : read_objects_yaml(folder / "objects.yaml"))
     for (ObjectTrack& track : truth.objects)
       if (track.id == object.id && (object.shape == "box" || object.shape == "rounded_box"))
-        for (ObjectState& state : track.states) state.exponent = 1;
+        for (ObjectState& state : track.states) state.exponents = {1, 1, 1};
   return truth;
 }
 

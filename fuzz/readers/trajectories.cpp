@@ -11,8 +11,9 @@ namespace {
 const char* const kStates =
     "frame,timestamp_ns,id,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m,exponent_q,var_semi_axis_x_m2,var_semi_"
     "axis_y_m2,var_semi_axis_z_m2,var_translation_x_m2,var_translation_y_m2,var_translation_z_m2,var_"
-    "rotation_x_rad2,var_rotation_y_rad2,var_rotation_z_rad2,state,motion\n"
-    "0,0,1,0.5,0.5,0.5,2,,,,,,,,,,active,unknown\n";
+    "rotation_x_rad2,var_rotation_y_rad2,var_rotation_z_rad2,state,motion,exponent_upper_q,exponent_lower_q,"
+    "profile_axis\n"
+    "0,0,1,0.5,0.5,0.5,2,,,,,,,,,,active,unknown,1.5,2,x\n";
 
 const Target tum("tum", "camera.tum", [](const std::filesystem::path& file) { read_tum(file); });
 

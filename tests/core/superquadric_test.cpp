@@ -138,6 +138,24 @@ TEST(SuperExponents, SupportPointLiesOnTheSurfaceAndTouchesThePlane) {
   }
 }
 
+TEST(SuperExponents, AProfileAlongAnotherAxisIsTheSameBodyTurned) {
+  constexpr double kAxes_m[] = {0.2, 0.3, 0.5}, kNormal[] = {0.4, -0.6, 0.7};
+  const SuperExponents q{1.3, 1.1, 1.8};
+  const Eigen::Vector3d along_z = support_point({Eigen::Map<const Eigen::Vector3d>(kAxes_m), q, 2},
+                                                Eigen::Map<const Eigen::Vector3d>(kNormal));
+  EXPECT_NEAR(superellipsoid_gauge(Eigen::Map<const Eigen::Vector3d>(kAxes_m), q, along_z), 1, 1e-12);
+  for (const int axis : {0, 1}) {
+    Eigen::Vector3d axes_m, normal, expected;
+    for (int i = 0; i < 3; ++i) {  // what was z is `axis`, and so on around
+      const int to = (axis + 1 + i) % 3;
+      axes_m[to] = kAxes_m[i];
+      normal[to] = kNormal[i];
+      expected[to] = along_z[i];
+    }
+    EXPECT_EQ(support_point({axes_m, q, axis}, normal), expected);
+  }
+}
+
 TEST(SuperExponents, DerivativesMatchDifferences) {
   constexpr double kStep = 1e-6;
   RandomStream random(6, "normals");

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "core/base/files.h"
 #include "core/sequence/calibration.h"
@@ -24,7 +25,8 @@ Tracks two_objects() {
       state.frame = i;
       state.stamp_ns = i * 100;
       state.ellipsoid = {{exp_so3({0, 0.1 * i, 0}), {1.0 / 3, 0, 0.1 * id}}, {0.1, 0.2, 1.0 / 7}};
-      state.exponent = 1.5;
+      state.exponents = {1.5, 1.25, 2};
+      state.profile_axis = 1;
       state.covariance_diagonal[0] = 1e-4;
       state.status = i == 3 ? ObjectStatus::occluded : ObjectStatus::active;
       state.motion = i == 0 ? ObjectMotion::unknown : i == 3 ? ObjectMotion::at_rest : ObjectMotion::moving;
@@ -53,7 +55,8 @@ TEST(Tracks, AnEstimateReadsBackAsItWasWritten) {
       EXPECT_EQ(a.ellipsoid.world_from_object.translation, b.ellipsoid.world_from_object.translation);
       EXPECT_EQ(a.ellipsoid.world_from_object.rotation.coeffs(),
                 b.ellipsoid.world_from_object.rotation.coeffs());
-      EXPECT_EQ(a.exponent, b.exponent);
+      EXPECT_EQ(a.exponents, b.exponents);
+      EXPECT_EQ(b.profile_axis, 1);
       EXPECT_EQ(a.status, b.status);
       EXPECT_EQ(a.motion, b.motion);
       EXPECT_EQ(b.covariance_diagonal[0], 1e-4);
@@ -78,14 +81,36 @@ TEST(Tracks, AVarianceThatIsNoneIsNotWritten) {
       EXPECT_EQ(read[i], i == 7 ? 0 : 1e-6) << i;
 }
 
+// The table of an older program, which had fewer columns.
+void keep_columns(const fs::path& csv, int columns) {
+  std::string text;
+  std::istringstream lines(read_text(csv));
+  for (std::string line; std::getline(lines, line);) {
+    std::size_t end = 0;
+    for (int i = 0; i < columns; ++i) end = line.find(',', end + 1);
+    text += line.substr(0, end) + "\n";
+  }
+  write_text(csv, text);
+}
+
+TEST(Tracks, AnEstimateWithoutTheColumnsOfProfilesHasOneExponent) {
+  const TempFolder temp;
+  write_estimate(temp.path(), two_objects());
+  keep_columns(temp.path() / "objects.csv", 18);
+  const Tracks read = read_tracks(temp.path());
+  ASSERT_EQ(read.objects.size(), 2u);
+  EXPECT_EQ(read.objects[1].states.back().motion, ObjectMotion::at_rest);
+  for (const ObjectTrack& track : read.objects)
+    for (const ObjectState& state : track.states) {
+      EXPECT_EQ(state.exponents, (SuperExponents{1.5, 1.5, 1.5}));
+      EXPECT_EQ(state.profile_axis, 2);
+    }
+}
+
 TEST(Tracks, AnEstimateWithoutTheColumnOfMotionReadsAsUnknown) {
   const TempFolder temp;
   write_estimate(temp.path(), two_objects());
-  std::string text = read_text(temp.path() / "objects.csv");
-  for (const std::string column : {",motion\n", ",unknown\n", ",static\n", ",dynamic\n"})
-    for (std::size_t at; (at = text.find(column)) != std::string::npos;)
-      text.replace(at, column.size(), "\n");
-  write_text(temp.path() / "objects.csv", text);
+  keep_columns(temp.path() / "objects.csv", 17);
   const Tracks read = read_tracks(temp.path());
   ASSERT_EQ(read.objects.size(), 2u);
   EXPECT_EQ(read.objects[1].states.back().status, ObjectStatus::occluded);
@@ -131,12 +156,14 @@ TEST(Tracks, BadFoldersAreRefusedByFileAndLine) {
     EXPECT_EQ(message(",1.5,", fmt::format(",{},", q)),
               fmt::format(":2: column exponent_q: '{}' is not from 1 (a box) to 2 (an ellipsoid)", q));
   EXPECT_EQ(message("\n0,0,3,", "\n0,0,0,"), ":2: column id: '0' is not a valid value");
-  EXPECT_EQ(message("active,unknown\n1,", "asleep,unknown\n1,"),
-            ":2: column state: 'asleep' is not a valid value");
-  EXPECT_EQ(message("active,unknown\n1,", ",unknown\n1,"), ":2: column state: '' is not a valid value");
-  EXPECT_EQ(message("active,unknown\n1,", "active,idle\n1,"),
-            ":2: column motion: 'idle' is not a valid value");
-  EXPECT_EQ(message("active,unknown\n1,", "active\n1,"), ":2: expected 18 columns, found 17");
+  EXPECT_EQ(message("active,unknown", "asleep,unknown"), ":2: column state: 'asleep' is not a valid value");
+  EXPECT_EQ(message("active,unknown", ",unknown"), ":2: column state: '' is not a valid value");
+  EXPECT_EQ(message("active,unknown", "active,idle"), ":2: column motion: 'idle' is not a valid value");
+  EXPECT_EQ(message("active,unknown", "active"), ":2: expected 21 columns, found 20");
+  EXPECT_EQ(message(",1.25,2,y", ",0.9,2,y"),
+            ":2: column exponent_upper_q: '0.9' is not from 1 (a box) to 2 (an ellipsoid)");
+  EXPECT_EQ(message(",1.25,2,y", ",1.25,,y"), ":2: column exponent_lower_q: '' is not a valid value");
+  EXPECT_EQ(message(",1.25,2,y", ",1.25,2,xy"), ":2: column profile_axis: 'xy' is not a valid value");
   EXPECT_EQ(message("\n1,100,3", "\n1,0,3"), ":3: timestamp 0 of object 3 does not come after 0");
   EXPECT_EQ(message("\n1,100,3", "\n0,100,3"), ":3: frame 0 of object 3 does not come after 0");
   EXPECT_EQ(message("frame,", "fraem,").substr(0, 22), ":1: expected the heade");

@@ -24,7 +24,7 @@ double reach(const std::vector<Eigen::Vector2d>& points, double angle_rad) {
 TEST(Outline, OfAnEllipsoidLiesOnTheEllipseThatItsConicGives) {
   const Camera camera;
   const Ellipse e = project(camera, kAside, kAxes_m).ellipse;
-  const auto outline = superellipsoid_outline(camera, kAside, kAxes_m, 2);
+  const auto outline = superellipsoid_outline(camera, kAside, {kAxes_m});
   ASSERT_EQ(outline.size(), 360u);
   for (const Eigen::Vector2d& p : outline) {
     const Eigen::Vector2d local = Eigen::Rotation2Dd(-e.angle_rad) * (p - e.center);
@@ -40,8 +40,8 @@ TEST(Outline, OfABoxHasItsCorners) {
     const Eigen::Vector3d sign(signs & 1 ? 1 : -1, signs & 2 ? 1 : -1, signs & 4 ? 1 : -1);
     corners.push_back(*camera.project(kAside * sign.cwiseProduct(kAxes_m).eval()));
   }
-  for (const double exponent : {1.0, 0.5}) {
-    const auto outline = superellipsoid_outline(camera, kAside, kAxes_m, exponent);
+  {
+    const auto outline = superellipsoid_outline(camera, kAside, {kAxes_m, {1, 1, 1}});
     ASSERT_EQ(outline.size(), 360u);
     for (const Eigen::Vector2d& p : outline) {
       const auto is_there = [&](const Eigen::Vector2d& corner) { return (corner - p).norm() < 1e-6; };
@@ -50,6 +50,27 @@ TEST(Outline, OfABoxHasItsCorners) {
     for (int i = 0; i < 360; ++i) {
       const double angle_rad = i * std::numbers::pi / 180;
       EXPECT_NEAR(reach(outline, angle_rad), reach(corners, angle_rad), 1e-6) << i;
+    }
+  }
+}
+
+// A tube along any of its axes touches its tangents with its rims.
+TEST(Outline, OfACylinderIsThatOfItsRims) {
+  const Camera camera;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<Eigen::Vector2d> rims;
+    for (int i = 0; i < 7200; ++i) {
+      const double angle_rad = i * std::numbers::pi / 1800;
+      Eigen::Vector3d point;
+      point[axis] = (i < 3600 ? 1 : -1) * kAxes_m[axis];
+      point[(axis + 1) % 3] = std::cos(angle_rad) * kAxes_m[(axis + 1) % 3];
+      point[(axis + 2) % 3] = std::sin(angle_rad) * kAxes_m[(axis + 2) % 3];
+      rims.push_back(*camera.project(kAside * point));
+    }
+    const auto outline = superellipsoid_outline(camera, kAside, {kAxes_m, {2, 1, 1}, axis});
+    for (int i = 0; i < 360; ++i) {
+      const double angle_rad = i * std::numbers::pi / 180;
+      EXPECT_NEAR(reach(outline, angle_rad), reach(rims, angle_rad), 1e-3) << axis << ' ' << i;
     }
   }
 }
@@ -67,7 +88,7 @@ TEST(Outline, OfARoundedBoxHoldsItsWholeSurface) {
       surface.push_back(*camera.project(
           kAside * superellipsoid_support_point(kAxes_m, kExponent, normal.cwiseQuotient(kAxes_m))));
     }
-  const auto outline = superellipsoid_outline(camera, kAside, kAxes_m, kExponent);
+  const auto outline = superellipsoid_outline(camera, kAside, {kAxes_m, {kExponent, kExponent, kExponent}});
   for (int i = 0; i < 360; ++i) {
     const double angle_rad = i * std::numbers::pi / 180;
     EXPECT_LE(reach(surface, angle_rad), reach(outline, angle_rad) + 1e-6) << i;
@@ -80,12 +101,13 @@ TEST(Outline, NoneOfWhatIsNotWhollyInFrontOfTheCamera) {
   for (const double z_m : {-3.0, 0.0, 0.1, 0.19})
     for (const double exponent : {1.0, 1.5, 2.0}) {
       const Pose pose{Eigen::Quaterniond::Identity(), Eigen::Vector3d(2, 0, z_m)};
-      EXPECT_TRUE(superellipsoid_outline(Camera{}, pose, kAxes_m, exponent).empty()) << z_m;
+      EXPECT_TRUE(superellipsoid_outline(Camera{}, pose, {kAxes_m, {exponent, exponent, exponent}}).empty())
+          << z_m;
       ++cases;
     }
   EXPECT_EQ(cases, 12);
   const Pose in_front{Eigen::Quaterniond::Identity(), Eigen::Vector3d(2, 0, 0.3)};
-  EXPECT_EQ(superellipsoid_outline(Camera{}, in_front, kAxes_m, 1.5).size(), 360u);
+  EXPECT_EQ(superellipsoid_outline(Camera{}, in_front, {kAxes_m, {1.5, 1.5, 1.5}}).size(), 360u);
 }
 
 }  // namespace

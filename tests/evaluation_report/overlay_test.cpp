@@ -110,13 +110,14 @@ TEST(Overlay, TheEstimatedSuperellipsoidHasItsOwnOutline) {
   const GreyRecording recording(4, 3);
   const auto at_diagonal = [&](double exponent) {
     Tracks tracks = read_tracks(recording.estimate);
-    for (auto& state : tracks.objects[0].states) state.exponent = exponent;
+    for (auto& state : tracks.objects[0].states) state.exponents = {exponent, exponent, exponent};
     write_estimate(recording.estimate, tracks);
     write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
     // the cube's face is at 105 px, the sphere's circle at 63 px to each side; this one's outline between
     const Eigen::Vector3d axes_m = Eigen::Vector3d::Constant(0.5);
     double most_px = 0;
-    for (const Eigen::Vector2d& p : superellipsoid_outline(Camera{}, GreyRecording::at(3), axes_m, 1.2))
+    for (const Eigen::Vector2d& p :
+         superellipsoid_outline(Camera{}, GreyRecording::at(3), {axes_m, {1.2, 1.2, 1.2}}))
       most_px = std::max(most_px, (p.x() + p.y() - 319.5 - 239.5) / 2);
     EXPECT_GT(most_px, 75);
     EXPECT_LT(most_px, 100);
@@ -134,7 +135,7 @@ TEST(Overlay, ATrueBoxIsDrawnAsTheEstimatesBodiesAre) {
   write_objects_yaml(objects, {{1, "box", Eigen::Vector3d::Constant(0.5), "rounded_box", ""}});
   const auto at = [&](double exponent, double side_px, double down_px) {
     Tracks tracks = read_tracks(recording.estimate);
-    for (auto& state : tracks.objects[0].states) state.exponent = exponent;
+    for (auto& state : tracks.objects[0].states) state.exponents = {exponent, exponent, exponent};
     write_estimate(recording.estimate, tracks);
     write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
     return recording.first().at<cv::Vec3b>(static_cast<int>(std::lround(239.5 + down_px)),
