@@ -9,7 +9,7 @@
 #include "core/base/apart.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
-#include "evaluation/report/trajectory_svg.h"
+#include "evaluation/report/trajectory_picture.h"
 #include "evaluation/trajectory_comparison.h"
 #include "harness/commands/options.h"
 
@@ -33,6 +33,22 @@ TrajectoryOptions trajectory_options(const std::string& align, const std::string
   return options;
 }
 
+// How the picture's file is to be written, by its name.
+std::string (*picture_writer(const std::string& file))(const Picture&) {
+  if (file.ends_with(".svg")) return picture_svg;
+  if (file.ends_with(".png")) return picture_png;
+  throw InputError(fmt::format("--plot: '{}' does not end in .svg or .png", file));
+}
+
+// An option that would change nothing is taken for a mistake.
+void require_used(const CLI::App& sub, const std::string& align, const std::string& relation) {
+  if (sub.count("--align-n") > 0 && (align == "none" || align == "first"))
+    throw InputError(fmt::format("--align-n: --align {} is not fitted on poses", align));
+  for (const char* name : {"--delta", "--all-pairs", "--pairs-from"})
+    if (sub.count(name) > 0 && relation == "ape")
+      throw InputError(fmt::format("{} is of RPE's steps: --relation ape has none", name));
+}
+
 }  // namespace
 
 void add_trajectory(CLI::App& app, Common& common) {
@@ -46,7 +62,7 @@ void add_trajectory(CLI::App& app, Common& common) {
   sub->add_option("EST", estimate_file, "estimate (TUM text)")->required();
   sub->add_option("--align", align, "of the estimate with the reference, before all else")
       ->check(CLI::IsMember({"none", "first", "se3", "sim3", "scale", "posyaw", "poses"}));
-  sub->add_option("--align-n", align_pairs, "by the first N pairs; default: by all")
+  sub->add_option("--align-n", align_pairs, "fitted on the first N pairs; default: on all")
       ->check(whole_number(1, kMaxCount));
   sub->add_option("--relation", relation, "default: both")->check(CLI::IsMember({"ape", "rpe"}));
   sub->add_option("--part", part, "of the error; default: translation and rotation")
@@ -62,8 +78,10 @@ void add_trajectory(CLI::App& app, Common& common) {
   sub->add_flag("--kitti", kitti, "and KITTI's errors over 100 to 800 m");
   sub->add_option("--compat", compat, "choose steps as evo does")->check(CLI::IsMember({"evo"}));
   sub->add_flag("--json", as_json, "as JSON instead of a table");
-  sub->add_option("--plot", plot, "picture of the paths and errors to write (SVG)");
-  sub->callback([] {
+  sub->add_option("--plot", plot, "picture of the paths and errors to write: .svg or .png");
+  sub->callback([sub] {
+    require_used(*sub, align, relation);
+    const auto write_picture = plot.empty() ? nullptr : picture_writer(plot);
     TrajectoryOptions options = trajectory_options(align, relation, part, delta, max_dt_s);
     if (align_pairs > 0) options.align_pairs = align_pairs;
     if (!from.empty()) options.pairs_from_reference = from == "ref";
@@ -74,8 +92,9 @@ void add_trajectory(CLI::App& app, Common& common) {
     options.kitti = kitti;
     require_apart(plot, {reference, estimate_file});
     const TrajectoryComparison comparison = compare_trajectories(reference, estimate_file, options);
-    if (!plot.empty())
-      write_text(plot, trajectory_svg(comparison, fmt::format("{} against {}", estimate_file, reference)));
+    if (write_picture)
+      write_text(plot, write_picture(trajectory_picture(
+                           comparison, fmt::format("{} against {}", estimate_file, reference))));
     std::cout << (as_json ? trajectory_json(comparison, options) : trajectory_text(comparison, options));
   });
 }

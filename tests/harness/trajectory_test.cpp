@@ -70,7 +70,10 @@ TEST_F(TrajectoryCommand, AnswersInJson) {
 
 TEST_F(TrajectoryCommand, TakesEveryOption) {
   for (const char* align : {"none", "first", "se3", "sim3", "scale", "posyaw", "poses"}) {
-    const json c = answer({"--align", align, "--align-n", "200", "--relation", "ape"});
+    std::vector<std::string> options = {"--align", align, "--relation", "ape"};
+    const bool is_fitted = align != std::string("none") && align != std::string("first");
+    if (is_fitted) options.insert(options.end(), {"--align-n", "200"});
+    const json c = answer(options);
     EXPECT_EQ(c["alignment"]["kind"], align);
     EXPECT_FALSE(c.contains("rpe"));
     const double scale = c["alignment"]["reference_from_estimate"]["scale"];
@@ -130,9 +133,25 @@ TEST_F(TrajectoryCommand, WritesAPicture) {
        {"est.tum against /", "x [m]", "z [m]", "APE translation [m]", "RPE rotation [rad]"})
     EXPECT_NE(picture.find(text), std::string::npos) << text;
   EXPECT_EQ(picture.find("nan"), std::string::npos);
+  EXPECT_EQ(run({"--plot", path("out.png")}).exit_code, 0);
+  EXPECT_TRUE(read_text(path("out.png")).starts_with("\x89PNG\r\n\x1a\n"));
+  expect_refused(run({"--plot", path("out.pdf")}), "out.pdf' does not end in .svg or .png");
+  EXPECT_FALSE(std::filesystem::exists(path("out.pdf")));
   const std::string before = read_text(path("ref.tum"));
   expect_refused(run({"--plot", path("ref.tum")}), "ref.tum");
   EXPECT_EQ(read_text(path("ref.tum")), before);
+}
+
+TEST_F(TrajectoryCommand, RefusesOptionsWithoutEffect) {
+  expect_refused(run({"--align-n", "200"}), "--align-n: --align none is not fitted on poses");
+  expect_refused(run({"--align", "first", "--align-n", "200"}),
+                 "--align-n: --align first is not fitted on poses");
+  for (const std::vector<std::string>& option :
+       {std::vector<std::string>{"--delta", "10m"}, {"--all-pairs"}, {"--pairs-from", "est"}}) {
+    std::vector<std::string> options = {"--relation", "ape"};
+    options.insert(options.end(), option.begin(), option.end());
+    expect_refused(run(options), option.front() + " is of RPE's steps: --relation ape has none");
+  }
 }
 
 TEST_F(TrajectoryCommand, RefusesBadInputByNameAndLine) {
