@@ -11,6 +11,7 @@
 #include "core/base/version.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/options.h"
+#include "harness/program.h"
 
 namespace uniquadric {
 namespace {
@@ -30,7 +31,7 @@ std::string command_line(int argc, char** argv) {
 
 int run(int argc, char** argv) {
   CLI::App app("uniquadric: simulate, estimate and evaluate object-level SLAM with moving objects");
-  app.set_version_flag("--version", kProgram);
+  app.set_version_flag("--version", fmt::format("{}\n{}", kProgram, program_source()));
   app.require_subcommand(1);
   Common common;
   common.command = command_line(argc, argv);

@@ -76,6 +76,9 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
           "\n## How it was made\n";
   if (!results.command.empty()) text += fmt::format("- command: `{}`\n", results.command);
   text += fmt::format("- program: {} (report: {})\n", fmt::join(programs_of(results), ", "), kProgram);
+  if (!results.program.empty()) text += fmt::format("- gathered by: {}\n", results.program);
+  if (!results.inputs.empty())
+    text += fmt::format("- inputs (hashes): {}\n", fmt::join(results.inputs, ", "));
   if (const auto alignments = alignments_of(results); !alignments.empty())
     text += fmt::format("- alignment of the estimates' worlds: {}\n", fmt::join(alignments, ", "));
   text += fmt::format("- seeds: {}\n", fmt::join(seeds_of(results), ", "));

@@ -168,6 +168,8 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
                      {"config", results.config},
                      {"command", results.command},
                      {"hardware", results.hardware},
+                     {"program", results.program},
+                     {"inputs", results.inputs},
                      {"metrics", metrics_json()},
                      {"summary_metrics", summary_metrics()},
                      {"summary", rows},

@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const char* const kCellsHeader = "scene,variant,seed,status,folder,message";
+const char* const kInputsHeader = "kind,name,hash";
 
 CellStatus parse_cell_status(const fs::path& file, int line, std::string_view text) {
   if (text == "ok") return CellStatus::ok;
@@ -52,6 +53,21 @@ std::string read_optional(const fs::path& file) {
   std::string text = read_text(file);
   text.erase(text.find_last_not_of(" \t\r\n") + 1);
   return text;
+}
+
+std::vector<std::string> read_inputs(const fs::path& file) {
+  std::vector<std::string> inputs;
+  if (!fs::exists(file)) return inputs;
+  bool header = true;
+  for_each_line(
+      file,
+      [&](int line, const std::vector<std::string_view>& fields) {
+        if (std::exchange(header, false) ? fields != split(kInputsHeader, ',') : fields.size() != 3)
+          throw InputError(file, line, fmt::format("expected the columns {}", kInputsHeader));
+        if (line > 1) inputs.push_back(fmt::format("{} {} {}", fields[0], fields[1], fields[2]));
+      },
+      ',');
+  return inputs;
 }
 
 void add_distinct(std::vector<std::string>& list, const std::string& value) {
@@ -103,6 +119,8 @@ Results read_results(const fs::path& folder) {
   results.config = read_optional(folder / "bench.yaml");
   results.command = read_optional(folder / "command.txt");
   results.hardware = read_optional(folder / "hardware.txt");
+  results.program = read_optional(folder / "program.txt");
+  results.inputs = read_inputs(folder / "inputs.csv");
   results.name = "bench";
   if (!results.config.empty())
     results.name = ConfigNode::parse(results.config, folder / "bench.yaml").get<std::string>("name", "bench");

@@ -52,6 +52,8 @@ struct Results {
   std::filesystem::path folder;
   std::string name;                       ///< of the bench
   std::string config, command, hardware;  ///< bench.yaml, command.txt, hardware.txt; empty where absent
+  std::string program;                    ///< program.txt: version and commit; empty where absent
+  std::vector<std::string> inputs;        ///< inputs.csv: "scene cube_cuboid 0123456789abcdef"
   std::vector<Cell> cells;                ///< in order of cells.csv
   std::vector<LidarRoutes> lidar;  ///< of scenes whose LiDAR took the paper's way, a (scene, seed) each
 };

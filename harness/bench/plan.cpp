@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "core/base/hash.h"
 #include "harness/bench/keys.h"
 #include "simulator/lidar_files.h"
 #include "simulator/scene/noise_scale.h"
@@ -139,12 +140,16 @@ std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, con
 }
 
 BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out) {
-  BenchPlan plan{load_bench_config(bench_file), out, {}};
+  BenchPlan plan{load_bench_config(bench_file), out, {}, {}};
   const BenchConfig& config = plan.config;
   const std::vector<Variant> variants = load_variants(config);
+  plan.made_from.push_back({"bench", config.name, hex(hash_file(bench_file))});
+  for (const BenchItem& variant : config.variants)
+    plan.made_from.push_back({"variant", variant.name, hex(hash_file(variant.path))});
   for (std::size_t s = 0; s < config.scenes.size(); ++s) {
     Scene scene = load_scene(config.scenes[s].path);
     scale_noise(scene, config.scenes[s].noise_scale);
+    plan.made_from.push_back({"scene", config.scenes[s].name, scene.hash});
     const bool has_routes = takes_the_papers_way(scene);
     for (const auto seed : config.scenes[s].seeds) {
       BenchSimulation simulation{s,          seed, simulation_key(scene.hash, seed, config.frames),

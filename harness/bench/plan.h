@@ -44,11 +44,19 @@ struct BenchSimulation {
   std::vector<BenchCell> cells;
 };
 
+/// A file that the results come from.
+struct BenchInput {
+  const char* kind;  ///< bench, scene or variant
+  std::string name;
+  std::string hash;  ///< XXH64 of the file; of a scene its scene_hash, which covers meshes and noise
+};
+
 /// A bench taken apart, for results in `out`.
 struct BenchPlan {
   BenchConfig config;
   std::filesystem::path out;
   std::vector<BenchSimulation> simulations;
+  std::vector<BenchInput> made_from;
 
   std::filesystem::path cell_folder(const BenchSimulation& simulation,
                                     const BenchCell& cell) const;  ///< relative to `out`

@@ -7,9 +7,11 @@
 
 #include "core/base/files.h"
 #include "core/base/text.h"
+#include "core/base/version.h"
 #include "evaluation/report/report.h"
 #include "harness/bench/keys.h"
 #include "harness/bench/process.h"
+#include "harness/program.h"
 
 namespace uniquadric {
 namespace {
@@ -54,6 +56,13 @@ std::string cells_csv(const BenchPlan& plan) {
   return text;
 }
 
+std::string inputs_csv(const BenchPlan& plan) {
+  std::string text = "kind,name,hash\n";
+  for (const BenchInput& input : plan.made_from)
+    text += fmt::format("{},{},{}\n", input.kind, input.name, input.hash);
+  return text;
+}
+
 // Of a call that wanted some.
 void remove_overlays(const BenchPlan& plan) {
   for (const BenchSimulation& simulation : plan.simulations)
@@ -92,6 +101,8 @@ void write_results(const BenchPlan& plan, const std::string& command) {
   write_text(plan.out / "cells.csv", cells_csv(plan));
   write_text(plan.out / "command.txt", command + "\n");
   write_text(plan.out / "hardware.txt", hardware());
+  write_text(plan.out / "program.txt", fmt::format("{}, {}\n", kProgram, program_source()));
+  write_text(plan.out / "inputs.csv", inputs_csv(plan));
   write_report(plan.out);
 }
 

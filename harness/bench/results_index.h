@@ -14,7 +14,8 @@ bool is_done(const BenchPlan& plan, const BenchSimulation& simulation, const Ben
 /// nothing is told was not run. Returns the number of cells that are not done.
 int find_failures(BenchPlan& plan);
 
-/// Writes cells.csv, command.txt and hardware.txt, and the report of the cells that are done.
+/// Writes cells.csv, command.txt, hardware.txt, program.txt and inputs.csv, and the report of the cells that
+/// are done.
 void write_results(const BenchPlan& plan, const std::string& command);
 
 }  // namespace uniquadric

@@ -159,6 +159,8 @@ void fabricate_results(const fs::path& folder, const FabricatedOptions& options)
   write(folder / "bench.yaml", "name: fabricated\nscenes: [cube_cuboid, skateboard_ball]\nseeds: [1, 2]\n");
   write(folder / "command.txt", "uniquadric bench configs/bench/fabricated.yaml out\n");
   write(folder / "hardware.txt", "Test processor, 2 threads\n");
+  write(folder / "program.txt", "uniquadric 0.1.0, commit 0123abcd, changed since\n");
+  write(folder / "inputs.csv", "kind,name,hash\nbench,fabricated,00112233\nscene,cube_cuboid,44556677\n");
 }
 
 }  // namespace uniquadric

@@ -33,6 +33,8 @@ const BadFile kBadFiles[] = {
     {"cells.csv", kCellsHeader + "s,a,1,failed,x,\ns,a,1,failed,x,\n",
      "cells.csv:3: this scene, variant and seed"},
     {"cells.csv", kCellsHeader + "s,a,1,ok,/etc,\n", "cells.csv:2: folder is not relative"},
+    {"inputs.csv", "name,hash\n", "inputs.csv:1: expected the columns kind,name,hash"},
+    {"inputs.csv", "kind,name,hash\nscene,a\n", "inputs.csv:2: expected the columns kind,name,hash"},
     {kEvaluation, "{\n\"schema\": 1,\n oops}", "evaluation.json:3: is not valid JSON"},
     {kEvaluation, "[]", "evaluation.json: expected an object"},
     {kEvaluation, "{\n\"schema\": 1e999\n}", "evaluation.json:2: holds a number"},
@@ -99,7 +101,7 @@ TEST(ReportInput, NamesFileAndLineOrFieldAndWritesNothing) {
       EXPECT_FALSE(fs::exists(folder.path() / file));
     ++cases;
   }
-  EXPECT_EQ(cases, 42);
+  EXPECT_EQ(cases, 44);
 }
 
 TEST(ReportInput, FolderThatIsNoResultsFolder) {

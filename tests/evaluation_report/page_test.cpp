@@ -82,6 +82,8 @@ TEST(Page, EmbeddedDataReadsBack) {
   const json data = script_json(read_text(folder.path() / "report.html"), "data");
   EXPECT_EQ(data.at("name"), "fabricated");
   EXPECT_EQ(data.at("command"), "uniquadric bench configs/bench/fabricated.yaml out");
+  EXPECT_EQ(data.at("program"), "uniquadric 0.1.0, commit 0123abcd, changed since");
+  EXPECT_EQ(data.at("inputs"), json({"bench fabricated 00112233", "scene cube_cuboid 44556677"}));
   ASSERT_EQ(data.at("cells").size(), 8u);
   constexpr double kFourDigits = 5e-4;  // relative: PageOptions::series_digits
   int values = 0;

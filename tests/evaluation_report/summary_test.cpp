@@ -148,6 +148,16 @@ TEST(Summary, AGivenCameraIsNoEstimate) {
   EXPECT_NE(text.find("| s | camera | rgbd | 1/1 | **0.0100** | **0.0100** |"), text.npos) << text;
 }
 
+TEST(Summary, MarkdownSaysWhatProgramAndInputsMadeIt) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 3});
+  const Results results = read_results(folder.path());
+  const std::string text = page_markdown(results, summarize(results));
+  EXPECT_NE(text.find("\n- gathered by: uniquadric 0.1.0, commit 0123abcd, changed since\n"), text.npos);
+  EXPECT_NE(text.find("\n- inputs (hashes): bench fabricated 00112233, scene cube_cuboid 44556677\n"),
+            text.npos);
+}
+
 TEST(Summary, TheRunSaysWhetherItsCameraWasGiven) {
   const TempFolder folder;
   const auto given = [&](const std::string& ape, const std::string& config) {

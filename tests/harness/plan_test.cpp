@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "core/base/files.h"
+#include "core/base/hash.h"
+#include "simulator/scene/scene.h"
 #include "tests/harness/program.h"
 #include "tests/support/temp_folder.h"
 
@@ -73,6 +75,17 @@ TEST_F(BenchPlanCommand, ItsCommandsMakeWhatBenchMakes) {
     if (stage["stage"] == "evaluate") last = fs::path(stage["folder"]) / "frames.csv";
   }
   EXPECT_EQ(scores(out), scores(by_bench));
+  for (const char* name : {"program.txt", "inputs.csv"})
+    EXPECT_EQ(read_text(out / name), read_text(by_bench / name)) << name;
+  std::string program = run_program({"--version"}).out;
+  program.replace(program.find('\n'), 1, ", ");
+  EXPECT_EQ(read_text(out / "program.txt"), program);
+  EXPECT_TRUE(program.find(", commit ") != program.npos || program.find(", no known") != program.npos);
+  const std::string inputs = read_text(out / "inputs.csv");
+  EXPECT_TRUE(inputs.starts_with("kind,name,hash\nbench,bench," + hex(hash_file(bench_)) + "\n")) << inputs;
+  EXPECT_NE(inputs.find("\nscene,small," + load_scene(folder() / "small.yaml").hash + "\n"), inputs.npos)
+      << inputs;
+  EXPECT_NE(inputs.find("\nvariant,bbox,"), inputs.npos) << inputs;
   EXPECT_EQ(read_text(out / "cells.csv"), read_text(by_bench / "cells.csv"));
   const auto made = fs::last_write_time(last);
   ASSERT_EQ(run_program({"bench", bench_, out, "--quiet"}).exit_code, 0);

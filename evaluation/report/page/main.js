@@ -30,7 +30,8 @@ function draw_definitions() {
 function draw_made() {
   const entry = (name, value) => (value ? [el("dt", {}, name), el("dd", {}, value)] : []);
   by_id("made-list").replaceChildren(...entry("command", data.command && el("code", {}, data.command)),
-    ...entry("program", data.programs.join(", ")), ...entry("this page by", data.report_program),
+    ...entry("program", data.programs.join(", ")), ...entry("gathered by", data.program), ...entry("this page by", data.report_program),
+    ...entry("inputs (hashes)", data.inputs.join(", ")),
     ...entry("seeds", data.seeds.join(", ")), ...entry("hardware", data.hardware));
   by_id("config").textContent = data.config || "not recorded";
   by_id("run-table").tBodies[0].replaceChildren(...data.cells.map((cell) => el("tr", {}, el("td", {}, cell.scene), el("td", {}, cell.variant),
