@@ -27,8 +27,10 @@ std::vector<ArcCurve> arc_curves(const Results& results, std::span<const double>
 /// A section of report.md, a column an interval; empty when there is nothing to show.
 std::string arc_markdown(const Results& results);
 
-/// The curves as one picture, a panel an object, for light and dark: the svg element. `standalone`: with the
-/// XML namespace a file needs, and a page does not. Empty when there is nothing to show.
-std::string arc_svg(const Results& results, bool standalone);
+/// The curves as one picture, a panel an object, for light and dark: a file's text. Empty when there is
+/// nothing to show.
+std::string arc_svg(const Results& results);
+/// The same for a page: its style, the legend, and a picture a panel, as many side by side as have room.
+std::string arc_html(const Results& results);
 
 }  // namespace uniquadric

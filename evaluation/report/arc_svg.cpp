@@ -14,7 +14,7 @@ namespace {
 
 // Sizes in the picture's own units, a pixel where it is shown at its size.
 constexpr double kPanelWidth = 460, kPanelHeight = 270;  // with its margins
-constexpr double kLeft = 46, kRight = 16, kTop = 34, kBottom = 42;
+constexpr double kLeft = 46, kRight = 24, kTop = 34, kBottom = 42;
 constexpr double kPlotWidth = kPanelWidth - kLeft - kRight, kPlotHeight = kPanelHeight - kTop - kBottom;
 constexpr int kColumns = 2;
 constexpr double kMargin = 8, kLegendLine = 22, kLegendSample = 26, kLetter = 7.4;
@@ -98,10 +98,8 @@ std::string median_line(const ArcCurve& curve, std::size_t colour) {
 }
 
 // Curves by variant, a variant's colour being that of its place among all.
-std::string panel(std::span<const ArcCurve> curves, const std::vector<std::string>& variants, double x,
-                  double y) {
-  std::string text = fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n", x, y);
-  text += fmt::format(
+std::string panel(std::span<const ArcCurve> curves, const std::vector<std::string>& variants) {
+  std::string text = fmt::format(
       "<text class=\"title\" x=\"{:.1f}\" y=\"{:.1f}\">{} <tspan class=\"tick\">{}</tspan></text>\n", kLeft,
       kTop - 12, escaped(curves.front().object), escaped(curves.front().scene));
   text += axes();
@@ -112,7 +110,7 @@ std::string panel(std::span<const ArcCurve> curves, const std::vector<std::strin
     bands += band(curve, colour);
     lines += median_line(curve, colour);
   }
-  return text + bands + lines + "</g>\n";
+  return text + bands + lines;
 }
 
 struct Legend {
@@ -144,6 +142,14 @@ std::vector<std::string> all_variants(const Results& results) {
   return variants;
 }
 
+std::string svg_start(const char* attributes, double width, double height, const char* label) {
+  return fmt::format(
+      "<svg class=\"arc\"{0} viewBox=\"0 0 {1:.0f} {2:.0f}\" width=\"{1:.0f}\" height=\"{2:.0f}\" "
+      "role=\"img\" "
+      "aria-label=\"{3}\">\n",
+      attributes, width, height, label);
+}
+
 // One after the other where scene and object change.
 std::vector<std::span<const ArcCurve>> panels_of(const std::vector<ArcCurve>& curves) {
   std::vector<std::span<const ArcCurve>> panels;
@@ -159,7 +165,7 @@ std::vector<std::span<const ArcCurve>> panels_of(const std::vector<ArcCurve>& cu
 
 }  // namespace
 
-std::string arc_svg(const Results& results, bool standalone) {
+std::string arc_svg(const Results& results) {
   const std::vector<ArcCurve> curves = arc_curves(results, edges());
   if (curves.empty()) return "";
   const auto panels = panels_of(curves);
@@ -169,15 +175,32 @@ std::string arc_svg(const Results& results, bool standalone) {
   const double width = columns * kPanelWidth;
   const Legend head = legend(variants, width);
   const double height = head.height + rows * kPanelHeight + kMargin;
-  std::string text = fmt::format(
-      "<svg class=\"arc\"{} viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" role=\"img\" "
-      "aria-label=\"3D IoU of each object against the arc of views\">\n",
-      standalone ? " xmlns=\"http://www.w3.org/2000/svg\"" : "", width, height, width, height);
+  std::string text = svg_start(" xmlns=\"http://www.w3.org/2000/svg\"", width, height,
+                               "3D IoU of each object against the arc of views");
   text += svg_ground(kRules, colour_rules) + head.text;
   for (std::size_t i = 0; i < panels.size(); ++i)
-    text += panel(panels[i], variants, kPanelWidth * static_cast<double>(i % kColumns),
-                  head.height + kPanelHeight * static_cast<double>(i / kColumns));
+    text += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n{}</g>\n",
+                        kPanelWidth * static_cast<double>(i % kColumns),
+                        head.height + kPanelHeight * static_cast<double>(i / kColumns),
+                        panel(panels[i], variants));
   return text + "</svg>\n";
+}
+
+std::string arc_html(const Results& results) {
+  const std::vector<ArcCurve> curves = arc_curves(results, edges());
+  if (curves.empty()) return "";
+  const std::vector<std::string> variants = all_variants(results);
+  std::string text = svg_style(kRules, colour_rules) + "<p class=\"arc-legend\">";
+  for (std::size_t i = 0; i < variants.size(); ++i)
+    text += fmt::format(
+        "<span><svg class=\"arc\" width=\"26\" height=\"8\" aria-hidden=\"true\"><path class=\"median "
+        "s{}\" d=\"M0 4h26\"/></svg>{}</span>\n",
+        i % kColours, escaped(variants[i]));
+  text += "</p>\n<div class=\"arcs\">\n";
+  for (const auto& of_object : panels_of(curves))
+    text += svg_start("", kPanelWidth, kPanelHeight, "3D IoU of an object against the arc of views") +
+            panel(of_object, variants) + "</svg>\n";
+  return text + "</div>";
 }
 
 }  // namespace uniquadric

@@ -33,8 +33,8 @@ std::string inside_script(std::string json) {
 }
 
 // The section with the curves over arcs; empty when there are none.
-std::string arc_section(const std::string& svg) {
-  if (svg.empty()) return "";
+std::string arc_section(const std::string& plots) {
+  if (plots.empty()) return "";
   return "<section id=\"arcs\">\n    <h2>3D IoU against the arc of views</h2>\n    <p>How much of an "
          "object's shape "
          "is known by how much of it was seen. The arc is the largest angle between two directions from the "
@@ -42,9 +42,8 @@ std::string arc_section(const std::string& svg) {
          "to the camera so far, in the true object's own frame; each seed's frames are averaged over 5 "
          "degrees. "
          "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees. An estimate "
-         "written as of the end (output: final) has one shape at every arc.</p>\n    "
-         "<div class=\"scroll\">" +
-         svg + "</div>\n  </section>";
+         "written as of the end (output: final) has one shape at every arc.</p>\n    " +
+         plots + "\n  </section>";
 }
 
 }  // namespace
@@ -55,7 +54,7 @@ std::string page_html(const Results& results, const std::vector<SummaryRow>& sum
   for (const char* name : {"data.js", "table.js", "ablation.js", "charts.js", "lidar.js", "times.js",
                            "frames.js", "space.js", "paint3d.js", "view3d.js", "orbit.js", "main.js"})
     scripts += page_asset(name);
-  const std::string arcs = arc_section(arc_svg(results, false));
+  const std::string arcs = arc_section(arc_html(results));
   return fill(page_asset("page.html"),
               {{"title", escaped(results.name)},
                {"arcs_link", arcs.empty() ? "" : "<a href=\"#arcs\">Arc of views</a>"},

@@ -12,7 +12,7 @@ void write_report(const std::filesystem::path& folder) {
   const std::vector<SummaryRow> summary = summarize(results);
   const std::string html = page_html(results, summary);  // all made before the first is written
   const std::string markdown = page_markdown(results, summary);
-  const std::string arcs = arc_svg(results, true);
+  const std::string arcs = arc_svg(results);
   arcs.empty() ? void(std::filesystem::remove(folder / "iou3d_by_arc.svg"))
                : write_text(folder / "iou3d_by_arc.svg", arcs);
   write_text(folder / "scores.csv", scores_csv(scores(results)));

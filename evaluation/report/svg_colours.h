@@ -24,12 +24,16 @@ inline constexpr SvgColours kDarkSvg = {
     "#9aa3ac",
     "#2f353b"};
 
-/// A picture's style and background: `rules`, and `colour_rules` of the light colours, of the dark ones where
-/// those are preferred.
-inline std::string svg_ground(const char* rules, std::string (*colour_rules)(const SvgColours&)) {
+/// A picture's style: `rules`, and `colour_rules` of the light colours, of the dark ones where those are
+/// preferred.
+inline std::string svg_style(const char* rules, std::string (*colour_rules)(const SvgColours&)) {
   return std::string("<style>\n") + rules + colour_rules(kLightSvg) +
-         "@media (prefers-color-scheme:dark){\n" + colour_rules(kDarkSvg) +
-         "}\n</style>\n<rect class=\"back\" width=\"100%\" height=\"100%\"/>\n";
+         "@media (prefers-color-scheme:dark){\n" + colour_rules(kDarkSvg) + "}\n</style>\n";
+}
+
+/// Style and background.
+inline std::string svg_ground(const char* rules, std::string (*colour_rules)(const SvgColours&)) {
+  return svg_style(rules, colour_rules) + "<rect class=\"back\" width=\"100%\" height=\"100%\"/>\n";
 }
 
 }  // namespace uniquadric

@@ -23,6 +23,14 @@
   seen.page = { width: innerWidth, overflow: document.documentElement.scrollWidth - innerWidth,
     background: getComputedStyle(document.body).backgroundColor, charts: charts.length };
 
+  // What a box cuts off at its right, and the smallest letters of the pictures [px].
+  const cut = (selector) => [...document.querySelectorAll(selector)].filter((node) => {
+    const box = node.closest(".scroll, svg").getBoundingClientRect(), own = node.getBoundingClientRect();
+    return own.right > box.right + 1 || own.left < box.left - 1 || own.right > innerWidth; }).map((node) => node.textContent);
+  const of_arcs = [...document.querySelectorAll(".arcs text")];
+  seen.small = { failures: [...document.querySelectorAll("#failures td")].length, cut: cut("#failures td, .arcs text"),
+    arcs: document.querySelectorAll(".arcs svg").length, letters: Math.min(...of_arcs.map((text) => text.getBoundingClientRect().height)) };
+
   const ape = [...document.querySelectorAll("#summary-table [data-sort]")].findIndex((b) => b.dataset.sort === "ape_translation_rmse_m");
   seen.table = { original: column(ape) };
   header("ape_translation_rmse_m").click();

@@ -259,6 +259,12 @@ TEST_F(Browser, FitsAPhoneInTheDark) {
   EXPECT_LT(phone.at("page").at("width"), 600);
   EXPECT_LE(phone["page"].at("overflow"), 0);
   EXPECT_LE(wide.at("page").at("overflow"), 0);
+  for (const json& seen : {phone, wide}) {
+    EXPECT_EQ(seen.at("small").at("failures"), 4);  // of one run
+    EXPECT_EQ(seen["small"].at("cut"), json::array());
+    EXPECT_EQ(seen["small"].at("arcs"), 4);
+    EXPECT_GT(seen["small"].at("letters"), 10);  // px: the height of a line of the smallest
+  }
   EXPECT_GT(wide["page"].at("charts"), 4);
   EXPECT_EQ(phone["page"].at("background"), "rgb(20, 23, 26)");
   EXPECT_EQ(wide["page"].at("background"), "rgb(251, 250, 248)");

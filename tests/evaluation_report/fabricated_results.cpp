@@ -63,7 +63,7 @@ std::string frames_csv(const FabricatedScene& scene, double error_m, std::uint64
       "frame,timestamp_ns,object_id,name,matched_id,ape_translation_m,ape_rotation_rad,ape_rotation_naive_"
       "rad,iou3d,"
       "iou3d_stderr,iou2d,iou2d_ellipse,d_shape_m,est_semi_axis_x_m,est_semi_axis_y_m,est_semi_axis_z_m,"
-      "true_semi_axis_x_m,true_semi_axis_y_m,true_semi_axis_z_m,rpe_translation_m,rpe_rotation_rad\n";
+      "true_semi_axis_x_m,true_semi_axis_y_m,true_semi_axis_z_m,rpe_translation_m,rpe_rotation_rad,arc_deg\n";
   for (int frame = 0; frame < frames; ++frame)
     for (int id = 1; id <= 2; ++id) {
       RandomStream random(seed, scene.name, static_cast<std::uint64_t>(frame),
@@ -73,13 +73,14 @@ std::string frames_csv(const FabricatedScene& scene, double error_m, std::uint64
           fmt::format("{},{},{},{},", frame, 1'000'000'000 + frame * 33'333'333LL, id, scene.objects[id - 1]);
       const bool lost = frame >= 120 && frame < 130 && id == 1;
       if (lost) {
-        text += ",,,,,,,,,,,,0.2,0.15,0.1,,\n";
+        text += ",,,,,,,,,,,,0.2,0.15,0.1,,,\n";
         continue;
       }
       text += fmt::format("{},{},{},{},{},0.001,{},{},{},{},{},{},0.2,0.15,0.1,", id + 10, e, 2 * e, 4 * e,
                           1 / (1 + 4 * e), 1 / (1 + 2 * e), 1 / (1 + e), e, 0.2 + e * 0.3 * random.normal(),
                           0.15 + e * 0.2 * random.normal(), 0.1 + e * 0.2);
-      text += frame == 0 ? ",\n" : fmt::format("{},{}\n", e / 2, e);
+      text += frame == 0 ? ",," : fmt::format("{},{},", e / 2, e);
+      text += fmt::format("{}\n", 0.9 * frame);
     }
   return text;
 }
