@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "core/base/error.h"
 #include "core/sequence/stamps.h"
@@ -21,21 +20,27 @@ Trajectory read_poses(const fs::path& path) {
 }
 
 double path_m(const Trajectory& trajectory) {
-  std::vector<Pose> poses;
-  for (const StampedPose& pose : trajectory) poses.push_back(pose.pose);
-  return path_lengths_m(poses).back();
+  double length_m = 0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i)
+    length_m += (trajectory[i].pose.translation - trajectory[i - 1].pose.translation).norm();
+  return length_m;
 }
 
 void pair_up(const Trajectory& reference, const Trajectory& estimate, const StampOptions& options,
              TrajectoryComparison& result) {
-  std::set<std::size_t> covered;
-  for (const IndexPair& pair : associate(stamps_of(reference), stamps_of(estimate), options)) {
+  const std::vector<IndexPair> pairs = associate(stamps_of(reference), stamps_of(estimate), options);
+  result.pairs.stamps_ns.reserve(pairs.size());
+  result.pairs.reference.reserve(pairs.size());
+  result.pairs.estimate.reserve(pairs.size());
+  std::size_t covered = 0, last = reference.size();
+  for (const IndexPair& pair : pairs) {  // in order of the reference, whose poses may stand in several
     result.pairs.stamps_ns.push_back(reference[pair.reference].stamp_ns);
     result.pairs.reference.push_back(reference[pair.reference].pose);
     result.pairs.estimate.push_back(estimate[pair.estimate].pose);
-    covered.insert(pair.reference);
+    covered += pair.reference != last;
+    last = pair.reference;
   }
-  result.coverage = static_cast<double>(covered.size()) / static_cast<double>(reference.size());
+  result.coverage = static_cast<double>(covered) / static_cast<double>(reference.size());
 }
 
 void align_estimate(const TrajectoryOptions& options, TrajectoryComparison& result) {
@@ -65,18 +70,19 @@ std::vector<IndexStep> steps_of(const PosePairs& pairs, const TrajectoryOptions&
   return steps;
 }
 
-double part_of(const PoseError& error, double full, ErrorPart part) {
-  if (part == ErrorPart::full) return full;
+double part_of(const PoseError& error, ErrorPart part) {
   return part == ErrorPart::translation ? error.translation_m : error.rotation_rad;
 }
 
 ErrorSeries absolute_series(const PosePairs& pairs, ErrorPart part) {
   ErrorSeries series{PoseRelation::ape, part, {}, {}};
+  series.at.reserve(pairs.size());
+  series.values.reserve(pairs.size());
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const Pose &reference = pairs.reference[k], &estimate = pairs.estimate[k];
     series.at.push_back(k);
-    series.values.push_back(
-        part_of(absolute_error(reference, estimate), full_absolute_error(reference, estimate), part));
+    series.values.push_back(part == ErrorPart::full ? full_absolute_error(reference, estimate)
+                                                    : part_of(absolute_error(reference, estimate), part));
   }
   return series;
 }
@@ -87,8 +93,9 @@ ErrorSeries relative_series(const PosePairs& pairs, const std::vector<IndexStep>
     const Pose &from = pairs.reference[i], &to = pairs.reference[j];
     const Pose &estimate_from = pairs.estimate[i], &estimate_to = pairs.estimate[j];
     series.at.push_back(j);
-    series.values.push_back(part_of(relative_error(from, to, estimate_from, estimate_to),
-                                    full_relative_error(from, to, estimate_from, estimate_to), part));
+    series.values.push_back(part == ErrorPart::full
+                                ? full_relative_error(from, to, estimate_from, estimate_to)
+                                : part_of(relative_error(from, to, estimate_from, estimate_to), part));
   }
   return series;
 }

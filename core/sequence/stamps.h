@@ -17,6 +17,7 @@ std::optional<std::int64_t> parse_stamp_of_ns(std::string_view text);
 template <typename Stamped>
 std::vector<std::int64_t> stamps_of(const std::vector<Stamped>& list) {
   std::vector<std::int64_t> stamps_ns;
+  stamps_ns.reserve(list.size());
   for (const Stamped& item : list) stamps_ns.push_back(item.stamp_ns);
   return stamps_ns;
 }

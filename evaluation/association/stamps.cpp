@@ -14,6 +14,7 @@ std::vector<IndexPair> nearest_pairs(const Stamps& reference, const Stamps& esti
   const Stamps& shorter = estimate_is_longer ? reference : estimate;
   const Stamps& longer = estimate_is_longer ? estimate : reference;
   std::vector<IndexPair> pairs;
+  pairs.reserve(shorter.size());
   for (std::size_t i = 0; i < shorter.size() && !longer.empty(); ++i) {
     const std::size_t j = nearest_index(longer, shorter[i]);
     if (std::abs(longer[j] - shorter[i]) > limit) continue;

@@ -42,6 +42,23 @@ TEST(InputError, ShowsTheBeginOfALongText) {
             "f: " + std::string(997, 'x') + "...");
 }
 
+TEST(Split, BlanksCountAsOneSeparatorsEachByItself) {
+  using Fields = std::vector<std::string_view>;
+  EXPECT_EQ(split(" a \t bc\r"), (Fields{"a", "bc"}));
+  EXPECT_EQ(split(""), Fields{});
+  EXPECT_EQ(split("a, b c ,,d,", ','), (Fields{"a", "b c", "", "d", ""}));
+  EXPECT_EQ(split("", ','), Fields{""});
+}
+
+TEST(Lines, EachHasItsOwnFields) {
+  const TempFolder temp;
+  write_text(temp.path() / "a", "1 2 3\n# no\n\n4\n");
+  std::vector<std::pair<int, std::size_t>> seen;
+  for_each_line(temp.path() / "a",
+                [&](int line, const auto& fields) { seen.emplace_back(line, fields.size()); });
+  EXPECT_EQ(seen, (std::vector<std::pair<int, std::size_t>>{{1, 3}, {4, 1}}));
+}
+
 TEST(Lines, OneWithoutEndIsRefused) {
   const TempFolder temp;
   const std::string most(1 << 20, 'x');
