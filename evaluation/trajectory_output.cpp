@@ -76,6 +76,7 @@ json to_json(const CalibratedDrift& drift) {
   result["max_translation_m"] = drift.max_translation_m;
   result["max_translation_percent_of_path"] = percent ? json(*percent) : json();
   result["max_translation_pair"] = drift.translation_index;
+  result["max_angle_deg"] = drift.max_angle_rad * kDegrees;
   result["roll_deg"] = angles.x();
   result["pitch_deg"] = angles.y();
   result["yaw_deg"] = angles.z();
@@ -141,8 +142,9 @@ std::string drift_text(const TrajectoryComparison& c) {
       "greatest drift, calibrated: with the rigid transform of the body's frame that fits all poses best:\n";
   text += greatest(calibrated.max_translation_m, calibrated.max_translation_percent_of_path,
                    calibrated.translation_index);
-  text += fmt::format("  rotation    roll {:.6g}, pitch {:.6g}, yaw {:.6g} deg at {} s\n", angles.x(),
-                      angles.y(), angles.z(), at(calibrated.angle_index));
+  text += fmt::format("  rotation    {:.6g} deg (roll {:.6g}, pitch {:.6g}, yaw {:.6g}) at {} s\n",
+                      calibrated.max_angle_rad * kDegrees, angles.x(), angles.y(), angles.z(),
+                      at(calibrated.angle_index));
   if (!calibrated.determined) text += "  the motion leaves a part of the calibration open\n";
   return text;
 }

@@ -86,7 +86,8 @@ constexpr Metric kMetrics[] = {
     {"longest_gap_s", "longest gap", "s", kLower, kObject, "/longest_gap_s",
      "Longest time without an estimate; frames in which the object is not visible add nothing."},
     {"id_switches", "id switches", "", kLower, kObject, "/id_switches",
-     "How often the estimated track that follows this object changed."},
+     "How often the estimated track that follows this object changed, any overlap counting as following; "
+     "MOTA counts at an IoU of 0.5, so its switches may be others."},
     {"drift_max_translation_m", "drift.t", "m", kLower, kObject | kCamera, "/drift/max_translation_m",
      "Largest translation error after the first poses were aligned."},
     {"drift_max_angle_deg", "drift.r", "deg", kLower, kObject | kCamera, "/drift/max_angle_deg",

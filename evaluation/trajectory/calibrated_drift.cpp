@@ -146,9 +146,10 @@ std::optional<CalibratedDrift> calibrated_drift(const PosePairs& poses) {
       drift.max_translation_percent_of_path.reset();
       if (path_m > 0) drift.max_translation_percent_of_path = 100 * size_m / path_m;
     }
-    const Eigen::Vector3d angles = roll_pitch_yaw(error.rotation.toRotationMatrix());
-    if (angles.norm() > drift.roll_pitch_yaw_rad.norm()) {
-      drift.roll_pitch_yaw_rad = angles;
+    const Eigen::Matrix3d rotation = error.rotation.toRotationMatrix();
+    if (const double angle = rotation_angle(rotation); angle > drift.max_angle_rad) {
+      drift.max_angle_rad = angle;
+      drift.roll_pitch_yaw_rad = roll_pitch_yaw(rotation);
       drift.angle_index = k;
     }
   }

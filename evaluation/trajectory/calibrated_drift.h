@@ -20,7 +20,8 @@ struct CalibratedDrift {
   double max_translation_m = 0;
   /// of the reference's path up to the pair of max_translation_m; nothing where nothing has moved yet
   std::optional<double> max_translation_percent_of_path;
-  Eigen::Vector3d roll_pitch_yaw_rad = Eigen::Vector3d::Zero();  ///< where their norm is greatest
+  double max_angle_rad = 0;                                      ///< of the error's rotation
+  Eigen::Vector3d roll_pitch_yaw_rad = Eigen::Vector3d::Zero();  ///< of that rotation
   std::size_t translation_index = 0, angle_index = 0;            ///< pairs where the maxima are
 };
 

@@ -66,6 +66,24 @@ TEST(CalibratedDrift, FitsAllOfALongWayThoughItStartsFromAPart) {
   EXPECT_NEAR(absolute_error(body, drift.reference_from_estimate).rotation_rad, 0, 0.01);
 }
 
+// Of two turns the one by the greater angle counts, though the other's roll, pitch and yaw are greater each.
+TEST(CalibratedDrift, TakesTheGreatestAngleNotTheGreatestRollPitchAndYaw) {
+  const auto way = random_walk(400, 14);
+  auto other = way;
+  const Eigen::Quaterniond about_all = yaw(1) * Eigen::AngleAxisd(1, Eigen::Vector3d::UnitY()) *
+                                       Eigen::AngleAxisd(1, Eigen::Vector3d::UnitX());  // by 1.33 rad
+  other[150] = other[150] * Pose{about_all, {0, 0, 0}};
+  other[250] = other[250] * Pose{yaw(1.5), {0, 0, 0}};
+  const auto drift = *calibrated_drift(pairs_of(way, other));
+  EXPECT_EQ(drift.angle_index, 250u);
+  EXPECT_NEAR(drift.max_angle_rad, 1.5, 0.02);
+  const Eigen::Vector3d& angles = drift.roll_pitch_yaw_rad;
+  const Eigen::Matrix3d turn = (yaw(angles.z()) * Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+                                Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX()))
+                                   .toRotationMatrix();
+  EXPECT_NEAR(rotation_angle(turn), drift.max_angle_rad, kPoseRounding);
+}
+
 TEST(CalibratedDrift, SaysWhatTheMotionLeavesOpen) {
   const auto flat = spiral(40);  // turns about z alone: C's z is free
   const Pose body = {yaw(0.7), {0.3, -0.2, 0.5}};

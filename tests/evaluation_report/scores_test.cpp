@@ -1,9 +1,14 @@
 #include "evaluation/report/scores.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
 
 #include "core/base/files.h"
 #include "core/base/text.h"
+#include "evaluation/report/metrics.h"
 #include "evaluation/report/report.h"
 #include "tests/evaluation_report/fabricated_results.h"
 #include "tests/evaluation_report/small_results.h"
@@ -28,6 +33,26 @@ TEST(Scores, OneRowAFigureAndFailedRowsWithoutValue) {
             "s,cube,b,1,coverage,,higher,failed\n"
             "s,cube,b,1,id_switches,,lower,failed\n"
             "s,camera,b,1,ape_translation_rmse_m,,lower,failed\n");
+}
+
+// One name in tables, one in scores.csv, one in evaluation.json: docs/formats.md has each beside the others.
+TEST(Scores, EveryMetricStandsInTheFormats) {
+  const std::string page = read_text(std::filesystem::path(UNIQUADRIC_SOURCE_DIR) / "docs/formats.md");
+  std::size_t rows = 0;
+  for (const Metric& metric : all_metrics()) {
+    std::string of, where = metric.pointer + 1;
+    for (const auto& [scope, name] : {std::pair{MetricScope::object, "objects"},
+                                      {MetricScope::camera, "camera"},
+                                      {MetricScope::all, "all"}})
+      if (metric.scopes & static_cast<int>(scope)) of += (of.empty() ? "" : ", ") + std::string(name);
+    std::replace(where.begin(), where.end(), '/', '.');
+    const std::string unit = *metric.unit ? fmt::format(" [{}]", metric.unit) : "";
+    const std::string row = fmt::format("\n| `{}` | {}{} | {} | `{}` | {} |\n", metric.name, metric.label,
+                                        unit, of, where, metric.lower_is_better ? "lower" : "higher");
+    EXPECT_NE(page.find(row), page.npos) << row;
+    ++rows;
+  }
+  EXPECT_GT(rows, 25u);
 }
 
 TEST(Scores, SequenceWithoutAGoodRunKeepsOneRowARun) {
