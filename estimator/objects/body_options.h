@@ -114,6 +114,7 @@ void visit(Io& io, LongWindowOptions& o) {
   io.positive("profile_sigma", o.profile_sigma, kSigmaOfRatio);
   io.flag("surface_points", o.surface_points);
   io.positive("surface_sigma_m", o.surface_sigma_m, kSigma_m);
+  io.number("surface_sigma_radii", o.surface_sigma_radii, 0.0, 1.0);
   io.flag("extents", o.extents);
   io.flag("depth_sides", o.depth_sides);
   io.number("max_iterations", o.max_iterations, 1, kMostIterations);

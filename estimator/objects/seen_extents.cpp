@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "estimator/objects/outline_reach.h"
+
 namespace uniquadric {
 namespace {
 
@@ -57,6 +59,7 @@ bool ends_short(const Eigen::Matrix2Xd& pixels, const SupportLine& line, double 
 
 PointView point_view(const Camera& camera, const ShapeView& view) {
   PointView seen;
+  seen.touches = outline_touches(camera, view.silhouette);
   seen.body_from_camera = view.world_from_body.inverse() * view.world_from_camera;
   seen.points = &view.points;
   seen.normals = &view.normals;
@@ -94,8 +97,12 @@ Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double
       if (reach->views > 0) sigmas[side] = kEndSigma;
       if (reach->is_cut) sigmas[side] = kCutSigma * radius_m;
       const double seen_share = visible_share(shape, views, axis, side ? -1 : 1);
-      if (reach->views == 0 && seen_share > kLeastRim)
-        ends[side] = std::min(ends[side], std::max(end, (end + kRimSpacings * spacing) / seen_share));
+      if (reach->views == 0 && seen_share > kLeastRim) {
+        const double by_points = std::max(end, (end + kRimSpacings * spacing) / seen_share);
+        // few points may lie on a thin end (wheels, a bumper), and a mask's rim has none
+        const auto outlined = reach_by_outlines(shape, views, axis, side ? -1 : 1);
+        ends[side] = std::min(ends[side], std::max(by_points, outlined.value_or(by_points)));
+      }
     }
     if (!(ends[0] + ends[1] > 0)) continue;
     for (double* variance : {&shape.variances[axis], &shape.variances[3 + axis]})

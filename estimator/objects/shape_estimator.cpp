@@ -238,6 +238,7 @@ ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evi
     from.body_from_object = usual_box();
     options.offset_sigmas = kBoxSigmas;
   }
+  options.surface_sigma_m = surface_sigma_m(options, radius_m_);
   if (!turns) options.offset_sigmas.rotation_rad = kHeldTurn;
   std::vector<StageTime> unasked;
   Stopwatch watch(views_.back().frame, times_ ? *times_ : unasked);

@@ -9,6 +9,12 @@
 
 namespace uniquadric {
 
+/// Where an outline touches one of its tangents, in the camera's frame.
+struct OutlineTouch {
+  Eigen::Vector3d normal;    ///< unit, outward, of the plane through the camera and the tangent
+  Eigen::Vector3d from, to;  ///< along the lines of sight between which it touches
+};
+
 /// Points of one view of a body.
 struct PointView {
   Pose body_from_camera;
@@ -20,6 +26,7 @@ struct PointView {
   double horizon_rad = std::numbers::pi / 2;
   /// Unit vectors across the image to where something hid a part of the body, or the image ended.
   std::vector<Eigen::Vector2d> cut = {};
+  std::vector<OutlineTouch> touches = {};  ///< where nothing hides the body
 };
 
 /// How far a body reaches along a direction.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -67,6 +68,9 @@ struct LongWindowOptions {
   PoseSigmas rigid_sigmas{0.003, 0.006};  // ours: what short windows reach on the simulated scenes
   bool surface_points = true;             // ours: depth says where the surface is along the view
   double surface_sigma_m = 0.01;          // ours: of an averaged point of the cloud against a superellipsoid
+  // ours: and no less than so many radii of the body: what is large has panes, doors and wheels off the
+  // surface
+  double surface_sigma_radii = 0.02;
   bool extents = true;       // ours: where the body ends along its axes is what its points say, where seen
   bool depth_sides = false;  // ours: how far the accumulated points reach; surface_points say it better
   // ours: of the offset about its start, a solve: a ball has no axes to be found, what nothing holds stays
@@ -107,6 +111,11 @@ struct ShapeSolution {
   Shape shape;
   double cost = 0;
 };
+
+/// Sigma of a surface point of a body whose first sphere has this radius [m].
+inline double surface_sigma_m(const LongWindowOptions& options, double radius_m) {
+  return std::max(options.surface_sigma_m, options.surface_sigma_radii * radius_m);
+}
 
 // Both ours.
 inline constexpr double kHeldTurn = 1e-4;  ///< [rad] rotation sigma of an offset whose axes are to stay
