@@ -72,7 +72,8 @@ TEST_F(FeatureDepth, OfOtherTimesAndBodiesIsPassedOver) {
   write_changed([](Tracks&) {});
   write_text(estimate() / "features.csv",
              std::string(kHeader) + "0,900000000000,10,1,320,240,3,0.1\n0,0,77,1,320,240,3,0.1\n");
-  for (const json& object : run()["objects"]) EXPECT_TRUE(object["feature_depth"].is_null());
+  const json objects = run()["objects"];
+  for (const json& object : objects) EXPECT_TRUE(object["feature_depth"].is_null());
 }
 
 TEST_F(FeatureDepth, RowsThatAreNoneAreRefusedByLine) {
