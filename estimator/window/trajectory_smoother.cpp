@@ -19,6 +19,8 @@ constexpr double kLeastJerk = 1e-10, kMostJerk = 1e4;
 constexpr double kFirstJerk = 1e-2;
 constexpr double kLoose = 1e-2;  // information that makes the first velocity and acceleration definite
 constexpr int kLeastSamples = 5;
+constexpr double kSettled = 1e-4;  // [m], [rad] by which the last round moved any pose
+constexpr int kMostRounds = 30;
 // Of a time step, usual ones: its information grows with the fifth power, and drowns all other in rounding.
 constexpr double kLeastStep = 0.3;
 
@@ -189,16 +191,19 @@ Eigen::Matrix3d covariance_of(const PoseSample& sample, Part part, const Traject
   return R * own * R.transpose() + least * least * Eigen::Matrix3d::Identity();
 }
 
-// What is known of where the body is at sample k: of a body that has drifted, at the first of its samples
-// alone.
+// What is known of where the body is at sample k, which is `off` the nominal pose: of a body that has
+// drifted, at the first of its samples alone.
 Eigen::Matrix3d place_information(const std::vector<PoseSample>& samples, std::size_t k, Part part,
-                                  const TrajectorySmootherOptions& o) {
+                                  const Eigen::Vector3d& off, const TrajectorySmootherOptions& o) {
   const PoseEvidence evidence = samples[k].evidence;
   if (evidence == PoseEvidence::none || goes_on(samples, k)) return Eigen::Matrix3d::Zero();
   Eigen::Matrix3d covariance = covariance_of(samples[k], part, o);
   const double guess = part == Part::translation ? o.guess_sigma_m : o.guess_sigma_rad;
   if (evidence != PoseEvidence::absolute) covariance.diagonal().array() += guess * guess;
-  return covariance.inverse();
+  if (part == Part::translation) return covariance.inverse();
+  // about the axis of a body of revolution the two may be any turn apart, that is not small
+  const Eigen::Matrix3d J = inverse_right_jacobian_so3(off);
+  return J.transpose() * covariance.inverse() * J;
 }
 
 Eigen::Matrix3d step_information(const std::vector<PoseSample>& samples, std::size_t k, Part part,
@@ -233,7 +238,7 @@ Chain linearise(const std::vector<PoseSample>& samples, const std::vector<Pose>&
   Chain chain;
   for (std::size_t k = 0; k < n; ++k) {
     chain.measured.push_back(difference(samples[k].world_from_object, nominal[k], part));
-    chain.information.push_back(place_information(samples, k, part, options));
+    chain.information.push_back(place_information(samples, k, part, chain.measured.back(), options));
     if (k + 1 == n) break;
     const PoseSample& next = samples[k + 1];
     const double step = static_cast<double>(next.stamp_ns - samples[k].stamp_ns) / usual_ns;
@@ -261,16 +266,23 @@ void smooth(std::vector<PoseSample>& samples, std::vector<Pose>& nominal, Part p
             const TrajectorySmootherOptions& options) {
   double jerk = kFirstJerk, scale = 1;
   Solution solution;
-  for (int round = 0; round < options.robust_rounds; ++round) {
+  // A turn about an axis of revolution, which nothing holds, is large: the linearisation takes its time.
+  double moved = kSettled;
+  for (int round = 0; round < options.robust_rounds || (moved >= kSettled && round < kMostRounds); ++round) {
     Chain chain = linearise(samples, nominal, part, options);
     if (round > 0) weigh(chain, scale, options.outlier);
     const double unit = typical_variance(chain);
     const auto score = [&](double ratio) { return unlikelihood(chain, solve(chain, ratio * unit), ratio); };
-    for (const double step : {100.0, 10.0, 3.0}) jerk = descend(jerk, step, score);
+    if (round < options.robust_rounds)
+      for (const double step : {100.0, 10.0, 3.0}) jerk = descend(jerk, step, score);
     solution = solve(chain, jerk * unit);
     if (!(solution.cost > 0)) return;  // a quadric fixed in the world: there is no noise to take off
     scale = solution.cost / dimensions(chain);
-    for (std::size_t k = 0; k < nominal.size(); ++k) move(nominal[k], solution.states[k].head<3>(), part);
+    moved = 0;
+    for (std::size_t k = 0; k < nominal.size(); ++k) {
+      move(nominal[k], solution.states[k].head<3>(), part);
+      moved = std::max(moved, solution.states[k].head<3>().norm());
+    }
   }
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const Eigen::Matrix3d R = nominal[k].rotation.toRotationMatrix();

@@ -167,6 +167,26 @@ TEST(TrajectorySmoother, SpreadsADriftOverTheFramesThatDrifted) {
 
 // A body that goes by a new face slips once, by 3 cm, and is found where it is when the face of before is
 // back.
+// A body of revolution: poses tell the turn about its axis now and then, and wander by radians.
+TEST(TrajectorySmoother, AnUnknownTurnDoesNotTiltTheAxis) {
+  const Motion motion = [](double t) {
+    return Pose{exp_so3({0, 0, 1.7 * t}) * exp_so3({1.2 + 0.35 * t, 0, 0}), {0.1 * t, 0, 0}};
+  };
+  auto samples = samples_of(motion, 120, 0.002, 0.01);
+  double wander_rad = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    wander_rad += noise("wander", static_cast<int>(i), 1).x();
+    samples[i].world_from_object.rotation *= exp_so3({0, 0, wander_rad});
+    samples[i].covariance(5, 5) = i % 20 < 3 ? 1e-3 : 0.3;
+  }
+  smooth_trajectory(samples, {});
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+    const Eigen::Quaterniond truth = motion(static_cast<double>(i) / kRate).rotation;
+    EXPECT_LT((samples[i].world_from_object.rotation * z).cross(truth * z).norm(), 0.02) << i;
+  }
+}
+
 TEST(TrajectorySmoother, ASlippedStepIsNotSpreadOverTheOthers) {
   auto samples = samples_of(swing, 150, 0.001, 0.002);
   for (std::size_t i = 60; i < 90; ++i) {
