@@ -29,6 +29,24 @@ PairNorm pair_norm(double u, double v, double q) {
   return n;
 }
 
+// The norms that the gauge is made of: of the outline, and of it with the profile.
+struct GaugeNorms {
+  PairNorm outline, whole;
+};
+
+GaugeNorms gauge_norms(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
+                       const Eigen::Vector3d& point) {
+  const auto dual = [](double exponent) { return exponent / (exponent - 1); };
+  const Eigen::Vector3d u = point.cwiseQuotient(semi_axes_m).cwiseAbs();
+  const PairNorm outline = pair_norm(u.x(), u.y(), dual(q.outline));
+  return {outline, pair_norm(outline.value, u.z(), dual(point.z() > 0 ? q.upper : q.lower))};
+}
+
+// The axes that are x, y and z to the exponents.
+Eigen::Vector3i named_axes(int profile_axis) {
+  return {(profile_axis + 1) % 3, (profile_axis + 2) % 3, profile_axis};
+}
+
 }  // namespace
 
 Eigen::Vector3d superellipsoid_support_point(const Eigen::Vector3d& semi_axes_m, double q,
@@ -77,20 +95,31 @@ double superellipsoid_support(const Eigen::Vector3d& semi_axes_m, const SuperExp
 }
 
 Eigen::Vector3d support_point(const Superellipsoid& body, const Eigen::Vector3d& normal) {
-  const int z = body.profile_axis;
-  const Eigen::Vector3i named((z + 1) % 3, (z + 2) % 3, z);  // x, y, z of the exponents
+  const Eigen::Vector3i named = named_axes(body.profile_axis);
   Eigen::Vector3d point;
   point(named) =
       superellipsoid_support_derivatives(body.semi_axes_m(named), body.exponents, normal(named)).by_normal;
   return point;
 }
 
+Eigen::Vector3d normal_at(const Superellipsoid& body, const Eigen::Vector3d& point) {
+  const Eigen::Vector3i named = named_axes(body.profile_axis);
+  Eigen::Vector3d normal;
+  normal(named) = superellipsoid_normal(body.semi_axes_m(named), body.exponents, point(named));
+  return normal;
+}
+
 double superellipsoid_gauge(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
                             const Eigen::Vector3d& point) {
-  const auto dual = [](double exponent) { return exponent / (exponent - 1); };
-  const Eigen::Vector3d u = point.cwiseQuotient(semi_axes_m).cwiseAbs();
-  const double outline = pair_norm(u.x(), u.y(), dual(q.outline)).value;
-  return pair_norm(outline, u.z(), dual(point.z() > 0 ? q.upper : q.lower)).value;
+  return gauge_norms(semi_axes_m, q, point).whole.value;
+}
+
+Eigen::Vector3d superellipsoid_normal(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
+                                      const Eigen::Vector3d& point) {
+  const GaugeNorms norms = gauge_norms(semi_axes_m, q, point);
+  const Eigen::Vector3d slope(norms.whole.by_u * norms.outline.by_u, norms.whole.by_u * norms.outline.by_v,
+                              norms.whole.by_v);
+  return slope.cwiseProduct(point.cwiseSign()).cwiseQuotient(semi_axes_m).normalized();
 }
 
 }  // namespace uniquadric

@@ -53,6 +53,11 @@ SupportDerivatives superellipsoid_support_derivatives(const Eigen::Vector3d& sem
 double superellipsoid_gauge(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
                             const Eigen::Vector3d& point);
 
+/// The outward normal of the scaled body on whose surface a point lies: of its gauge's gradient, unit length;
+/// zero at the centre.
+Eigen::Vector3d superellipsoid_normal(const Eigen::Vector3d& semi_axes_m, const SuperExponents& q,
+                                      const Eigen::Vector3d& point);
+
 /// A superellipsoid whose profile runs along any of its axes (0 x, 1 y, 2 z); its outline lies in the two
 /// others.
 struct Superellipsoid {
@@ -63,6 +68,9 @@ struct Superellipsoid {
 
 /// The point of the body that supports `normal`.
 Eigen::Vector3d support_point(const Superellipsoid& body, const Eigen::Vector3d& normal);
+
+/// superellipsoid_normal() of it.
+Eigen::Vector3d normal_at(const Superellipsoid& body, const Eigen::Vector3d& point);
 
 }  // namespace uniquadric
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kPredictionSigma = 0.02;        // [m], [rad] of a prediction over one frame
 constexpr PoseSigmas kSettleSigmas{0.01, 0.03};  // of a pose by features against the surface
+constexpr PoseSigmas kAnySigmas{1, 1.8};         // of what a frame does not tell: any turn is as likely
 constexpr PoseSigmas kStraySigmas{0.03, 0.1};    // of a pose that goes by a new face
 constexpr double kBack = 0.7;                    // share of the points on the surface of before
 constexpr double kSlid = 1.5,
@@ -20,7 +21,9 @@ constexpr double kSlid = 1.5,
 constexpr double kLeastBase = 0.2, kMostBase = 0.6;  // [s] of the time that the velocity is taken from
 constexpr double kSure =
     0.9;  // share of the points that lie on the surface of a body that is back: any face fits any other
-constexpr int kPatience = 6;  // times the frames of a restart, until a part of the body in view will do
+constexpr double kStill = 1e-6;     // [m], [rad] of a body that is held in its place
+constexpr double kReachSigmas = 3;  // of the prediction, within which the body is
+constexpr int kPatience = 6;        // times the frames of a restart, until a part of the body in view will do
 constexpr double kRest =
     0.7;  // [s]: the turn of a body that is not seen fades, which a wrong velocity would carry furthest
 
@@ -37,6 +40,12 @@ BodyObservation features_of(const BodyObservation& body) {
   result.features = body.features;
   result.motion = body.motion;
   return result;
+}
+
+Matrix6d covariance_of(Matrix6d information) {
+  information.diagonal().head<3>().array() += std::pow(kAnySigmas.translation_m, -2);
+  information.diagonal().tail<3>().array() += std::pow(kAnySigmas.rotation_rad, -2);
+  return information.inverse();
 }
 
 Pose in_world(const PerceivedFrame& frame, const Pose& camera_from_body) {
@@ -76,8 +85,8 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   if (!pose && body && body->silhouette) pose = align(frame, *body);
   if (pose && !by_points && !pose->keyframe && is_stale(frame)) {  // a guess until more of it is in view
     ++frames_unfound_;
-    remember(frame, pose->world_from_body, pose->covariance);
-    BodyState state = state_at(frame, pose->world_from_body, pose->covariance);
+    remember(frame, pose->world_from_body, covariance_of(pose->information));
+    BodyState state = state_at(frame, pose->world_from_body, covariance_of(pose->information));
     state.status = ObjectStatus::occluded;
     state.evidence = PoseEvidence::guess;
     return state;
@@ -87,11 +96,11 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     if (frame.frame > sure_frame_ + 1 && seconds(sure_ns_, frame.stamp_ns) > options_.motion.window_s)
       motion_.forget();
     if (!is_global)
-      motion_.add(frame.stamp_ns, *frame.world_from_camera, pose->sighted, pose->covariance,
+      motion_.add(frame.stamp_ns, *frame.world_from_camera, pose->sighted, covariance_of(pose->information),
                   std::cbrt(shape_.shape().semi_axes_m.prod()));
     sure_ns_ = frame.stamp_ns;
     sure_frame_ = frame.frame;
-    remember(frame, pose->world_from_body, pose->covariance);
+    remember(frame, pose->world_from_body, covariance_of(pose->information));
     if (!own && body->silhouette)
       outlines_.trust(camera_, *body->silhouette, frame.stamp_ns,
                       frame.world_from_camera->inverse() * pose->world_from_body, body_center());
@@ -101,7 +110,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
       shape_.add_keyframe({frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, {}},
                           *body);
     }
-    return state_at(frame, pose->world_from_body, pose->covariance);
+    return state_at(frame, pose->world_from_body, covariance_of(pose->information));
   }
   const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
   if (body && can_start(*body) && was_a_glimpse(hidden_s)) {
@@ -115,7 +124,10 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   covariance.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
   covariance.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
   Pose world_from_body = predict(frame, body);
-  const auto center = body && is_stale(frame) ? shape_.center_of(frame, *body) : std::nullopt;
+  auto center = body && is_stale(frame) ? shape_.center_of(frame, *body) : std::nullopt;
+  const double reach_m = kReachSigmas * sigmas.translation_m + shape_.shape().semi_axes_m.maxCoeff();
+  if (center && !is_whole(*body->silhouette) && (*center - world_from_body * body_center()).norm() > reach_m)
+    center.reset();  // what lies about that part may be its occluder
   if (center) place_center(world_from_body, *center);
   BodyState state = state_at(frame, world_from_body, covariance);
   state.status = is_lost ? ObjectStatus::lost : ObjectStatus::occluded;
@@ -170,7 +182,13 @@ void BodyEstimator::remember(const PerceivedFrame& frame, const Pose& world_from
 std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const BodyObservation& body) {
   RandomStream random(seed_, "find_pose", frame.frame, id_);
   short_window_.set_rest(motion_.rest());
-  return short_window_.track(frame, body, predict(frame, &body), is_stale(frame), random);
+  auto pose = short_window_.track(frame, body, predict(frame, &body), is_stale(frame), random);
+  const Shape shape = shape_.shape();
+  if (pose)
+    pose->information += surface_information(
+        camera_, body, frame.world_from_camera->inverse() * pose->world_from_body, shape.body_from_object,
+        {shape.semi_axes_m, shape.exponents, shape.profile_axis}, options_.alignment);
+  return pose;
 }
 
 // Where the surface that is known says that the features have slid off it, it counts.
@@ -207,7 +225,7 @@ bool BodyEstimator::come_back(const PerceivedFrame& frame, const BodyObservation
 BodyPose BodyEstimator::stand_still(const PerceivedFrame& frame) const {
   BodyPose pose;
   pose.world_from_body = recent_.back().world_from_body;
-  pose.covariance.setZero();
+  pose.information = Matrix6d::Identity() / (kStill * kStill);
   const auto gap_ns = static_cast<std::int64_t>(1e9 * options_.short_window.keyframe_gap_s);
   pose.keyframe = frame.stamp_ns / gap_ns != recent_.back().stamp_ns / gap_ns;
   return pose;
@@ -250,7 +268,7 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   if (!found) return std::nullopt;
   BodyPose pose;
   pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);
-  pose.covariance = found->information.inverse();
+  pose.information = found->information;
   const int unfound = frames_unfound_ + 1, enough = options_.lifecycle.restart_frames;
   const bool sure = (is_whole(*body.silhouette) && found->matched > kSure) || unfound >= kPatience * enough;
   const bool young = keyframes_ < options_.lifecycle.confirm_keyframes;  // each view is needed

@@ -20,7 +20,8 @@ constexpr double kThinnest = 0.5;       // semi-axis that a box starts with at l
 constexpr double kClearlyBetter = 0.8;  // share of the cost below which another start is taken
 constexpr PoseSigmas kBoxSigmas{0.01, 0.02};  // of the box that most of Alg. 1's agree with
 constexpr int kEnoughSegmented = 3;           // views, without which carried outlines count
-constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
+constexpr double kLargestLook = 2;  // of its largest semi-axis: across a box's diagonal, and what is unseen
+constexpr double kClearGain = 10;   // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
   return upper_median(std::vector<double>(points.row(2).begin(), points.row(2).end()));
@@ -91,8 +92,12 @@ std::optional<Eigen::Vector3d> ShapeEstimator::start(const PerceivedFrame& frame
 std::optional<Eigen::Vector3d> ShapeEstimator::center_of(const PerceivedFrame& frame,
                                                          const BodyObservation& body) const {
   if (!body.silhouette || body.points.cols() == 0) return std::nullopt;
+  const Ellipse& box = body.silhouette->rot_bbox;
   const double depth = median_depth(body.points) + kSphereDepth * std::cbrt(shape_.semi_axes_m.prod());
-  const auto ray = camera_.unproject(body.silhouette->rot_bbox.center);
+  // a body too thin for its mask shows what is behind it, from where it would not look as large
+  if (keyframes_ > 0 && box.semi_major * depth / camera_.fx > kLargestLook * shape_.semi_axes_m.maxCoeff())
+    return std::nullopt;
+  const auto ray = camera_.unproject(box.center);
   if (!ray) return std::nullopt;
   return *frame.world_from_camera * (depth * *ray);
 }
@@ -236,7 +241,7 @@ ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evi
   Shape from = start;
   if (fuses(options.axis_prior) && !boxes_.empty()) {  // Alg. 1's boxes say where the quadric is, too
     from.body_from_object = usual_box();
-    options.offset_sigmas = kBoxSigmas;
+    options.offset_sigmas = options.known_offset = kBoxSigmas;
   }
   options.surface_sigma_m = surface_sigma_m(options, radius_m_);
   if (!turns) options.offset_sigmas.rotation_rad = kHeldTurn;

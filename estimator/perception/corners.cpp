@@ -65,7 +65,11 @@ bool Regions::is_well_inside(const Eigen::Vector2d& pixel) const {
   return is_set(start, pixel);
 }
 
-Regions make_regions(const cv::Mat& masks, cv::Size size, int keep_px, int start_px) {
+bool Regions::is_whole(const Eigen::Vector2d& pixel) const {
+  return is_set(whole, pixel);
+}
+
+Regions make_regions(const cv::Mat& masks, cv::Size size, int keep_px, int start_px, int whole_px) {
   Regions regions;
   if (masks.empty())
     regions.labels = cv::Mat::zeros(size, CV_16UC1);
@@ -73,6 +77,7 @@ Regions make_regions(const cv::Mat& masks, cv::Size size, int keep_px, int start
     regions.labels = masks;
   regions.keep = shrunk(interior(regions.labels), keep_px - 1);
   regions.start = shrunk(regions.keep, start_px - keep_px);
+  regions.whole = shrunk(regions.keep, whole_px - keep_px);
   return regions;
 }
 

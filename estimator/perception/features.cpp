@@ -20,10 +20,11 @@ cv::Mat gray_of(const cv::Mat& image) {
   return gray;
 }
 
-Feature feature_of(const PointTrack& track) {
+Feature feature_of(const FrameView& view, const PointTrack& track) {
   Feature feature;
   feature.track = track.id;
   feature.pixel = track.undistorted;
+  feature.rim = !view.regions.is_whole(track.pixel);
   if (track.depth) {
     feature.depth_m = track.depth->depth_m;
     feature.depth_sigma_m = track.depth->sigma_m;
@@ -107,7 +108,7 @@ struct FeatureTracker::State {
   void ignore_depth(FrameView& view);
   void begin_anew(FrameView& view, const cv::Mat& depth);
   void update_landmarks(const FrameView& view, TrackedBody& body) const;
-  TrackedFeatures result() const;
+  TrackedFeatures result(const FrameView& view) const;
 };
 
 // Moves all tracks to their places in the new image; those not found are lost.
@@ -211,12 +212,12 @@ void FeatureTracker::State::update_landmarks(const FrameView& view, TrackedBody&
   }
 }
 
-TrackedFeatures FeatureTracker::State::result() const {
+TrackedFeatures FeatureTracker::State::result(const FrameView& view) const {
   TrackedFeatures result;
   for (const auto& [label, body] : bodies) {
     std::vector<Feature> features;
     for (const auto& track : body.tracks)
-      if (track.missed == 0) features.push_back(feature_of(track));
+      if (track.missed == 0) features.push_back(feature_of(view, track));
     if (label == 0) {
       result.background = std::move(features);
       result.background_motion = body.motion;
@@ -242,7 +243,8 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
                                       const cv::Mat& masks, const BodyHints& hints) {
   State& s = *state_;
   FrameView view{s.lens, s.camera, s.options, hints, gray_of(image), depth, {}};
-  view.regions = make_regions(masks, view.gray.size(), s.options.keep_margin_px, s.options.start_margin_px);
+  view.regions = make_regions(masks, view.gray.size(), s.options.keep_margin_px, s.options.start_margin_px,
+                              s.options.flow.window_px / 2);
   view.frame = frame.frame;
   view.step_ns = frame.stamp_ns - s.last_stamp_ns;
   view.seed = s.seed;
@@ -264,7 +266,7 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
   }
   s.last_image = std::move(flow_image);
   s.last_stamp_ns = frame.stamp_ns;
-  TrackedFeatures result = s.result();
+  TrackedFeatures result = s.result(view);
   result.depth_refused = scale == DepthScaleWatch::Verdict::refused;
   result.depth_changed = scale == DepthScaleWatch::Verdict::changed;
   return result;

@@ -45,6 +45,8 @@ struct Feature {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< undistorted
   double depth_m = 0;                               ///< z of the camera frame; 0: not measured
   double depth_sigma_m = 0;                         ///< its standard deviation, where measured
+  /// What is looked at about it shows the outline, too: it may be a place on that, not on the body.
+  bool rim = false;
 };
 
 /// What one frame shows of one body.

@@ -25,7 +25,7 @@ constexpr int kSchema = 1;
 // The magic, the bodies of each frame, the index of the frames, and where that is.
 constexpr const char* kObservations = "observations.bin";
 constexpr const char* kMasks = "masks";
-constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '5'};
+constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '6'};
 constexpr std::uint64_t kMaxCount = 1u << 28;  // of anything in a list; more is a damaged file
 
 [[noreturn]] void throw_damaged(const fs::path& path) {
@@ -163,6 +163,7 @@ void put(Writer& out, const BodyObservation& body) {
     out.numbers({feature.pixel.data(), 2});
     out.put(feature.depth_m);
     out.put(feature.depth_sigma_m);
+    out.put(feature.rim);
   }
   put_columns(out, body.points);
   put_columns(out, body.normals);
@@ -175,12 +176,13 @@ BodyObservation get_body(Reader& in) {
   for (auto* silhouette : {&body.silhouette, &body.segmented})
     if (in.get<char>() != 0) *silhouette = get_silhouette(in);
   if (in.get<char>() != 0) body.motion = get_pose(in);
-  body.features.resize(in.count(40));
+  body.features.resize(in.count(41));
   for (Feature& feature : body.features) {
     feature.track = in.get<std::int64_t>();
     in.numbers({feature.pixel.data(), 2});
     feature.depth_m = in.get<double>();
     feature.depth_sigma_m = in.get<double>();
+    feature.rim = in.get<char>() != 0;
   }
   get_columns(in, body.points);
   get_columns(in, body.normals);

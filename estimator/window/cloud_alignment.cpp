@@ -20,7 +20,7 @@ constexpr int kPartners = 6;        // model points among which one with a like 
 constexpr int kLeastModel = 50;     // points of a model that a pose is taken from
 constexpr double kOtherSide = 0.3;  // share of the points that it must match more, to be the one that is seen
 constexpr double kUnmatched = 0.45;  // the cost of a point one sigma off
-constexpr double kEvidence = 0.1;    // of the points' cost where fits are compared: neighbours err together
+constexpr double kEvidence = 0.1;    // of each residual: neighbours err together
 constexpr double kMinDepth = 0.1;    // [m]
 constexpr double kReach = 1.5;       // of a body that is not known all around, in radii of what is
 constexpr double kConverged = 1e-5;  // [m], [rad]
@@ -59,6 +59,25 @@ double cauchy_loss(double residual) {
   return 2 * std::log1p(residual * residual / 4);
 }
 
+// By a right-hand perturbation of the body's pose: of the distance of a point, in the body's frame, from a
+// plane of the surface with normal n.
+Vector6d point_row(const Eigen::Vector3d& p, const Eigen::Vector3d& n) {
+  Vector6d row;
+  row << -n, -p.cross(n);
+  return row;
+}
+
+// And of how far a point of the body, p in the camera's frame, lies beyond a tangent.
+Vector6d line_row(const Camera& camera, const SupportLine& line, const Pose& camera_from_body,
+                  const Eigen::Vector3d& p) {
+  const double u = camera.fx * line.normal.x(), v = camera.fy * line.normal.y(), z = p.z();
+  const Eigen::Vector3d by_point(u / z, v / z, -(u * p.x() + v * p.y()) / (z * z));
+  const Eigen::Vector3d turned = camera_from_body.rotation.conjugate() * by_point;
+  Vector6d row;
+  row << turned, (camera_from_body.inverse() * p).cross(turned);
+  return row;
+}
+
 struct CauchyEquations : NormalEquations {
   double cost = 0;
 
@@ -66,7 +85,7 @@ struct CauchyEquations : NormalEquations {
     const double weight = 1 / (1 + residual * residual / 4);
     information += weight * row * row.transpose();
     gradient += weight * residual * row;
-    cost += cauchy_loss(residual);
+    cost += kEvidence * cauchy_loss(residual);
   }
 };
 
@@ -116,9 +135,8 @@ class Aligner {
       CauchyEquations equations;
       add_points(fit, reach_m, equations);
       if (!add_outline(fit, equations)) return {};
-      const double prior = add_prior(fit.pose, equations);
-      fit.cost = kEvidence * equations.cost + prior;
-      fit.information = equations.information;
+      fit.information = kEvidence * equations.information;
+      fit.cost = equations.cost + add_prior(fit.pose, equations);
       const Vector6d step = -equations.information.ldlt().solve(equations.gradient);
       if (!step.allFinite()) return {};
       fit.pose = perturbed(fit.pose, step);
@@ -175,14 +193,12 @@ class Aligner {
       if (!partner) continue;
       const Eigen::Vector3d p = body_from_camera * seen.position, n = model_.normals.col(*partner);
       const double distance = n.dot(p - model_.points.col(*partner));
-      Vector6d row;
-      row << -n, -p.cross(n);
-      equations.add(row / options_.point_sigma_m, distance / options_.point_sigma_m);
+      equations.add(point_row(p, n) / options_.point_sigma_m, distance / options_.point_sigma_m);
       sum += std::abs(distance);
       ++matched;
     }
     // what has no partner costs a little, else fewer would be better; not more, as it may be a new face
-    equations.cost += static_cast<double>(std::ssize(seen_) - matched) * kUnmatched;
+    equations.cost += kEvidence * kUnmatched * static_cast<double>(std::ssize(seen_) - matched);
     fit.matched = seen_.empty() ? 0 : matched / static_cast<double>(std::ssize(seen_));
     fit.distance_m = matched ? sum / matched : 0;
   }
@@ -205,15 +221,8 @@ class Aligner {
       double off = beyond_px.head(known).maxCoeff(&at);
       if (off < 0) off = beyond_px.maxCoeff(&at);  // the outline may well be that of what was not seen
       if (off > 0 && at >= known) continue;
-      const Eigen::Vector3d p = in_camera.col(at), body = ends_.col(at);
-      const double z = p.z();
-      const Eigen::RowVector3d by_point(
-          camera_.fx * line.normal.x() / z, camera_.fy * line.normal.y() / z,
-          -(camera_.fx * line.normal.x() * p.x() + camera_.fy * line.normal.y() * p.y()) / (z * z));
-      const Eigen::RowVector3d turned = by_point * fit.pose.rotation.toRotationMatrix();
-      Vector6d row;
-      row << turned.transpose(), body.cross(Eigen::Vector3d(turned.transpose()));
-      equations.add(row / options_.outline_sigma_px, off / options_.outline_sigma_px);
+      equations.add(line_row(camera_, line, fit.pose, in_camera.col(at)) / options_.outline_sigma_px,
+                    off / options_.outline_sigma_px);
       sum += std::abs(off);
       beyond += std::max(0.0, off);
     }
@@ -294,6 +303,32 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
     return std::nullopt;
   return CloudAlignment{
       best.pose, best.information, best.matched, best.distance_m, aligner.distance_at(predicted), !known};
+}
+
+Matrix6d surface_information(const Camera& camera, const BodyObservation& body, const Pose& camera_from_body,
+                             const Pose& body_from_object, const Superellipsoid& shape,
+                             const CloudAlignmentOptions& options) {
+  Matrix6d sum = Matrix6d::Zero();
+  const auto seen = evenly_drawn(body, options.max_points);
+  if (seen.empty()) return sum;
+  const auto add = [&](const Vector6d& row) { sum += kEvidence * row * row.transpose(); };
+  const Pose body_from_camera = camera_from_body.inverse(), object_from_body = body_from_object.inverse();
+  for (const SeenPoint& point : seen) {
+    const Eigen::Vector3d p = body_from_camera * point.position;
+    const Eigen::Vector3d n = body_from_object.rotation * normal_at(shape, object_from_body * p);
+    add(point_row(p, n) / options.point_sigma_m);
+  }
+  for (const SupportLine& line : body.silhouette ? body.silhouette->support : std::vector<SupportLine>{}) {
+    if (!line.free) continue;
+    const auto reach_px = [&](const SeenPoint& point) {
+      return line.normal.dot((camera.matrix() * point.position).hnormalized());
+    };
+    const auto furthest =
+        std::max_element(seen.begin(), seen.end(),
+                         [&](const SeenPoint& a, const SeenPoint& b) { return reach_px(a) < reach_px(b); });
+    add(line_row(camera, line, camera_from_body, furthest->position) / options.outline_sigma_px);
+  }
+  return sum;
 }
 
 }  // namespace uniquadric

@@ -5,6 +5,7 @@
 
 #include "core/geometry/camera.h"
 #include "core/geometry/pose.h"
+#include "core/geometry/superquadric.h"
 #include "estimator/factors/pose_jacobian.h"
 #include "estimator/factors/pose_prior.h"
 #include "estimator/perception/perception.h"
@@ -39,8 +40,10 @@ struct CloudAlignmentOptions {
 
 struct CloudAlignment {
   Pose camera_from_body;
-  Matrix6d information;  ///< of a right-hand perturbation (translation, rotation vector)
-  double matched = 0;    ///< share of the points that lie on the model
+  /// What the frame says, without the prediction: of a right-hand perturbation (translation, rotation
+  /// vector). None of the turn of a blank ball.
+  Matrix6d information;
+  double matched = 0;                               ///< share of the points that lie on the model
   double distance_m = 0, predicted_distance_m = 0;  ///< mean off the model, here and at the predicted pose
   bool new_face = false;                            ///< fewer than there should be
 };
@@ -53,5 +56,12 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
                                              const SurfaceModel& model, const Pose& predicted,
                                              const PoseSigmas& sigmas, bool stale,
                                              const CloudAlignmentOptions& options);
+
+/// What a frame's cloud and outline say of the pose of a body of known shape: of a right-hand perturbation of
+/// camera_from_body (translation, rotation vector). Normals are the shape's, as noise of measured ones would
+/// tell how far a ball has turned.
+Matrix6d surface_information(const Camera& camera, const BodyObservation& body, const Pose& camera_from_body,
+                             const Pose& body_from_object, const Superellipsoid& shape,
+                             const CloudAlignmentOptions& options);
 
 }  // namespace uniquadric

@@ -118,10 +118,13 @@ Blocks make_blocks(const std::vector<ShapeView>& views, const Shape& start,
 }
 
 // Variances of axes [m^2], translation and rotation from the inverse of the normal equations of the blocks
-// that belong to the body; poses that are free are marginalised with them. NaN where
-// the normal equations give none.
-Vector9d variances_of(ceres::Problem& problem, Blocks& blocks) {
+// that belong to the body; poses that are free are marginalised with them. Where a solve starts from is no
+// evidence: a ball's axes are as well known as its outlines tell. NaN where the normal equations give none.
+Vector9d variances_of(ceres::Problem& problem, Blocks& blocks, ceres::ResidualBlockId start,
+                      const PoseSigmas& known_offset) {
   ceres::Problem::EvaluateOptions evaluate;
+  problem.GetResidualBlocks(&evaluate.residual_blocks);
+  std::erase(evaluate.residual_blocks, start);
   problem.GetParameterBlocks(&evaluate.parameter_blocks);
   auto& order = evaluate.parameter_blocks;
   std::erase_if(order, [&](double* block) { return problem.IsParameterBlockConstant(block); });
@@ -139,6 +142,10 @@ Vector9d variances_of(ceres::Problem& problem, Blocks& blocks) {
         normal(crs.cols[i], crs.cols[j]) += crs.values[i] * crs.values[j];
   const bool has_offset = !problem.IsParameterBlockConstant(blocks.offset.data());
   const int wanted = has_offset ? 9 : 3;
+  if (has_offset) {
+    normal.diagonal().head<3>().array() += std::pow(known_offset.translation_m, -2);
+    normal.diagonal().segment<3>(3).array() += std::pow(known_offset.rotation_rad, -2);
+  }
   const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
   variances.setZero();
   for (int k = 0; k < wanted; ++k) {
@@ -204,11 +211,11 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
     problem.AddResidualBlock(
         exponent_prior_factor(exponents, {.profile_sigma = options.profile_sigma}).release(), nullptr,
         blocks.exponents.data());
+  const auto offset_prior =
+      problem.AddResidualBlock(pose_prior_factor(start.body_from_object, options.offset_sigmas).release(),
+                               nullptr, blocks.offset.data());
   if (options.rigid_prior == RigidPrior::none)
     problem.SetParameterBlockConstant(blocks.offset.data());  // the poses are free: they carry it
-  else
-    problem.AddResidualBlock(pose_prior_factor(start.body_from_object, options.offset_sigmas).release(),
-                             nullptr, blocks.offset.data());
   ceres::Solver::Options solver;
   solver.linear_solver_type = options.rigid_prior == RigidPrior::hard ? ceres::DENSE_QR : ceres::DENSE_SCHUR;
   solver.max_num_iterations = options.max_iterations;
@@ -225,7 +232,7 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   // what fits worse than its sigmas say is known worse (Birge's ratio)
   const int freedom = summary.num_residuals_reduced - summary.num_effective_parameters_reduced;
   const double misfit = freedom > 0 ? std::max(1.0, 2 * summary.final_cost / freedom) : 1;
-  solution.shape.variances = misfit * variances_of(problem, blocks);
+  solution.shape.variances = misfit * variances_of(problem, blocks, offset_prior, options.known_offset);
   return solution;
 }
 

@@ -106,7 +106,10 @@ std::optional<PoseSolution> solve_pose(const Camera& camera, const std::vector<L
   solution.inlier_count =
       static_cast<int>(std::count(solution.inliers.begin(), solution.inliers.end(), true));
   if (solution.inlier_count < options.min_inliers) return std::nullopt;
-  solution.information = accumulate(camera, sightings, pose, options, options.gate_sigmas).information;
+  std::vector<LandmarkSighting> sure;
+  std::copy_if(sightings.begin(), sightings.end(), std::back_inserter(sure),
+               [](const LandmarkSighting& s) { return !s.rim; });
+  solution.information = accumulate(camera, sure, pose, options, options.gate_sigmas).information;
   return solution;
 }
 

@@ -18,6 +18,7 @@ struct LandmarkSighting {
   Eigen::Vector2d pixel;          ///< undistorted
   double depth_m = 0;             ///< 0: not measured
   double depth_sigma_m = 0;
+  bool rim = false;  ///< about the outline: it helps to find the pose, and vouches for none
 };
 
 struct PoseSolverOptions {
@@ -30,7 +31,9 @@ struct PoseSolverOptions {
 
 struct PoseSolution {
   Pose camera_from_body;
-  Matrix6d information;  ///< of a right-hand perturbation (translation, rotation vector) in the body's frame
+  /// Of a right-hand perturbation (translation, rotation vector) in the body's frame, by sightings that are
+  /// not about the outline: those of a blank ball turn with the camera.
+  Matrix6d information;
   std::vector<bool> inliers;  ///< of each sighting
   int inlier_count = 0;
 };

@@ -23,7 +23,8 @@ constexpr double kMinPriorTrace = 1e-6;  // [1/m^2]; less information is none
 constexpr int kMaxIterations = 8;        // of the window's solver: it starts at tracked poses
 
 LandmarkSighting sighting_of(const Feature& feature, const BodyPoint& landmark) {
-  return {landmark.position, landmark.sigma_m, feature.pixel, feature.depth_m, feature.depth_sigma_m};
+  return {landmark.position, landmark.sigma_m,      feature.pixel,
+          feature.depth_m,   feature.depth_sigma_m, feature.rim};
 }
 
 bool add_prior(ceres::Problem& problem, const BodyPoint& landmark, double* point) {
@@ -96,7 +97,7 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
   result.world_from_body = world_from_camera * solution->camera_from_body;
   result.world_from_body.rotation.normalize();
   result.sighted = result.world_from_body;
-  result.covariance = solution->information.inverse();
+  result.information = solution->information;
   // what is under a mask that is not known to be the body's may be another's
   result.keyframe = body.silhouette && keyframe_is_due(frame, shows_whole(body), solution->camera_from_body,
                                                        solution->inlier_count);

@@ -48,7 +48,7 @@ struct BodyKeyframe {
 
 struct BodyPose {
   Pose world_from_body;
-  Matrix6d covariance;  ///< of a right-hand perturbation (translation, rotation vector)
+  Matrix6d information;  ///< by its frame alone, of a right-hand perturbation (translation, rotation vector)
   bool keyframe = false;
   Pose sighted;  ///< world_from_body by this frame alone, before the window was solved with it
 };

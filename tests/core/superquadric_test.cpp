@@ -156,6 +156,20 @@ TEST(SuperExponents, AProfileAlongAnotherAxisIsTheSameBodyTurned) {
   }
 }
 
+TEST(SuperExponents, TheNormalAtASupportPointIsThatOfItsPlane) {
+  const Eigen::Vector3d axes_m(0.2, 0.3, 0.5);
+  for (const int axis : {0, 1, 2})
+    for (const SuperExponents q : {SuperExponents{1.3, 1.1, 1.8}, SuperExponents{2, 1.2, 1.5}}) {
+      const Superellipsoid body{axes_m, q, axis};
+      for (const double turn : {0.3, 1.4, 2.6, 4.0, 5.5}) {
+        const Eigen::Vector3d n =
+            Eigen::Vector3d(std::cos(turn), std::sin(turn), std::sin(2 * turn + 0.2)).normalized();
+        EXPECT_LT((normal_at(body, support_point(body, n)) - n).norm(), 1e-9);
+        EXPECT_LT((normal_at(body, 0.4 * support_point(body, n)) - n).norm(), 1e-9);
+      }
+    }
+}
+
 TEST(SuperExponents, DerivativesMatchDifferences) {
   constexpr double kStep = 1e-6;
   RandomStream random(6, "normals");

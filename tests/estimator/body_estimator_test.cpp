@@ -179,6 +179,70 @@ TEST(BodyEstimator, ABodyThatIsNotRecognisedStaysWhereItsMaskIs) {
   EXPECT_LT((object.translation - place(3)).norm(), 0.2) << to_string(state->status);
 }
 
+// Depth under the mask of a body that was lost is that of what is behind it: under a whole outline, as of
+// needles, and under the part that its occluder leaves.
+TEST(BodyEstimator, ABodyIsNotLookedForBehindItself) {
+  const auto still = [](double) { return Pose{Eigen::Quaterniond::Identity(), {0, 0, 1}}; };
+  for (const bool whole : {true, false}) {
+    SyntheticPerception perception = synthetic_perception({box_body(kAxes, still)}, three_seconds());
+    BodyEstimator estimator(1, perception.camera, {}, 1);
+    std::optional<BodyState> state;
+    for (std::size_t i = 0; i < 70; ++i) {
+      BodyObservation& body = perception.frames[i].bodies[0];
+      if (i > 40) {
+        body.features.clear();
+        body.points *= 2.5;
+        body.silhouette->support[0].free = whole;
+        if (!whole) body.silhouette->rot_bbox.semi_major /= 2;
+      }
+      state = estimator.step(perception.frames[i], &body);
+    }
+    ASSERT_TRUE(state);
+    EXPECT_EQ(state->status, ObjectStatus::occluded);
+    const Pose object = state->world_from_body * state->shape.body_from_object;
+    EXPECT_LT((object.translation - still(0).translation).norm(), 0.05) << whole;
+  }
+}
+
+// Nothing tells how far a blank cylinder has turned: it stands still, and its turn is not known.
+TEST(BodyEstimator, ABlankCylinderAtRestDoesNotMove) {
+  SyntheticOptions options = three_seconds();
+  const auto still = [](double) { return Pose{exp_so3({0.3, 0.2, 0}), {0, 0, 1}}; };
+  SyntheticPerception perception = synthetic_perception({cylinder_body(0.2, 0.25, still)}, options);
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  std::optional<BodyState> state;
+  for (std::size_t i = 0; i < perception.frames.size(); ++i) {
+    BodyObservation& body = perception.frames[i].bodies[0];
+    body.features.resize(6);
+    for (std::size_t k = 0; k < 6; ++k) {  // along the outline, and so with the camera
+      Feature& corner = body.features[k];
+      const Pose camera_from_body = perception.frames[i].world_from_camera->inverse() * still(0);
+      const Eigen::Vector3d view = camera_from_body.inverse().translation;
+      const double angle = std::atan2(view.y(), view.x()) + (k % 2 ? 1.3 : -1.3);
+      const Eigen::Vector3d p =
+          camera_from_body * Eigen::Vector3d(0.2 * std::cos(angle), 0.2 * std::sin(angle),
+                                             0.2 * (static_cast<double>(k / 2) - 1));
+      corner.track = static_cast<std::int64_t>(k);
+      corner.pixel = *perception.camera.project(p);
+      corner.depth_m = p.z();
+      corner.depth_sigma_m = 0.003;
+      corner.rim = true;
+    }
+    state = estimator.step(perception.frames[i], &body);
+  }
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->motion, ObjectMotion::at_rest);
+  const Eigen::Matrix3d R = state->shape.body_from_object.rotation.toRotationMatrix();
+  const Eigen::Vector3d axis = state->world_from_body.rotation.conjugate() * still(0).rotation *
+                               Eigen::Vector3d::UnitZ(),
+                        across = axis.unitOrthogonal();
+  const Eigen::Matrix3d turn = state->covariance.bottomRightCorner<3, 3>();
+  EXPECT_GT(std::sqrt(axis.dot(turn * axis)), 0.15);
+  EXPECT_LT(std::sqrt(across.dot(turn * across)), 0.05);
+  EXPECT_GT((R * state->shape.variances.tail<3>().cwiseSqrt().asDiagonal() * R.transpose() * axis).norm(),
+            0.2);  // nor are its axes across
+}
+
 // Its axes come out a tenth to a half too long.
 TEST(BodyEstimator, AnEllipsoidAboutABoxIsKnownToFitBadly) {
   const SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, three_seconds());

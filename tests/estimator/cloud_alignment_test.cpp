@@ -66,6 +66,37 @@ TEST(CloudAlignment, FindsABodyFromAPredictionThatIsCentimetresOff) {
   EXPECT_GT(found->predicted_distance_m, 2 * found->distance_m);
 }
 
+double sigma_of(const Matrix6d& information, const Vector6d& direction) {
+  return 1 / std::sqrt(direction.dot(information * direction));
+}
+
+// What was predicted is no evidence of what is seen.
+TEST(CloudAlignment, StatesWhatTheFrameSaysAlone) {
+  const Scene scene;
+  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000), {}};
+  const auto information = [&](const PoseSigmas& sigmas) {
+    return align_to_cloud(scene.perception.camera, scene.seen(), model, scene.camera_from_body, sigmas, false,
+                          {})
+        ->information;
+  };
+  const Matrix6d loose = information({0.1, 0.3}), tight = information({1e-4, 1e-4});
+  for (int k = 0; k < 6; ++k) EXPECT_NEAR(tight(k, k) / loose(k, k), 1, 0.2) << k;
+}
+
+TEST(CloudAlignment, ABlankCylindersTurnIsNotKnown) {
+  const SyntheticBody body = cylinder_body(0.15, 0.2, still);
+  SyntheticOptions options;
+  options.frames = 1;
+  options.world_from_camera = [](double) { return camera(1); };
+  const SyntheticPerception perception = synthetic_perception({body}, options);
+  const auto found = align_to_cloud(perception.camera, perception.frames[0].bodies[0],
+                                    {body.points.leftCols(4000), body.normals.leftCols(4000), {}},
+                                    camera(1).inverse() * still(0), {0.02, 0.02}, false, {});
+  ASSERT_TRUE(found);
+  for (int k = 0; k < 5; ++k) EXPECT_LT(sigma_of(found->information, Vector6d::Unit(k)), 0.02) << k;
+  EXPECT_GT(sigma_of(found->information, Vector6d::Unit(5)), 0.2);
+}
+
 // A third of it was never seen: what is known ends far inside the outline, and lies where it did.
 TEST(CloudAlignment, FindsABodyOfWhichAPartIsKnown) {
   const Scene scene;

@@ -24,6 +24,7 @@ SyntheticPerception two_frames() {
   perception.frames[1].bodies[0].motion = exp_se3((Vector6d() << 1, 2, 3, 0.1, 0.2, 0.3).finished());
   perception.frames[1].world_from_camera.reset();
   perception.frames[1].bodies[0].colors = Eigen::Matrix3Xf::Constant(3, 7, 42.5F);
+  perception.frames[1].bodies[0].features.back().rim = true;
   perception.frames[0].has_masks = true;
   perception.frames[1].depth_refused = true;
   perception.frames[0].depth_changed = true;
@@ -79,6 +80,8 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   EXPECT_EQ(a.normals, b.normals);
   EXPECT_EQ(a.colors, b.colors);
   EXPECT_EQ(a.features.back().pixel, b.features.back().pixel);
+  EXPECT_FALSE(b.features.front().rim);
+  EXPECT_TRUE(b.features.back().rim);
   EXPECT_EQ(a.motion->translation, b.motion->translation);
   EXPECT_EQ(a.silhouette->rot_bbox.angle_rad, b.silhouette->rot_bbox.angle_rad);
   EXPECT_FALSE(frames[0].bodies[0].silhouette->support[3].free);

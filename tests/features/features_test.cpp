@@ -46,6 +46,25 @@ TrackedFeatures track(FeatureTracker& tracker, int i, const DrawnFrame& frame) {
   return tracker.track(frame_at(i), frame.gray, frame.depth, frame.masks);
 }
 
+// Whose surroundings within the tracker's window, 15 px, show more than its body.
+TEST(Features, ThoseAboutTheOutlineAreSaidToBe) {
+  const TumblingBox world;
+  FeatureTracker tracker(small_camera(), {}, 1);
+  const auto frame = world.frame(0, {0.005, 2});
+  int rim = 0, inner = 0;
+  for (const Feature& feature : track(tracker, 0, frame).bodies.at(3)) {
+    const int u = static_cast<int>(std::lround(feature.pixel.x())),
+              v = static_cast<int>(std::lround(feature.pixel.y()));
+    bool shows_other = false;
+    for (int dv = -7; dv <= 7; ++dv)
+      for (int du = -7; du <= 7; ++du) shows_other |= frame.masks.at<std::uint16_t>(v + dv, u + du) != 3;
+    EXPECT_EQ(feature.rim, shows_other) << u << ' ' << v;
+    ++(shows_other ? rim : inner);
+  }
+  EXPECT_GT(rim, 5);
+  EXPECT_GT(inner, 5);
+}
+
 TEST(Features, MotionsOfABoxAndOfTheCameraAreRight) {
   const TumblingBox world;
   FeatureTracker tracker(small_camera(), {}, 1);
