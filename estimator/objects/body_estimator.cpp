@@ -83,10 +83,11 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   const bool by_points = pose.has_value();
   if (pose && pose->keyframe && !is_global) settle(frame, *body, *pose);
   if (!pose && body && body->silhouette) pose = align(frame, *body);
+  const Matrix6d covariance = covariance_of(pose ? pose->information : Matrix6d::Zero());
   if (pose && !by_points && !pose->keyframe && is_stale(frame)) {  // a guess until more of it is in view
     ++frames_unfound_;
-    remember(frame, pose->world_from_body, covariance_of(pose->information));
-    BodyState state = state_at(frame, pose->world_from_body, covariance_of(pose->information));
+    remember(frame, pose->world_from_body, covariance);
+    BodyState state = state_at(frame, pose->world_from_body, covariance);
     state.status = ObjectStatus::occluded;
     state.evidence = PoseEvidence::guess;
     return state;
@@ -96,11 +97,11 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     if (frame.frame > sure_frame_ + 1 && seconds(sure_ns_, frame.stamp_ns) > options_.motion.window_s)
       motion_.forget();
     if (!is_global)
-      motion_.add(frame.stamp_ns, *frame.world_from_camera, pose->sighted, covariance_of(pose->information),
+      motion_.add(frame.stamp_ns, *frame.world_from_camera, pose->sighted, covariance,
                   std::cbrt(shape_.shape().semi_axes_m.prod()));
     sure_ns_ = frame.stamp_ns;
     sure_frame_ = frame.frame;
-    remember(frame, pose->world_from_body, covariance_of(pose->information));
+    remember(frame, pose->world_from_body, covariance);
     if (!own && body->silhouette)
       outlines_.trust(camera_, *body->silhouette, frame.stamp_ns,
                       frame.world_from_camera->inverse() * pose->world_from_body, body_center());
@@ -110,7 +111,7 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
       shape_.add_keyframe({frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, {}},
                           *body);
     }
-    return state_at(frame, pose->world_from_body, covariance_of(pose->information));
+    return state_at(frame, pose->world_from_body, covariance);
   }
   const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
   if (body && can_start(*body) && was_a_glimpse(hidden_s)) {
@@ -120,16 +121,16 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   const bool is_lost = hidden_s > options_.lifecycle.lost_after_s;
   if (is_lost && std::exchange(said_lost_, true)) return std::nullopt;
   const PoseSigmas sigmas = prediction_sigmas_at(frame, sure_ns_);
-  Matrix6d covariance = recent_.back().covariance;
-  covariance.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
-  covariance.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
+  Matrix6d predicted = recent_.back().covariance;
+  predicted.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
+  predicted.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
   Pose world_from_body = predict(frame, body);
   auto center = body && is_stale(frame) ? shape_.center_of(frame, *body) : std::nullopt;
   const double reach_m = kReachSigmas * sigmas.translation_m + shape_.shape().semi_axes_m.maxCoeff();
   if (center && !is_whole(*body->silhouette) && (*center - world_from_body * body_center()).norm() > reach_m)
     center.reset();  // what lies about that part may be its occluder
   if (center) place_center(world_from_body, *center);
-  BodyState state = state_at(frame, world_from_body, covariance);
+  BodyState state = state_at(frame, world_from_body, predicted);
   state.status = is_lost ? ObjectStatus::lost : ObjectStatus::occluded;
   // of a part alone the centre is not known well enough to count
   state.evidence = center && is_whole(*body->silhouette) ? PoseEvidence::guess : PoseEvidence::none;
