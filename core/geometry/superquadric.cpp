@@ -102,6 +102,11 @@ Eigen::Vector3d support_point(const Superellipsoid& body, const Eigen::Vector3d&
   return point;
 }
 
+double gauge(const Superellipsoid& body, const Eigen::Vector3d& point) {
+  const Eigen::Vector3i named = named_axes(body.profile_axis);
+  return superellipsoid_gauge(body.semi_axes_m(named), body.exponents, point(named));
+}
+
 Eigen::Vector3d normal_at(const Superellipsoid& body, const Eigen::Vector3d& point) {
   const Eigen::Vector3i named = named_axes(body.profile_axis);
   Eigen::Vector3d normal;

@@ -69,6 +69,9 @@ struct Superellipsoid {
 /// The point of the body that supports `normal`.
 Eigen::Vector3d support_point(const Superellipsoid& body, const Eigen::Vector3d& normal);
 
+/// superellipsoid_gauge() of it.
+double gauge(const Superellipsoid& body, const Eigen::Vector3d& point);
+
 /// superellipsoid_normal() of it.
 Eigen::Vector3d normal_at(const Superellipsoid& body, const Eigen::Vector3d& point);
 

@@ -186,9 +186,9 @@ std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const 
   auto pose = short_window_.track(frame, body, predict(frame, &body), is_stale(frame), random);
   const Shape shape = shape_.shape();
   if (pose)
-    pose->information += surface_information(
-        camera_, body, frame.world_from_camera->inverse() * pose->world_from_body, shape.body_from_object,
-        {shape.semi_axes_m, shape.exponents, shape.profile_axis}, options_.alignment);
+    pose->information +=
+        surface_information(camera_, body, frame.world_from_camera->inverse() * pose->world_from_body,
+                            shape.body_from_object, shape.superellipsoid(), options_.alignment);
   return pose;
 }
 
@@ -205,6 +205,7 @@ void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& b
   if (!found || found->new_face) return;
   if (found->predicted_distance_m < kSlid * found->distance_m + kSlidBy) return;
   pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);
+  pose.information = found->information;
   short_window_.start(frame, body, pose.world_from_body);
 }
 

@@ -15,11 +15,10 @@ std::optional<Pose> next_camera(const Trajectory& recent, std::int64_t stamp_ns)
 }
 
 BodyEnvelope envelope_of(const Shape& shape, const Pose& camera_from_object, const JoinedOptions& options) {
-  const Eigen::Vector3d axes =
-      ((1 + options.envelope_margin) * shape.semi_axes_m).array() + options.envelope_slack_m;
-  return [axes, exponents = shape.exponents,
-          object_from_camera = camera_from_object.inverse()](const Eigen::Vector3d& p) {
-    return superellipsoid_gauge(axes, exponents, object_from_camera * p) <= 1;
+  Superellipsoid body = shape.superellipsoid();
+  body.semi_axes_m = ((1 + options.envelope_margin) * shape.semi_axes_m).array() + options.envelope_slack_m;
+  return [body, object_from_camera = camera_from_object.inverse()](const Eigen::Vector3d& p) {
+    return gauge(body, object_from_camera * p) <= 1;
   };
 }
 

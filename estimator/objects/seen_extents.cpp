@@ -88,21 +88,25 @@ Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double
       sigmas[side] = kUnseenSigma * radius_m;
       const auto reach = reach_along(views, direction);
       if (!reach) continue;
-      const double end = reach->position_m - center;
+      double end = reach->position_m - center;
       if (end > kBeyond * shape.semi_axes_m[axis] + kBeyondRadii * radius_m) {  // strays, in most views
         sigmas[side] = end - shape.semi_axes_m[axis];
         continue;
       }
-      ends[side] = reach->views > 0 ? end : std::max(ends[side], end);
-      if (reach->views > 0) sigmas[side] = kEndSigma;
-      if (reach->is_cut) sigmas[side] = kCutSigma * radius_m;
+      // few points may lie on a thin end (wheels, an egg's tip), and a mask's rim has none
+      const auto outlined = reach_by_outlines(shape, views, axis, side ? -1 : 1);
       const double seen_share = visible_share(shape, views, axis, side ? -1 : 1);
-      if (reach->views == 0 && seen_share > kLeastRim) {
+      if (reach->views > 0) {
+        end = std::max(end, std::min(ends[side], outlined.value_or(end)));
+        sigmas[side] = std::max(kEndSigma, std::abs(end - ends[side]));  // of two ways to tell
+        ends[side] = end;
+      } else if (end > ends[side]) {
+        ends[side] = end;
+      } else if (seen_share > kLeastRim) {
         const double by_points = std::max(end, (end + kRimSpacings * spacing) / seen_share);
-        // few points may lie on a thin end (wheels, a bumper), and a mask's rim has none
-        const auto outlined = reach_by_outlines(shape, views, axis, side ? -1 : 1);
         ends[side] = std::min(ends[side], std::max(by_points, outlined.value_or(by_points)));
       }
+      if (reach->is_cut) sigmas[side] = kCutSigma * radius_m;
     }
     if (!(ends[0] + ends[1] > 0)) continue;
     for (double* variance : {&shape.variances[axis], &shape.variances[3 + axis]})

@@ -87,6 +87,8 @@ struct Shape {
   int profile_axis = 2;      ///< otherwise than z only where its axes were named anew
   /// Variances: semi-axes, translation, rotation vector, as in ObjectState.
   Vector9d variances = Vector9d::Constant(std::numeric_limits<double>::quiet_NaN());
+
+  Superellipsoid superellipsoid() const { return {semi_axes_m, exponents, profile_axis}; }
 };
 
 /// One keyframe as the long window keeps it.

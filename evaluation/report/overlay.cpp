@@ -72,15 +72,22 @@ bool has_superellipsoids(const Tracks& tracks) {
   return false;
 }
 
-// Beside superellipsoids boxes are shown as such; ellipsoids are compared with the ellipsoid within.
+SuperExponents exponents_of(const std::string& shape) {
+  if (shape == "box" || shape == "rounded_box") return {1, 1, 1};
+  if (shape == "cylinder") return {2, 1, 1};
+  return {};
+}
+
+// Beside superellipsoids boxes and cylinders are shown as such; ellipsoids are compared with the ellipsoid
+// within.
 Tracks read_truth(const fs::path& folder, const Tracks& estimate) {
   if (folder.empty()) return {};
   Tracks truth = read_tracks(folder);
   if (!fs::exists(folder / "objects.yaml") || !has_superellipsoids(estimate)) return truth;
   for (const ObjectDescription& object : read_objects_yaml(folder / "objects.yaml"))
     for (ObjectTrack& track : truth.objects)
-      if (track.id == object.id && (object.shape == "box" || object.shape == "rounded_box"))
-        for (ObjectState& state : track.states) state.exponents = {1, 1, 1};
+      if (track.id == object.id)
+        for (ObjectState& state : track.states) state.exponents = exponents_of(object.shape);
   return truth;
 }
 

@@ -62,9 +62,10 @@ std::vector<std::string> read_inputs(const fs::path& file) {
   for_each_line(
       file,
       [&](int line, const std::vector<std::string_view>& fields) {
-        if (std::exchange(header, false) ? fields != split(kInputsHeader, ',') : fields.size() != 3)
+        const bool is_header = std::exchange(header, false);
+        if (is_header ? fields != split(kInputsHeader, ',') : fields.size() != 3)
           throw InputError(file, line, fmt::format("expected the columns {}", kInputsHeader));
-        if (line > 1) inputs.push_back(fmt::format("{} {} {}", fields[0], fields[1], fields[2]));
+        if (!is_header) inputs.push_back(fmt::format("{} {} {}", fields[0], fields[1], fields[2]));
       },
       ',');
   return inputs;

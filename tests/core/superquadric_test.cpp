@@ -153,6 +153,7 @@ TEST(SuperExponents, AProfileAlongAnotherAxisIsTheSameBodyTurned) {
       expected[to] = along_z[i];
     }
     EXPECT_EQ(support_point({axes_m, q, axis}, normal), expected);
+    EXPECT_NEAR(gauge({axes_m, q, axis}, 0.7 * expected), 0.7, 1e-12);
   }
 }
 

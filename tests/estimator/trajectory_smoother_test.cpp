@@ -165,8 +165,6 @@ TEST(TrajectorySmoother, SpreadsADriftOverTheFramesThatDrifted) {
   EXPECT_LT(error.step_rms_rad, 0.004);
 }
 
-// A body that goes by a new face slips once, by 3 cm, and is found where it is when the face of before is
-// back.
 // A body of revolution: poses tell the turn about its axis now and then, and wander by radians.
 TEST(TrajectorySmoother, AnUnknownTurnDoesNotTiltTheAxis) {
   const Motion motion = [](double t) {
@@ -187,6 +185,8 @@ TEST(TrajectorySmoother, AnUnknownTurnDoesNotTiltTheAxis) {
   }
 }
 
+// A body that goes by a new face slips once, by 3 cm, and is found where it is when the face of before is
+// back.
 TEST(TrajectorySmoother, ASlippedStepIsNotSpreadOverTheOthers) {
   auto samples = samples_of(swing, 150, 0.001, 0.002);
   for (std::size_t i = 60; i < 90; ++i) {

@@ -148,6 +148,25 @@ TEST(Overlay, ATrueBoxIsDrawnAsTheEstimatesBodiesAre) {
   EXPECT_FALSE(is_green(at(1.2, circle_px, 0)));
 }
 
+// Along the optical axis: a cylinder's silhouette is its near rim, wider than the ellipsoid's.
+TEST(Overlay, ATrueCylinderIsDrawnAsOne) {
+  const GreyRecording recording(4, 2.6);
+  write_objects_yaml(recording.truth / "objects.yaml",
+                     {{1, "can", Eigen::Vector3d::Constant(0.5), "cylinder", ""}});
+  const auto at = [&](double exponent, double side_px) {
+    Tracks tracks = read_tracks(recording.estimate);
+    for (auto& state : tracks.objects[0].states) state.exponents = {exponent, exponent, exponent};
+    write_estimate(recording.estimate, tracks);
+    write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
+    const double each_px = side_px / std::sqrt(2);  // a box has its edge further out on the diagonal
+    return recording.first().at<cv::Vec3b>(static_cast<int>(std::lround(239.5 - each_px)),
+                                           static_cast<int>(std::lround(319.5 - each_px)));
+  };
+  const double rim_px = 525 * 0.5 / 3.5;
+  EXPECT_TRUE(is_green(at(1.2, rim_px)));
+  EXPECT_FALSE(is_green(at(2, rim_px)));
+}
+
 TEST(Overlay, TheEstimatesWorldDoesNotMatter) {
   const GreyRecording recording(4, 3);
   Tracks tracks = read_tracks(recording.estimate);
