@@ -95,14 +95,14 @@ Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double
       }
       // few points may lie on a thin end (wheels, an egg's tip), and a mask's rim has none
       const auto outlined = reach_by_outlines(shape, views, axis, side ? -1 : 1);
-      const double seen_share = visible_share(shape, views, axis, side ? -1 : 1);
       if (reach->views > 0) {
         end = std::max(end, std::min(ends[side], outlined.value_or(end)));
         sigmas[side] = std::max(kEndSigma, std::abs(end - ends[side]));  // of two ways to tell
         ends[side] = end;
       } else if (end > ends[side]) {
         ends[side] = end;
-      } else if (seen_share > kLeastRim) {
+      } else if (const double seen_share = visible_share(shape, views, axis, side ? -1 : 1);
+                 seen_share > kLeastRim) {
         const double by_points = std::max(end, (end + kRimSpacings * spacing) / seen_share);
         ends[side] = std::min(ends[side], std::max(by_points, outlined.value_or(by_points)));
       }
