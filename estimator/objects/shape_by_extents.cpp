@@ -83,7 +83,7 @@ std::optional<Fit> fit_extents(const ExtentEvidence& evidence, const std::vector
                                            {extents->axes.semi_axes_m, extents->axes.sigma_m}};
   LongWindowOptions options = evidence.long_window;
   const double given_px = options.outline_sigma_px;
-  options.offset_sigmas = options.known_offset = {kCenterSigma, kHeldTurn};
+  options.offset_sigmas = options.covariance_offset_sigmas = {kCenterSigma, kHeldTurn};
   const auto sigma_px = [&](const Shape& shape) {
     if (options.outline_noise == OutlineNoise::given) return given_px;
     return std::max(given_px,

@@ -241,7 +241,7 @@ ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evi
   Shape from = start;
   if (fuses(options.axis_prior) && !boxes_.empty()) {  // Alg. 1's boxes say where the quadric is, too
     from.body_from_object = usual_box();
-    options.offset_sigmas = options.known_offset = kBoxSigmas;
+    options.offset_sigmas = options.covariance_offset_sigmas = kBoxSigmas;
   }
   options.surface_sigma_m = surface_sigma_m(options, radius_m_);
   if (!turns) options.offset_sigmas.rotation_rad = kHeldTurn;

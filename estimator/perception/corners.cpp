@@ -65,11 +65,11 @@ bool Regions::is_well_inside(const Eigen::Vector2d& pixel) const {
   return is_set(start, pixel);
 }
 
-bool Regions::is_whole(const Eigen::Vector2d& pixel) const {
-  return is_set(whole, pixel);
+bool Regions::contains_patch(const Eigen::Vector2d& pixel) const {
+  return is_set(patch, pixel);
 }
 
-Regions make_regions(const cv::Mat& masks, cv::Size size, int keep_px, int start_px, int whole_px) {
+Regions make_regions(const cv::Mat& masks, cv::Size size, int keep_px, int start_px, int patch_px) {
   Regions regions;
   if (masks.empty())
     regions.labels = cv::Mat::zeros(size, CV_16UC1);
@@ -77,7 +77,7 @@ Regions make_regions(const cv::Mat& masks, cv::Size size, int keep_px, int start
     regions.labels = masks;
   regions.keep = shrunk(interior(regions.labels), keep_px - 1);
   regions.start = shrunk(regions.keep, start_px - keep_px);
-  regions.whole = shrunk(regions.keep, whole_px - keep_px);
+  regions.patch = shrunk(regions.keep, patch_px - keep_px);
   return regions;
 }
 

@@ -24,7 +24,7 @@ Feature feature_of(const FrameView& view, const PointTrack& track) {
   Feature feature;
   feature.track = track.id;
   feature.pixel = track.undistorted;
-  feature.rim = !view.regions.is_whole(track.pixel);
+  feature.rim = !view.regions.contains_patch(track.pixel);
   if (track.depth) {
     feature.depth_m = track.depth->depth_m;
     feature.depth_sigma_m = track.depth->sigma_m;

@@ -121,7 +121,7 @@ Blocks make_blocks(const std::vector<ShapeView>& views, const Shape& start,
 // that belong to the body; poses that are free are marginalised with them. Where a solve starts from is no
 // evidence: a ball's axes are as well known as its outlines tell. NaN where the normal equations give none.
 Vector9d variances_of(ceres::Problem& problem, Blocks& blocks, ceres::ResidualBlockId start,
-                      const PoseSigmas& known_offset) {
+                      const PoseSigmas& offset_sigmas) {
   ceres::Problem::EvaluateOptions evaluate;
   problem.GetResidualBlocks(&evaluate.residual_blocks);
   std::erase(evaluate.residual_blocks, start);
@@ -143,8 +143,8 @@ Vector9d variances_of(ceres::Problem& problem, Blocks& blocks, ceres::ResidualBl
   const bool has_offset = !problem.IsParameterBlockConstant(blocks.offset.data());
   const int wanted = has_offset ? 9 : 3;
   if (has_offset) {
-    normal.diagonal().head<3>().array() += std::pow(known_offset.translation_m, -2);
-    normal.diagonal().segment<3>(3).array() += std::pow(known_offset.rotation_rad, -2);
+    normal.diagonal().head<3>().array() += std::pow(offset_sigmas.translation_m, -2);
+    normal.diagonal().segment<3>(3).array() += std::pow(offset_sigmas.rotation_rad, -2);
   }
   const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
   variances.setZero();
@@ -232,7 +232,8 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   // what fits worse than its sigmas say is known worse (Birge's ratio)
   const int freedom = summary.num_residuals_reduced - summary.num_effective_parameters_reduced;
   const double misfit = freedom > 0 ? std::max(1.0, 2 * summary.final_cost / freedom) : 1;
-  solution.shape.variances = misfit * variances_of(problem, blocks, offset_prior, options.known_offset);
+  solution.shape.variances =
+      misfit * variances_of(problem, blocks, offset_prior, options.covariance_offset_sigmas);
   return solution;
 }
 

@@ -75,7 +75,8 @@ struct LongWindowOptions {
   bool depth_sides = false;  // ours: how far the accumulated points reach; surface_points say it better
   // ours: of the offset about its start, a solve: a ball has no axes to be found, what nothing holds stays
   PoseSigmas offset_sigmas{0.1, 0.05};
-  PoseSigmas known_offset{1, 1.8};  // ours: what of it is evidence, for variances; by itself nothing is
+  // ours: in their place where covariances are made: a start is no evidence, so as good as none
+  PoseSigmas covariance_offset_sigmas{1, 1.8};
   int max_iterations = 15;
 };
 
