@@ -39,15 +39,6 @@ std::vector<std::optional<std::size_t>> states_of_match(const ObjectOverlaps& ov
   return matched;
 }
 
-// Stamps of all simulations start at 0: those of another scene would fit.
-void require_one_scene(const fs::path& truth, const std::string& of_truth, const fs::path& estimate,
-                       const std::string& of_estimate) {
-  if (!of_truth.empty() && !of_estimate.empty() && of_truth != of_estimate)
-    throw InputError(estimate,
-                     fmt::format("is an estimate of another scene: its scene_hash is {}, that of {} is {}",
-                                 of_estimate, truth.string(), of_truth));
-}
-
 VisibilityTable read_visibility_of(const fs::path& truth) {
   const fs::path file = truth / "instances/visibility.csv";
   return fs::exists(file) ? read_visibility(file) : VisibilityTable{};
@@ -141,7 +132,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
       !fs::exists(truth_folder / "camera.tum") && fs::is_directory(truth_folder / "truth");
   const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
   const std::string of_truth = scene_of(truth_path), of_estimate = scene_of(estimate_folder);
-  require_one_scene(truth_path, of_truth, estimate_folder, of_estimate);
+  require_one_scene({truth_path, of_truth}, {estimate_folder, of_estimate});
   const Tracks truth = read_tracks(truth_path), original = read_tracks(estimate_folder);
   const std::string run_config = read_run_config(estimate_folder);
   const AlignmentKind kind =

@@ -86,6 +86,12 @@ std::string scene_of(const fs::path& tracks) {
   return {};
 }
 
+void require_one_scene(const SceneClaim& one, const SceneClaim& other) {
+  if (one.scene_hash.empty() || other.scene_hash.empty() || one.scene_hash == other.scene_hash) return;
+  throw InputError(other.folder, fmt::format("is of another scene: its scene_hash is {}, that of {} is {}",
+                                             other.scene_hash, one.folder.string(), one.scene_hash));
+}
+
 bool camera_was_given(const std::string& run_config_json) {
   const json config = json::parse(run_config_json);
   if (!config.is_object()) return false;

@@ -20,6 +20,15 @@ std::string read_run_config(const std::filesystem::path& estimate);
 /// does not say: recordings, and what other programs wrote.
 std::string scene_of(const std::filesystem::path& tracks);
 
+/// A folder and the hash of the scene that it says it is of; empty where it does not say.
+struct SceneClaim {
+  std::filesystem::path folder;
+  std::string scene_hash;
+};
+/// Stamps of all simulations start at 0: those of another scene would fit. Throws InputError for `other`
+/// where both say of what scene they are and say otherwise.
+void require_one_scene(const SceneClaim& one, const SceneClaim& other);
+
 /// Whether a run's configuration (read_run_config) says that the estimator was given the camera's poses, so
 /// that its world is the truth's: `variant.ego` is `given`, or has `source: given`.
 bool camera_was_given(const std::string& run_config_json);

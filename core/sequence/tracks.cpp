@@ -153,9 +153,29 @@ void refuse_unlisted(const fs::path& folder, const std::map<int, ObjectTrack>& t
     if (!read_tum(file).empty()) throw InputError(file, "objects.csv has no row of this object");
 }
 
+// What is wrong with the columns that a header names; empty: nothing.
+std::string header_fault(const std::vector<std::string_view>& columns) {
+  const auto known = split(kStateHeader, ',');
+  std::string unknown;
+  std::size_t least = kColumns[0];  // up to the last known one that is there
+  for (const std::string_view name : columns) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(known, name) - known.begin());
+    if (at < known.size()) least = std::max(least, at + 1);
+    if (at == known.size() && unknown.empty()) unknown = fmt::format("column '{}' is unknown", name);
+  }
+  const std::size_t wanted = *std::ranges::lower_bound(kColumns, least);
+  for (std::size_t i = 0; i < wanted; ++i)
+    if (std::ranges::find(columns, known[i]) == columns.end())
+      return fmt::format("{}{}column '{}' is missing", unknown, unknown.empty() ? "" : ", ", known[i]);
+  if (!unknown.empty()) return unknown;
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (i >= wanted || columns[i] != known[i])
+      return fmt::format("column '{}' stands out of order, or twice", columns[i]);
+  return {};
+}
+
 std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
   const fs::path file = folder / "objects.csv";
-  const auto names = split(kStateHeader, ',');
   std::size_t columns = 0;
   std::map<int, ObjectTrack> tracks;
   bool header = true;
@@ -164,9 +184,8 @@ std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
       [&](int line, const std::vector<std::string_view>& fields) {
         if (std::exchange(header, false)) {
           columns = fields.size();
-          const bool is_known = std::ranges::find(kColumns, columns) != std::end(kColumns) &&
-                                std::equal(fields.begin(), fields.end(), names.begin());
-          if (!is_known) throw InputError(file, line, fmt::format("expected the header {}", kStateHeader));
+          if (const std::string fault = header_fault(fields); !fault.empty())
+            throw InputError(file, line, fmt::format("{}; expected the header {}", fault, kStateHeader));
           return;
         }
         if (fields.size() != columns)

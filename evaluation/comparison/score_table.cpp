@@ -64,9 +64,8 @@ std::optional<double> parse_value(const Line& line, const Fields& fields, bool l
   if (!value) line.fail("value '{}' is no finite number", text);
   if (std::abs(*value) > kMostValue) line.fail("value {} is beyond {}", text, kMostValue);
   if (lower && *value < 0) line.fail("value {} of an error is below 0", text);
-  for (const Metric& metric : all_metrics())  // others are another program's
-    if (metric.name == fields[kMetric])
-      if (const auto why = impossible(metric, *value)) line.fail("value of {}: {}", metric.name, *why);
+  if (const Metric* const metric = metric_of_name(fields[kMetric]))  // others are another program's
+    if (const auto why = impossible(*metric, *value)) line.fail("value of {}: {}", metric->name, *why);
   return value;
 }
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cassert>
+#include <map>
 
 namespace uniquadric {
 namespace {
@@ -125,11 +125,20 @@ std::span<const Metric> all_metrics() {
   return kMetrics;
 }
 
+const Metric* metric_of_name(std::string_view name) {
+  static const std::map<std::string_view, const Metric*> by_name = [] {
+    std::map<std::string_view, const Metric*> metrics;
+    for (const Metric& metric : kMetrics) metrics.emplace(metric.name, &metric);
+    return metrics;
+  }();
+  const auto found = by_name.find(name);
+  return found == by_name.end() ? nullptr : found->second;
+}
+
 const Metric& find_metric(std::string_view name) {
-  const auto found = std::find_if(std::begin(kMetrics), std::end(kMetrics),
-                                  [&](const Metric& metric) { return name == metric.name; });
-  assert(found != std::end(kMetrics));
-  return *found;
+  const Metric* const metric = metric_of_name(name);
+  assert(metric);
+  return *metric;
 }
 
 std::optional<std::string> impossible(const Metric& metric, double value) {

@@ -25,7 +25,10 @@ struct Metric {
 /// All metrics, in the order of scores.csv.
 std::span<const Metric> all_metrics();
 
-/// The metric of that name; asserts that there is one.
+/// The metric of that name; null: there is none.
+const Metric* metric_of_name(std::string_view name);
+
+/// The same; asserts that there is one.
 const Metric& find_metric(std::string_view name);
 
 /// Why a value cannot be the metric's, as "1.5 is more than 1"; nothing of one that can. Errors, counts and

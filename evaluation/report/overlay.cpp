@@ -15,6 +15,7 @@
 #include "evaluation/report/jpeg.h"
 #include "evaluation/report/outline.h"
 #include "evaluation/report/page.h"
+#include "evaluation/run_record.h"
 
 namespace uniquadric {
 namespace {
@@ -103,6 +104,16 @@ void draw_notes(Canvas& canvas, const std::vector<std::string>& notes) {
   if (notes.size() > kMost) draw(fmt::format("... and {} more", notes.size() - kMost));
 }
 
+void require_same_scene(const Sequence& sequence, const fs::path& truth, const fs::path& estimate) {
+  const SceneClaim of_sequence{sequence.folder, sequence.scene_hash},
+      of_estimate{estimate, scene_of(estimate)};
+  require_one_scene(of_sequence, of_estimate);
+  if (truth.empty()) return;
+  const SceneClaim of_truth{truth, scene_of(truth)};
+  require_one_scene(of_sequence, of_truth);
+  require_one_scene(of_truth, of_estimate);
+}
+
 // The estimate's own masks, else the sequence's; empty where a frame has none.
 cv::Mat find_masks(const Sequence& sequence, const SequenceFrame& frame, const fs::path& estimate) {
   const fs::path own = estimate / "masks" / fmt::format("{:06}.png", frame.frame);
@@ -120,6 +131,7 @@ cv::Mat find_masks(const Sequence& sequence, const SequenceFrame& frame, const f
 void write_overlays(const fs::path& sequence_folder, const fs::path& truth_folder,
                     const fs::path& estimate_folder, const fs::path& out, int count, bool force) {
   const Sequence sequence = open_sequence(sequence_folder);
+  require_same_scene(sequence, truth_folder, estimate_folder);
   const Tracks estimate = read_tracks(estimate_folder);
   const Tracks truth = read_truth(truth_folder, estimate);
   const fs::path visibility_file = truth_folder / "instances/visibility.csv";

@@ -10,8 +10,8 @@ namespace uniquadric {
 /// of the estimated boxes yellow; in the corner why an object has no state (absence.h). An estimate's own
 /// masks (`estimate`/masks/NNNNNN.png) come before the sequence's. Objects whose projection is no ellipse
 /// are not outlined. `truth` may be empty (recordings). Also writes `out`/sheet.jpg, all of them in one grid.
-/// Throws InputError for folders that cannot be read, and for an `out` that exists, unless `force` replaces
-/// it.
+/// Throws InputError for folders that cannot be read or that are of two scenes (require_one_scene), and for
+/// an `out` that exists, unless `force` replaces it.
 void write_overlays(const std::filesystem::path& sequence, const std::filesystem::path& truth,
                     const std::filesystem::path& estimate, const std::filesystem::path& out, int count,
                     bool force);

@@ -268,8 +268,7 @@ TEST_F(Evaluate, AnEstimateOfAnotherSceneIsRefused) {
     run();
   };
   const std::string message = input_error([&] { evaluate_of("123e4567", "scene_hash: \"123e4568\"\n"); });
-  EXPECT_EQ(message, estimate().string() +
-                         ": is an estimate of another scene: its scene_hash is 123e4568, that of " +
+  EXPECT_EQ(message, estimate().string() + ": is of another scene: its scene_hash is 123e4568, that of " +
                          truth().string() + " is 123e4567");
   EXPECT_FALSE(fs::exists(root_ / "out"));
   EXPECT_NO_THROW(evaluate_of("123e4567", "scene_hash: \"123e4567\"\n"));

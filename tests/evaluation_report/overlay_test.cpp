@@ -105,6 +105,35 @@ TEST(Overlay, OutlinesStandWhereTheSpheresProject) {
   EXPECT_FALSE(is_green(pixel(0)) || is_orange(pixel(0)));
 }
 
+// Only what says of two of the folders that they are of two scenes is refused.
+TEST(Overlay, FoldersOfTwoScenesAreRefused) {
+  const GreyRecording recording(4, 3);
+  const auto draw_of = [&](const std::string& of_sequence, const std::string& of_truth,
+                           const std::string& of_estimate) {
+    Sequence sequence = open_sequence(recording.sequence);
+    sequence.scene_hash = of_sequence;
+    write_sequence_index(recording.sequence, sequence);
+    const fs::path objects = recording.truth / "objects.yaml";
+    write_objects_yaml(objects, read_objects_yaml(objects), of_truth);
+    write_text(recording.estimate / "run.yaml",
+               of_estimate.empty() ? "sequence: grey\n" : "scene_hash: \"" + of_estimate + "\"\n");
+    write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
+  };
+  const auto refusal = [&](const std::string& of_sequence, const std::string& of_truth,
+                           const std::string& of_estimate) {
+    return input_error([&] { draw_of(of_sequence, of_truth, of_estimate); });
+  };
+  const auto expected = [](const fs::path& other, const fs::path& one) {
+    return other.string() + ": is of another scene: its scene_hash is b, that of " + one.string() + " is a";
+  };
+  EXPECT_EQ(refusal("a", "a", "b"), expected(recording.estimate, recording.sequence));
+  EXPECT_EQ(refusal("a", "b", ""), expected(recording.truth, recording.sequence));
+  EXPECT_EQ(refusal("", "a", "b"), expected(recording.estimate, recording.truth));
+  EXPECT_FALSE(fs::exists(recording.out));
+  EXPECT_NO_THROW(draw_of("a", "a", "a"));
+  EXPECT_NO_THROW(draw_of("a", "", ""));
+}
+
 // What sticks out of the ellipsoid is the superellipsoid's.
 TEST(Overlay, TheEstimatedSuperellipsoidHasItsOwnOutline) {
   const GreyRecording recording(4, 3);
