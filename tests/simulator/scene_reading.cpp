@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -169,6 +170,49 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
   }
   EXPECT_EQ(refused, 42);
   EXPECT_NE(refusal(folder.path() / "absent.yaml").find("cannot be read"), std::string::npos);
+}
+
+// "`marks` (10; ...) from 1 to 200" in the table of keys, and the reader's own words.
+TEST(SceneFile, TheDocumentationSaysWhatAMaterialMayBe) {
+  const std::string text = read_text(scene_test::kSource / "scenes/README.md");
+  const ScratchFolder folder("scene_material");
+  for (const std::string key : {"texture_px", "marks"}) {
+    std::smatch said;
+    ASSERT_TRUE(std::regex_search(text, said, std::regex("`" + key + "` \\([^)]*\\) from (\\d+) to (\\d+)")))
+        << key;
+    for (const int beyond : {std::stoi(said[1]) - 1, std::stoi(said[2]) + 1}) {
+      const std::string value = std::to_string(beyond);
+      const auto path = folder.write("scene.yaml", replaced(kScene, "{texture_px: 64}\n    motion",
+                                                            "{" + key + ": " + value + "}\n    motion"));
+      EXPECT_NE(refusal(path).find("objects[0].material." + key + ": expected " + said[1].str() + " to " +
+                                   said[2].str() + ", found " + value),
+                std::string::npos)
+          << refusal(path);
+    }
+  }
+}
+
+TEST(SceneFile, AMeshTakesNothingOfAPrimitiveNorAPrimitiveOfAMesh) {
+  const ScratchFolder folder("scene_mesh_keys");
+  const std::string primitive = "primitive: box\n    size_m: [0.4, 0.2, 0.1]\n    material: {texture_px: 64}",
+                    mesh = "mesh: part.obj";
+  folder.write("part.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nv 0 0 2\nf 1 2 3\nf 1 3 4\n");
+  const auto refused = [&](const std::string& body, const std::string& key) {
+    return refusal(folder.write("scene.yaml", replaced(kScene, primitive, body + "\n    " + key)));
+  };
+  for (const std::string key : {"primitive: box", "size_m: [1, 1, 1]", "material: {marks: 10}"})
+    EXPECT_NE(refused(mesh, key).find(":20: objects[0]." + key.substr(0, key.find(':')) +
+                                      ": does not go with 'mesh'"),
+              std::string::npos)
+        << refused(mesh, key);
+  for (const std::string key : {"scale: 2", "mesh_rpy_deg: [0, 0, 90]", "symmetry: none"})
+    EXPECT_EQ(refused(mesh, key), "accepted");
+  EXPECT_NE(refused(mesh, "scale: 0").find(":20: objects[0].scale: expected a number greater than 0"),
+            std::string::npos);
+  for (const std::string key : {"scale: 2", "mesh_rpy_deg: [0, 0, 90]"})
+    EXPECT_NE(refused(primitive, key).find(":22: unknown key 'objects[0]." + key.substr(0, key.find(':'))),
+              std::string::npos)
+        << refused(primitive, key);
 }
 
 TEST(SceneFile, WithAMeshThatCannotBeRenderedIsRefused) {
