@@ -41,6 +41,32 @@ TEST(Robustness, WhatIsKnownWhen) {
   EXPECT_EQ(late, 4);  // of frames 3, 6, 9 and 12
 }
 
+// The tracker of masks has a frame's depth before its scale is found to be another, and other threads read it
+// after: it stays as it was. By it the body beside the red one is farther away, and hides nothing of it,
+// which an image without depth would leave open.
+TEST(Robustness, ARefusedDepthStaysWhatTheTrackerOfMasksSaw) {
+  const TempFolder temp;
+  const Sprite behind{2,        12, {180, 60, 50},
+                      {60, 90}, 3,  [](std::int64_t) { return Eigen::Vector2d(130, 60); }};
+  const Sequence sequence = write_drawn_sequence(temp.path(), {kRed, behind}, 24, [](DrawnFrame& drawn) {
+    if (drawn.frame.frame >= 10 && drawn.frame.frame < 16) drawn.depth *= 1.04;
+  });
+  PerceptionOptions options;
+  options.ego = EgoSource::rgbd;
+  const Perception perception = perceived(sequence, options);
+  int checked = 0;
+  for (std::size_t i = 0; i < 24; ++i) {
+    EXPECT_EQ(perception.frames()[i].depth_refused, i >= 10 && i < 16) << i;
+    if (!perception.frames()[i].depth_refused) continue;
+    for (const BodyObservation& body : perception.read(i).bodies) {
+      if (body.id != 1 || !body.segmented) continue;
+      EXPECT_TRUE(body.segmented->bbox[0].free) << i;
+      ++checked;
+    }
+  }
+  EXPECT_EQ(checked, 2);  // frames 12 and 15
+}
+
 // Images are as the lens makes them; points and outlines are those of an ideal one.
 TEST(Robustness, ADistortingLensIsUndone) {
   const TempFolder temp;

@@ -33,16 +33,6 @@ TEST(Robustness, JoinedWithTheBackEndTheBytesAreThoseOfAnyNumberOfThreads) {
   EXPECT_FALSE(fs::exists(temp.path() / "out") || fs::exists(options.perception));
 }
 
-TEST(Robustness, ARefusedDepthLeavesTheSameBytesForAnyNumberOfThreads) {
-  const TempFolder temp;
-  write_drawn_sequence(temp.path(), {kRed}, 24, [](DrawnFrame& drawn) {
-    if (drawn.frame.frame >= 10 && drawn.frame.frame < 16) drawn.depth *= 1.04;
-  });
-  const Outcome one = run(temp.path(), 1, windows(EgoSource::rgbd)),
-                four = run(temp.path(), 4, windows(EgoSource::rgbd));
-  EXPECT_EQ(one.files, four.files);
-}
-
 TEST(Robustness, ThirtyBodiesHaveTheSameBytesForAnyNumberOfThreads) {
   std::vector<Sprite> crowd;
   for (int i = 0; i < 30; ++i) {
