@@ -15,6 +15,7 @@
 #include "core/base/text.h"
 #include "core/base/threads.h"
 #include "core/base/version.h"
+#include "core/base/warning.h"
 #include "core/sequence/calibration.h"
 #include "core/sequence/depth_scale.h"
 #include "estimator/backend.h"
@@ -244,31 +245,28 @@ Gap longest_gap(const std::vector<FrameInfo>& frames) {
 // All that follows would be of another size, or nothing.
 void warn_of_depth(const Sequence& sequence) {
   if (const auto fault = depth_scale_fault(sequence))
-    fmt::print(stderr, "warning: {}: {}\n", (sequence.folder / "sequence.yaml").string(), *fault);
+    warn(fmt::format("{}: {}", (sequence.folder / "sequence.yaml").string(), *fault));
 }
 
 void warn_of_the_camera(const Perception& perception) {
   const Gap gap = longest_gap(perception.frames());
   if (gap.duration_s > kLongGap_s)
-    fmt::print(stderr, "warning: the camera has no pose for {:.1f} s (frames {} to {})\n", gap.duration_s,
-               gap.first_frame, gap.last_frame);
+    warn(fmt::format("the camera has no pose for {:.1f} s (frames {} to {})", gap.duration_s, gap.first_frame,
+                     gap.last_frame));
   if (const int restarts = perception.ego_restarts(); restarts > 0)
-    fmt::print(
-        stderr,
-        "warning: the camera lost its map {} times, and went on with a new one from the last known pose "
-        "(run.yaml: ego_restarts)\n",
-        restarts);
+    warn(
+        fmt::format("the camera lost its map {} times, and went on with a new one from the last known pose "
+                    "(run.yaml: ego_restarts)",
+                    restarts));
 }
 
 // A result with hardly anything in it is one, but should not be taken for a good one.
 void warn_of_little(const Perception& perception, const Tracks& tracks) {
   const std::size_t frames = perception.frames().size(), lost = frames - tracks.camera.size();
   if (2 * lost > frames)
-    fmt::print(stderr, "warning: {} of {} frames have no camera pose (run.yaml: frames_without_pose)\n", lost,
-               frames);
+    warn(fmt::format("{} of {} frames have no camera pose (run.yaml: frames_without_pose)", lost, frames));
   warn_of_the_camera(perception);
-  if (tracks.objects.empty())
-    fmt::print(stderr, "warning: no object has a state (run.yaml counts masks, depth and poses)\n");
+  if (tracks.objects.empty()) warn("no object has a state (run.yaml counts masks, depth and poses)");
 }
 
 }  // namespace

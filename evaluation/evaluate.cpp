@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/warning.h"
 #include "core/sequence/calibration.h"
 #include "evaluation/association/hidden_objects.h"
 #include "evaluation/association/object_overlap.h"
@@ -161,7 +162,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const bool same_frames = !of_truth.empty() && of_estimate.empty();
   for (const std::string& fault :
        stamp_faults(estimate_folder, truth, original, kMaxDifferenceNs, same_frames))
-    fmt::print(stderr, "warning: {}\n", fault);
+    warn(fault);
 }
 
 }  // namespace uniquadric

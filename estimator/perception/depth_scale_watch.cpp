@@ -1,4 +1,4 @@
-#include "estimator/perception/depth_scale.h"
+#include "estimator/perception/depth_scale_watch.h"
 
 #include <cmath>
 #include <optional>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "estimator/perception/depth_scale.h"
+#include "estimator/perception/depth_scale_watch.h"
 #include "estimator/perception/frame_view.h"
 
 namespace uniquadric {

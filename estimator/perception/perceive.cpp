@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "core/base/threads.h"
+#include "core/base/warning.h"
 #include "estimator/perception/check_sequence.h"
 #include "estimator/perception/lidar_stream.h"
 #include "estimator/perception/point_colors.h"
@@ -244,9 +245,16 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     work.result.depth_refused = true;
     ++unusable;
   };
+  int images = 0, blank = 0;  // of depth
   const auto check = [&](std::shared_ptr<Work> work) {
-    if (!work->depth.empty() && !depth_check.is_measurement(work->result.stamp_ns, work->depth))
+    if (work->depth.empty()) return work;
+    ++images;
+    if (cv::countNonZero(work->depth) == 0) {
+      work->result.depth_refused = true;
+      ++blank;
+    } else if (!depth_check.is_measurement(work->result.stamp_ns, work->depth)) {
       refuse_depth(*work);
+    }
     return work;
   };
   const auto cut_out = [&](std::shared_ptr<Work> work) {
@@ -341,9 +349,9 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
                                tbb::make_filter<Handle, void>(tbb::filter_mode::serial_in_order, keep));
   });
   if (unusable > 0)
-    fmt::print(stderr,
-               "warning: {} depth images are no measurements: they have one value, or jump as a whole\n",
-               unusable.load());
+    warn(fmt::format("{} depth images are no measurements: they have one value, or jump as a whole",
+                     unusable.load()));
+  if (blank > 0) warn(fmt::format("{} of {} depth images hold no depth at all", blank, images));
   if (lidar) {
     lidar->finish();
     out.keep_map(lidar->odometry().map_points());

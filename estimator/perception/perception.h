@@ -66,7 +66,7 @@ struct FrameInfo {
   std::int64_t frame = 0, stamp_ns = 0;
   std::optional<Pose> world_from_camera;  ///< nothing: the camera was lost
   bool has_masks = false;                 ///< whether its masks are known: segmented, or carried to it
-  bool depth_refused = false;             ///< its depth image is no measurement
+  bool depth_refused = false;             ///< its depth image is no measurement, or holds none
   bool depth_changed = false;             ///< from here on depth has another scale than all that was known
 };
 

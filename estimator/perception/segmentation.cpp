@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "core/base/warning.h"
 #include "estimator/perception/outline.h"
 
 namespace uniquadric {
@@ -20,13 +21,24 @@ bool has_any_masks(const Sequence& sequence) {
                      [](const auto& frame) { return !frame.masks.empty(); });
 }
 
+// Masks that no list names are as good as none, and another segmenter gives other results.
+void warn_of_lost_masks(const Sequence& sequence, const char* instead) {
+  const std::filesystem::path list = sequence.folder / "masks.txt";
+  if (!std::filesystem::exists(list) && std::filesystem::is_directory(sequence.folder / "masks"))
+    warn(fmt::format("{}: no such file: the images in masks/ are not used, bodies are segmented by {}",
+                     list.string(), instead));
+}
+
 MaskSource resolve(const Sequence& sequence, MaskSource source, PromptKind prompts) {
   if (source == MaskSource::automatic) {
     if (has_any_masks(sequence)) return MaskSource::sequence;
-    return prompts == PromptKind::boxes ? MaskSource::grabcut_depth : MaskSource::depth_motion;
+    const bool by_boxes = prompts == PromptKind::boxes;
+    warn_of_lost_masks(sequence, by_boxes ? "grabcut_depth" : "depth_motion");
+    return by_boxes ? MaskSource::grabcut_depth : MaskSource::depth_motion;
   }
   if (source == MaskSource::sequence && !has_any_masks(sequence))
-    throw InputError(sequence.folder, "has no masks, which the variant's segmentation asks for");
+    throw InputError(sequence.folder / "masks.txt",
+                     "is not there or names no masks, which the variant's segmentation asks for");
   return source;
 }
 

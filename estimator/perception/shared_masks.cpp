@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 
+#include "core/base/warning.h"
 #include "core/sequence/trajectory.h"
 #include "estimator/perception/depth_parts.h"
 
@@ -24,8 +25,8 @@ void SharedMasks::say(const Placed& first, const Placed& second) {
     const std::lock_guard lock(mutex_);
     if (!said_.insert(std::minmax(first.point.id, second.point.id)).second) return;
   }
-  fmt::print(stderr, "warning: {}: the points {} and {} lie on one mask, which is one object\n",
-             prompts_.string(), text_of(first, ids_last_), text_of(second, ids_last_));
+  warn(fmt::format("{}: the points {} and {} lie on one mask, which is one object", prompts_.string(),
+                   text_of(first, ids_last_), text_of(second, ids_last_)));
 }
 
 std::vector<std::pair<PointPrompt, PointPrompt>> points_on_one_mask(const cv::Mat& masks,

@@ -29,6 +29,52 @@ TEST(Robustness, NoDepthEverIsNoState) {
   EXPECT_TRUE(outcome.tracks.objects.empty());
 }
 
+TEST(Robustness, DepthImagesWithoutDepthAreToldAndCounted) {
+  for (const EgoSource ego : {EgoSource::given, EgoSource::rgbd})
+    for (const int first : {0, 8, 12}) {
+      const TempFolder temp;
+      write_drawn_sequence(temp.path(), {kRed}, 12, [&](DrawnFrame& drawn) {
+        if (drawn.frame.frame >= first) drawn.depth.setTo(0);
+      });
+      testing::internal::CaptureStderr();
+      const Outcome outcome = run(temp.path(), 2, windows(ego));
+      const std::string said = testing::internal::GetCapturedStderr(),
+                        told = " of 12 depth images hold no depth";
+      const int blank = 12 - first;
+      EXPECT_EQ(said.find("warning: " + std::to_string(blank) + told) != std::string::npos, blank > 0)
+          << said;
+      EXPECT_EQ(said.find(told) != std::string::npos, blank > 0) << said;
+      EXPECT_EQ(said.find("no measurements"), std::string::npos) << said;
+      const ConfigNode counts = ConfigNode::parse(outcome.files.at("out/run.yaml"), "run.yaml");
+      EXPECT_EQ(counts.get<int>("frames_without_depth"), blank);
+    }
+}
+
+// Without its list of masks another segmenter takes over, which nobody asked for.
+TEST(Robustness, MasksThatNoListNamesAreToldOf) {
+  const TempFolder temp;
+  write_drawn_sequence(temp.path(), {kRed}, 3);
+  const auto said = [&] {
+    testing::internal::CaptureStderr();
+    run(temp.path());
+    return testing::internal::GetCapturedStderr();
+  };
+  const fs::path list = temp.path() / "masks.txt";
+  const std::string warning = "warning: " + list.string() +
+                              ": no such file: the images in masks/ are not used, bodies are segmented by "
+                              "depth_motion\n";
+  EXPECT_EQ(said().find("masks.txt"), std::string::npos);
+  fs::remove(list);
+  EXPECT_NE(said().find(warning), std::string::npos);
+  Variant listed = windows();
+  listed.perception.segmentation.source = MaskSource::sequence;
+  const std::string refusal = input_error([&] { estimate(temp.path(), listed, {}, temp.path() / "out"); });
+  EXPECT_EQ(refusal,
+            list.string() + ": is not there or names no masks, which the variant's segmentation asks for");
+  fs::remove_all(temp.path() / "masks");
+  EXPECT_EQ(said().find("masks.txt"), std::string::npos);
+}
+
 TEST(Robustness, ADepthScaleThatCannotBeIsWarnedOf) {
   const TempFolder temp;
   write_drawn_sequence(temp.path(), {kRed}, 3, [](DrawnFrame&) {});
