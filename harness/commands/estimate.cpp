@@ -1,15 +1,22 @@
 #include "harness/commands/commands.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
 
 #include "core/base/apart.h"
+#include "core/base/warning.h"
 #include "estimator/estimate.h"
 #include "harness/commands/options.h"
+#include "harness/estimate_text.h"
 
 namespace uniquadric {
 
 void add_estimate(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "estimate", "sequence -> 9-DoF tracks of every object", common);
+  sub->get_option("--quiet")->description("no progress on stderr, no summary on stdout");
   static std::string sequence, out, variant, prompt = "everything", perception, output;
   static EstimateOptions options;
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
@@ -38,7 +45,14 @@ void add_estimate(CLI::App& app, Common& common) {
     require_apart(perception, {sequence, variant, options.prompts.path});
     Variant chosen = variant.empty() ? default_variant() : load_variant(variant);
     if (as_of->count() > 0) chosen.output = output == "causal" ? Output::causal : Output::final;
-    make_stage(common, out, [&] { estimate(sequence, chosen, options, out); });
+    make_stage(common, out, [&] {
+      const auto start = std::chrono::steady_clock::now();
+      estimate(sequence, chosen, options, out);
+      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+      if (!options.quiet)
+        std::cout << estimate_text(out)
+                  << fmt::format("{:.1f} s, {} warnings\n", took.count(), warnings_given());
+    });
   });
 }
 

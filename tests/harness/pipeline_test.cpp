@@ -5,12 +5,16 @@
 #include <chrono>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <set>
 #include <thread>
 
 #include "core/base/files.h"
+#include "core/base/text.h"
+#include "core/sequence/sequence.h"
 #include "evaluation/report/results.h"
 #include "harness/bench/process.h"
+#include "harness/estimate_text.h"
 #include "simulator/render/renderer.h"
 #include "tests/harness/program.h"
 #include "tests/support/temp_folder.h"
@@ -72,6 +76,34 @@ TEST_F(Pipeline, TruthAgainstItselfIsPerfect) {
   const json figures = json::parse(map.out);
   for (const char* figure : {"precision", "recall", "iou", "completeness"}) EXPECT_EQ(figures[figure], 1.0);
   EXPECT_GT(figures["true_occupied_voxels"], 100);
+}
+
+// Every line is that of the folder, and the last one tells how many warnings stand on stderr.
+TEST_F(Pipeline, EstimateEndsWithASummary) {
+  ok({"simulate", scene(), folder() / "data", "--quiet"});
+  const fs::path sequence = folder() / "data/sequence", out = folder() / "out";
+  const auto estimated = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command = {"estimate", sequence, out, "--force"};
+    command.insert(command.end(), more.begin(), more.end());
+    ProgramRun run = run_program(command);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run;
+  };
+  const auto expect_summary = [&](const ProgramRun& run, int warnings) {
+    const std::string text = estimate_text(out), end = " s, " + std::to_string(warnings) + " warnings\n";
+    ASSERT_TRUE(run.out.starts_with(text) && run.out.ends_with(end)) << run.out << run.err;
+    const std::string seconds = run.out.substr(text.size(), run.out.size() - text.size() - end.size());
+    EXPECT_TRUE(parse_double(seconds)) << seconds;
+    int said = 0;
+    for (std::size_t at = 0; (at = run.err.find("warning: ", at)) != run.err.npos; ++at) ++said;
+    EXPECT_EQ(said, warnings) << run.err;
+  };
+  expect_summary(estimated({}), 0);
+  EXPECT_EQ(estimated({"--quiet"}).out, "");
+  fs::remove(sequence / "masks.txt");
+  for (const auto& image : fs::directory_iterator(sequence / "depth"))
+    write_png(image.path(), cv::Mat(read_image(image.path()).size(), CV_16UC1, cv::Scalar(0)));
+  expect_summary(estimated({}), 3);  // masks.txt, depth images without depth, no object
 }
 
 TEST_F(Pipeline, EstimateNeedsNoTruth) {
