@@ -1,0 +1,134 @@
+// Bodies that are hidden or not recognised: where they are meanwhile, and how they are found again.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "body_run.h"
+
+namespace uniquadric {
+namespace {
+
+// What is in its mask later is no more its surface: it stays where that is seen, and is not carried on.
+TEST(BodyEstimator, ABodyThatIsNotRecognisedStaysWhereItsMaskIs) {
+  const auto place = [](double t) { return Eigen::Vector3d(-0.4 + 0.5 * std::min(t, 1.2), 0, 1); };
+  const auto moving = [&](double t) { return Pose{Eigen::Quaterniond::Identity(), place(t)}; };
+  SyntheticOptions options = three_seconds();
+  options.world_from_camera = [](double) { return looking_at({0, -2.2, 1.4}, {0, 0, 1}); };
+  SyntheticPerception perception = synthetic_perception({box_body(kAxes, moving)}, options);
+  const SyntheticPerception other =
+      synthetic_perception({ellipsoid_body({0.12, 0.3, 0.12}, moving)}, options);
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  std::optional<BodyState> state;
+  for (std::size_t i = 0; i < perception.frames.size(); ++i) {
+    BodyObservation& body = perception.frames[i].bodies[0];
+    if (i > 36) {
+      body = other.frames[i].bodies[0];
+      body.features.clear();
+    }
+    state = estimator.step(perception.frames[i], &body);
+  }
+  ASSERT_TRUE(state);
+  const Pose object = state->world_from_body * state->shape.body_from_object;
+  EXPECT_LT((object.translation - place(3)).norm(), 0.2) << to_string(state->status);
+}
+
+// Depth under the mask of a body that was lost is that of what is behind it: under a whole outline, as of
+// needles, and under the part that its occluder leaves.
+TEST(BodyEstimator, ABodyIsNotLookedForBehindItself) {
+  const auto still = [](double) { return Pose{Eigen::Quaterniond::Identity(), {0, 0, 1}}; };
+  for (const bool whole : {true, false}) {
+    SyntheticPerception perception = synthetic_perception({box_body(kAxes, still)}, three_seconds());
+    BodyEstimator estimator(1, perception.camera, {}, 1);
+    std::optional<BodyState> state;
+    for (std::size_t i = 0; i < 70; ++i) {
+      BodyObservation& body = perception.frames[i].bodies[0];
+      if (i > 40) {
+        body.features.clear();
+        body.points *= 2.5;
+        body.silhouette->support[0].free = whole;
+        if (!whole) body.silhouette->rot_bbox.semi_major /= 2;
+      }
+      state = estimator.step(perception.frames[i], &body);
+    }
+    ASSERT_TRUE(state);
+    EXPECT_EQ(state->status, ObjectStatus::occluded);
+    const Pose object = state->world_from_body * state->shape.body_from_object;
+    EXPECT_LT((object.translation - still(0).translation).norm(), 0.05) << whole;
+  }
+}
+
+// It shows the same faces before and after, and none of its features is known any more.
+TEST(BodyEstimator, ABodyThatWasHiddenIsFoundAgainByItsSurface) {
+  const auto swaying = [](double t) {
+    return Pose{exp_so3({0.1 * std::sin(t), 0.1 * std::cos(t), 0.5 + 0.25 * std::sin(1.5 * t)}),
+                {0.1 * std::sin(t), 0, 1}};
+  };
+  SyntheticOptions options = three_seconds();
+  options.frames = 120;
+  options.found_again = false;
+  options.hidden = [](int, double t) { return t > 1.5 && t < 2.5; };
+  const Errors after = largest_errors(box_body(kAxes, swaying), options, 2.6);
+  EXPECT_EQ(after.frames, 42);
+  EXPECT_LT(after.translation_m, 0.01);
+  EXPECT_LT(after.rotation_rad, 0.03);
+  EXPECT_LT(after.axes_m, 0.006);
+}
+
+// It shows other faces than when it was last seen, and goes on turning.
+TEST(BodyEstimator, ATumblingBodyThatWasHiddenIsFoundAgainByItsSurface) {
+  for (const double until : {1.8, 2.5}) {
+    SyntheticOptions options = three_seconds();
+    options.frames = 120;
+    options.found_again = false;
+    options.hidden = [until](int, double t) { return t > 1.5 && t < until; };
+    const Errors after = largest_errors(box_body(kAxes, tumbling), options, 3);
+    EXPECT_EQ(after.frames, 30);
+    EXPECT_LT(after.translation_m, 0.01) << until;
+    EXPECT_LT(after.axes_m, 0.005) << until;
+    // without colours nothing tells the box from itself turned by half
+    EXPECT_LT(std::min(after.rotation_rad, std::abs(after.rotation_rad - std::numbers::pi)), 0.03) << until;
+  }
+}
+
+TEST(BodyEstimator, ABodyThatWasHiddenIsFoundAgainByItsFeatures) {
+  SyntheticOptions options = three_seconds();
+  options.frames = 120;
+  options.hidden = [](int, double t) { return t > 1.5 && t < 2.5; };
+  const Errors after = largest_errors(box_body(kAxes, tumbling), options, 2.6);
+  EXPECT_EQ(after.frames, 42);
+  EXPECT_LT(after.translation_m, 0.01);
+  EXPECT_LT(after.rotation_rad, 0.03);
+}
+
+// Half a second of prediction, then once that it is lost, then nothing; when it is found again, it goes on.
+TEST(BodyEstimator, ABodyThatStaysHiddenIsSaidToBeLostOnce) {
+  SyntheticOptions options = three_seconds();
+  options.frames = 120;
+  options.hidden = [](int, double t) { return t > 1.5 && t < 2.5; };
+  const SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, options);
+  BodyOptions body;
+  body.lifecycle.lost_after_s = 0.5;
+  BodyEstimator estimator(1, perception.camera, body, 1);
+  int predicted = 0, lost = 0, silent = 0, last_predicted = 0;
+  for (int i = 0; i < std::ssize(perception.frames); ++i) {
+    const auto& bodies = perception.frames[i].bodies;
+    const auto state = estimator.step(perception.frames[i], bodies.empty() ? nullptr : &bodies[0]);
+    silent += !state;
+    if (!state) continue;
+    if (bodies.empty() && state->status == ObjectStatus::occluded) ++predicted, last_predicted = i;
+    if (state->status != ObjectStatus::lost) continue;
+    EXPECT_EQ(i, last_predicted + 1);
+    EXPECT_EQ(state->evidence, PoseEvidence::none);
+    ++lost;
+  }
+  EXPECT_EQ(predicted, 15);
+  EXPECT_EQ(lost, 1);
+  EXPECT_GT(silent, 10);
+  EXPECT_EQ(estimator.step(perception.frames.back(), &perception.frames.back().bodies.at(0))->status,
+            ObjectStatus::active);
+}
+
+}  // namespace
+}  // namespace uniquadric
