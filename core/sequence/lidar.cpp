@@ -86,6 +86,7 @@ std::vector<LidarPoint> read_lidar_points(const std::filesystem::path& path) {
                   t = pcd_column(path, file, "t", 'U', 4), ring = pcd_column(path, file, "ring", 'U', 2),
                   tag = pcd_column(path, file, "tag", 'U', 1);
   std::vector<LidarPoint> points;
+  points.reserve(static_cast<std::size_t>(file.points));
   for (std::int64_t i = 0; i < file.points; ++i)
     points.push_back({x.at<float>(i), y.at<float>(i), z.at<float>(i), intensity.at<float>(i),
                       t.at<std::uint32_t>(i), ring.at<std::uint16_t>(i), tag.at<std::uint8_t>(i)});

@@ -36,11 +36,12 @@ struct PcdFile {
 struct PcdColumn {
   const PcdFile& file;
   std::size_t offset = 0;
+  std::size_t point_size = static_cast<std::size_t>(file.point_size());
 
   template <typename T>
   T at(std::int64_t point) const {
     T value;
-    std::copy_n(file.data.data() + static_cast<std::size_t>(point * file.point_size()) + offset, sizeof value,
+    std::copy_n(file.data.data() + static_cast<std::size_t>(point) * point_size + offset, sizeof value,
                 reinterpret_cast<char*>(&value));
     return value;
   }

@@ -114,30 +114,33 @@ Matrix18d propagation_noise(const InertialNoise& noise, double dt) {
   return Q;
 }
 
-Vector3d world_point(const LidarState& end, const Vector3d& path_bias, const SweepPoint& point) {
+EndPoint end_point(const LidarState& end, const Vector3d& path_bias, const SweepPoint& point) {
   const Vector3d turn = point.age_s * (end.gyroscope_bias_radps - path_bias);
-  return end.world_from_body.rotation * (point.end_from_then * (exp_so3(turn) * point.body)) +
-         end.world_from_body.translation - point.age_s * end.velocity_mps + point.bend_m;
+  const Eigen::Quaterniond turned = exp_so3(turn);
+  return {turn, turned, point.end_from_then * (turned * point.body)};
 }
 
-double plane_distance(const LidarState& end, const Vector3d& path_bias, const SweepPoint& point,
-                      const MapPlane& plane, Row12d* jacobian) {
-  const Vector3d turn = point.age_s * (end.gyroscope_bias_radps - path_bias);
-  const Vector3d turned = exp_so3(turn) * point.body;
-  const Vector3d at_end = point.end_from_then * turned;
-  const Matrix3d R = end.world_from_body.rotation.toRotationMatrix();
-  const Vector3d world =
-      R * at_end + end.world_from_body.translation - point.age_s * end.velocity_mps + point.bend_m;
-  if (jacobian) {
-    const Vector3d n_end = R.transpose() * plane.normal;
-    const Vector3d n_then = exp_so3(turn).conjugate() * (point.end_from_then.transpose() * n_end);
-    jacobian->segment<3>(kTurn) = at_end.cross(n_end).transpose();
-    jacobian->segment<3>(kPlace) = plane.normal.transpose();
-    jacobian->segment<3>(kVelocity) = -point.age_s * plane.normal.transpose();
-    jacobian->segment<3>(kGyroscope) =
-        point.age_s * point.body.cross(n_then).transpose() * right_jacobian(turn);
-  }
-  return plane.normal.dot(world) + plane.offset_m;
+Vector3d world_point(const LidarState& end, const SweepPoint& point, const EndPoint& at_end) {
+  return end.world_from_body.rotation * at_end.body + end.world_from_body.translation -
+         point.age_s * end.velocity_mps + point.bend_m;
+}
+
+double plane_distance(const LidarState& end, const SweepPoint& point, const EndPoint& at_end,
+                      const MapPlane& plane) {
+  return plane.normal.dot(world_point(end, point, at_end)) + plane.offset_m;
+}
+
+Row12d distance_jacobian(const LidarState& end, const SweepPoint& point, const EndPoint& at_end,
+                         const Vector3d& normal) {
+  const Vector3d n_end = end.world_from_body.rotation.conjugate() * normal;
+  const Vector3d n_then = at_end.turned.conjugate() * (point.end_from_then.transpose() * n_end);
+  Row12d row;
+  row.segment<3>(kTurn) = at_end.body.cross(n_end).transpose();
+  row.segment<3>(kPlace) = normal.transpose();
+  row.segment<3>(kVelocity) = -point.age_s * normal.transpose();
+  row.segment<3>(kGyroscope) =
+      point.age_s * point.body.cross(n_then).transpose() * right_jacobian(at_end.turn_rad);
+  return row;
 }
 
 LidarBelief propagated(const LidarBelief& belief, const InertialReading& reading, const InertialNoise& noise,

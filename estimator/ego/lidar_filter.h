@@ -60,12 +60,22 @@ struct SweepPoint {
   double age_s = 0;
 };
 
-/// The point in the world by the state at the sweep's end: velocity and turn rate are part of it, the more so
-/// the older the point. `path_bias` is the gyroscope's bias that end_from_then was made with.
-Eigen::Vector3d world_point(const LidarState& end, const Eigen::Vector3d& path_bias, const SweepPoint& point);
-/// Distance of the point from the plane and its derivative by the error of the state.
-double plane_distance(const LidarState& end, const Eigen::Vector3d& path_bias, const SweepPoint& point,
-                      const MapPlane& plane, Row12d* jacobian);
+/// The same by the state at the sweep's end: velocity and turn rate are part of it, the more so the older the
+/// point.
+struct EndPoint {
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();          ///< since the point, beyond end_from_then
+  Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();  ///< by turn_rad
+  Eigen::Vector3d body = Eigen::Vector3d::Zero();              ///< in the axes of the body at the end
+};
+/// `path_bias` is the gyroscope's bias that end_from_then was made with.
+EndPoint end_point(const LidarState& end, const Eigen::Vector3d& path_bias, const SweepPoint& point);
+Eigen::Vector3d world_point(const LidarState& end, const SweepPoint& point, const EndPoint& at_end);
+/// Distance of the point from the plane.
+double plane_distance(const LidarState& end, const SweepPoint& point, const EndPoint& at_end,
+                      const MapPlane& plane);
+/// The distance's derivative by the error of the state, which is linear in the plane's normal.
+Row12d distance_jacobian(const LidarState& end, const SweepPoint& point, const EndPoint& at_end,
+                         const Eigen::Vector3d& normal);
 
 /// Sum of weight J^T J and weight J^T r over points.
 struct LidarNormal {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -9,27 +10,49 @@
 namespace uniquadric {
 namespace {
 
-constexpr std::int32_t kBlockShift = 2, kBlockMask = 3;  // 4 cells along an edge
+constexpr std::int32_t kBlockShift = 2, kBlockEdge = 4, kBlockMask = 3;  // cells along an edge
+constexpr unsigned kRow = 15;                                            // a bit for each cell along an edge
 
-std::size_t index_in_block(const std::array<std::int32_t, 3>& cell) {
-  return static_cast<std::size_t>((cell[0] & kBlockMask) | (cell[1] & kBlockMask) << kBlockShift |
-                                  (cell[2] & kBlockMask) << 2 * kBlockShift);
+int index_in_block(const std::array<std::int32_t, 3>& cell) {
+  return (cell[0] & kBlockMask) | (cell[1] & kBlockMask) << kBlockShift |
+         (cell[2] & kBlockMask) << 2 * kBlockShift;
 }
 
 std::array<std::int32_t, 3> block_of(const std::array<std::int32_t, 3>& cell) {
   return {cell[0] >> kBlockShift, cell[1] >> kBlockShift, cell[2] >> kBlockShift};
 }
 
+// Of the eight blocks that a window may reach into, which one holds a cell; counted from the first one's
+// corner.
+std::size_t block_in_window(std::int32_t x, std::int32_t y, std::int32_t z) {
+  return static_cast<std::size_t>(x >> kBlockShift | (y >> kBlockShift) << 1 | (z >> kBlockShift) << 2);
+}
+
+// Whether the variance in every direction is surely above a limit, by Cholesky's pivots: most of what is no
+// plane is told so without its eigenvalues. `C` is a lower triangle.
+bool is_thicker(const Eigen::Matrix3d& C, double limit) {
+  constexpr double kSurely = 1.001;  // near the limit the eigenvalues' own rounding is to tell
+  limit *= kSurely;
+  const double a = C(0, 0) - limit, b = C(1, 0) / a, c = C(2, 0) / a;
+  const double d = C(1, 1) - limit - b * C(1, 0), e = C(2, 1) - b * C(2, 0);
+  return a > 0 && d > 0 && C(2, 2) - limit - c * C(2, 0) - e * e / d > 0;
+}
+
 }  // namespace
 
+// Left uninitialised, for most of it is not used.
 struct LidarMapLevel::Neighbours {
   struct Near {
-    double distance2 = 0;
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();  // of the mean, relative to the query
-    const Cell* cell = nullptr;
+    Eigen::Vector3d place;  // of the mean, relative to the query
+    const Cell* cell;
+  };
+  struct Distance {
+    double square;
+    int of;  // which of the cells
   };
   int count = 0;
   std::array<Near, 27> cells;
+  std::array<Distance, 27> distances;
 };
 
 LidarMapLevel::LidarMapLevel(const LidarMapOptions& options, int level)
@@ -57,9 +80,16 @@ void LidarMapLevel::add(const Eigen::Vector3d& p) {
   if (is_new) blocks_.emplace_back().key = found->first;
   Block& block = blocks_[found->second];
   block.last_seen = time_;
-  Cell& here = block.cells[index_in_block(cell)];
-  if (here.count >= options_.max_count) return;
-  ++here.count;
+  const int index = index_in_block(cell);
+  const std::uint64_t bit = std::uint64_t{1} << index;
+  if (block.full & bit) return;
+  if (!block.has(index)) {
+    block.slot[index] = static_cast<std::uint8_t>(block.cells.size());
+    block.seen |= bit;
+    block.cells.emplace_back();
+  }
+  Cell& here = block.cells[block.slot[index]];
+  if (++here.count >= options_.max_count) block.full |= bit;
   const Eigen::Vector3d corner = cell_m_ * Eigen::Vector3d(cell[0], cell[1], cell[2]);
   const Eigen::Vector3f q = (p - corner).cast<float>(), before = q - here.mean;
   here.mean += before / static_cast<float>(here.count);
@@ -69,27 +99,44 @@ void LidarMapLevel::add(const Eigen::Vector3d& p) {
       Eigen::Vector3f(before.x() * after.y(), before.x() * after.z(), before.y() * after.z());
 }
 
+// The 27 cells lie in at most eight blocks: the one of the lowest cell, and the next ones.
 LidarMapLevel::Neighbours LidarMapLevel::neighbours_of(const Eigen::Vector3d& p) const {
-  const auto centre = cell_of(p);
-  // The 27 cells lie in at most eight blocks: the one of the lowest cell, and the next ones.
-  const auto lowest = block_of({centre[0] - 1, centre[1] - 1, centre[2] - 1});
-  std::array<const Block*, 8> blocks{};
-  std::array<bool, 8> is_known{};
+  auto lowest = cell_of(p);
+  for (std::int32_t& k : lowest) --k;
+  const auto key = block_of(lowest);
+  std::array<std::int32_t, 3> from{}, blocks_along{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    from[k] = lowest[k] & kBlockMask;
+    blocks_along[k] = 1 + ((from[k] + 2) >> kBlockShift);
+  }
+  static const Block nothing;
+  std::array<const Block*, 8> blocks;
+  blocks.fill(&nothing);
+  for (std::int32_t z = 0; z < blocks_along[2]; ++z)
+    for (std::int32_t y = 0; y < blocks_along[1]; ++y)
+      for (std::int32_t x = 0; x < blocks_along[0]; ++x)
+        if (const Block* block = find({key[0] + x, key[1] + y, key[2] + z}))
+          blocks[x | y << 1 | z << 2] = block;
+  unsigned seen = 0;  // a bit for each of the 27
+  for (int row = 0; row < 9; ++row) {
+    const std::int32_t y = from[1] + row % 3, z = from[2] + row / 3;
+    const int first = index_in_block({0, y, z});
+    const auto seen_in = [&](std::int32_t x) {
+      return unsigned(blocks[block_in_window(x, y, z)]->seen >> first) & kRow;
+    };
+    seen |= ((seen_in(0) | seen_in(kBlockEdge) << kBlockEdge) >> from[0] & 7U) << 3 * row;
+  }
   Neighbours result;
-  for (int k = 0; k < 27; ++k) {
-    const std::array<std::int32_t, 3> cell = {centre[0] + k % 3 - 1, centre[1] + k / 3 % 3 - 1,
-                                              centre[2] + k / 9 - 1};
-    const auto key = block_of(cell);
-    const auto which = static_cast<std::size_t>((key[0] - lowest[0]) | (key[1] - lowest[1]) << 1 |
-                                                (key[2] - lowest[2]) << 2);
-    if (!is_known[which]) blocks[which] = find(key), is_known[which] = true;
-    const Block* block = blocks[which];
-    if (!block) continue;
-    const Cell& mean = block->cells[index_in_block(cell)];
-    if (mean.count == 0) continue;
-    const Eigen::Vector3d place =
-        cell_m_ * Eigen::Vector3d(cell[0], cell[1], cell[2]) + mean.mean.cast<double>() - p;
-    result.cells[static_cast<std::size_t>(result.count++)] = {place.squaredNorm(), place, &mean};
+  for (; seen != 0; seen &= seen - 1) {
+    const std::int32_t k = std::countr_zero(seen), x = from[0] + k % 3, y = from[1] + k / 3 % 3,
+                       z = from[2] + k / 9;
+    const Cell& cell = blocks[block_in_window(x, y, z)]->at(index_in_block({x, y, z}));
+    __builtin_prefetch(&cell.count);  // and the spread beside it, which a plane's fit reads next
+    const Eigen::Vector3d corner(lowest[0] - from[0] + x, lowest[1] - from[1] + y, lowest[2] - from[2] + z);
+    const Eigen::Vector3d place = cell_m_ * corner + cell.mean.cast<double>() - p;
+    result.cells[result.count] = {place, &cell};
+    result.distances[result.count] = {place.squaredNorm(), result.count};
+    ++result.count;
   }
   return result;
 }
@@ -99,13 +146,13 @@ std::optional<MapPlane> LidarMapLevel::plane_near(const Eigen::Vector3d& p, cons
   if (near.count < options_.min_neighbours) return std::nullopt;
   const int n = std::min(near.count, options_.neighbours);
   if (n < near.count)
-    std::nth_element(near.cells.begin(), near.cells.begin() + n, near.cells.begin() + near.count,
-                     [](const auto& a, const auto& b) { return a.distance2 < b.distance2; });
+    std::nth_element(near.distances.begin(), near.distances.begin() + n, near.distances.begin() + near.count,
+                     [](const auto& a, const auto& b) { return a.square < b.square; });
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
   double points = 0;
   for (int i = 0; i < n; ++i) {
-    const auto& [distance2, q, cell] = near.cells[static_cast<std::size_t>(i)];
+    const auto& [q, cell] = near.cells[near.distances[i].of];
     const double count = cell->count;
     const Eigen::Matrix<double, 6, 1> own = cell->square.cast<double>();
     mean += count * q;
@@ -117,10 +164,13 @@ std::optional<MapPlane> LidarMapLevel::plane_near(const Eigen::Vector3d& p, cons
     points += count;
   }
   mean /= points;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;  // reads the lower triangle
-  solver.computeDirect(square / points - mean * mean.transpose());
+  const Eigen::Matrix3d spread = square / points - mean * mean.transpose();  // its lower triangle
+  const double most2 = limits.max_thickness_m * limits.max_thickness_m;
+  if (is_thicker(spread, most2)) return std::nullopt;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(spread);
   const double least = std::max(solver.eigenvalues()[0], 0.0), middle = solver.eigenvalues()[1];
-  if (least > limits.max_thickness_m * limits.max_thickness_m || middle < options_.min_flatness * least ||
+  if (least > most2 || middle < options_.min_flatness * least ||
       middle <= limits.min_breadth_m * limits.min_breadth_m)
     return std::nullopt;
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
@@ -164,14 +214,13 @@ std::vector<Eigen::Vector3d> LidarMapLevel::means(int least_count) const {
   std::vector<Eigen::Vector3d> means;
   const std::map<std::array<std::int32_t, 3>, std::size_t> in_order(place_.begin(), place_.end());
   for (const auto& [key, place] : in_order)
-    for (std::size_t i = 0; i < blocks_[place].cells.size(); ++i) {
-      const Cell& cell = blocks_[place].cells[i];
-      if (cell.count < least_count) continue;
-      const auto k = static_cast<std::int32_t>(i);
+    for (std::int32_t k = 0; k < kBlockEdge * kBlockEdge * kBlockEdge; ++k) {
+      const Block& block = blocks_[place];
+      if (!block.has(k) || block.at(k).count < least_count) continue;
       const Eigen::Vector3d corner((key[0] << kBlockShift) + (k & kBlockMask),
                                    (key[1] << kBlockShift) + (k >> kBlockShift & kBlockMask),
                                    (key[2] << kBlockShift) + (k >> 2 * kBlockShift));
-      means.push_back(cell_m_ * corner + cell.mean.cast<double>());
+      means.push_back(cell_m_ * corner + block.at(k).mean.cast<double>());
     }
   return means;
 }

@@ -22,7 +22,7 @@ struct LidarMapOptions {
   double min_flatness = 5;    // middle eigenvalue over the least one: what is thinner is a line or a blob
   int max_count = 30;         // points of a cell; later ones leave it as it is: a map does not follow drift
   double max_range_m = 150;   // of the sensor; what is farther is forgotten
-  int max_blocks = 40'000;    // of 64 cells, 2.6 KB each, a level
+  int max_blocks = 40'000;    // of 64 cells, 2.7 KB each at most, a level
 };
 
 /// normal . p + offset_m = 0
@@ -67,7 +67,13 @@ class LidarMapLevel {
   struct Block {
     std::array<std::int32_t, 3> key{};
     std::uint64_t last_seen = 0;
-    std::array<Cell, 64> cells;
+    std::uint64_t seen = 0;               // a bit for each of the 64 cells that holds points
+    std::uint64_t full = 0;               // and of those that take no more
+    std::array<std::uint8_t, 64> slot{};  // of each of those in `cells`
+    std::vector<Cell> cells;              // most of a block is empty
+
+    bool has(int cell) const { return seen >> cell & 1; }
+    const Cell& at(int cell) const { return cells[slot[static_cast<std::size_t>(cell)]]; }
   };
   struct KeyHash {
     std::size_t operator()(const std::array<std::int32_t, 3>& key) const;

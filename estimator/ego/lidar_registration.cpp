@@ -34,15 +34,19 @@ LidarRegistration::LidarRegistration(const LidarMap& map, const std::vector<Time
       sigmas_(sigmas),
       options_(options),
       choice_(choose_points(points, voxel_m)) {
+  sights_.reserve(choice_.point_of.size());
   for (const int i : choice_.point_of) {
-    const TimedPoint& p = points[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d lidar = p.lidar.cast<double>();
-    Sight sight;
-    sight.point = path.place(p.stamp_ns, body_from_lidar * lidar);
+    const Eigen::Vector3d lidar = points[static_cast<std::size_t>(i)].lidar.cast<double>();
+    Sight& sight = sights_.emplace_back();
+    sight.point = place(i);
     sight.range_m = lidar.norm();
     sight.beam_at_end = sight.point.end_from_then * (body_from_lidar.rotation * (lidar / sight.range_m));
-    sights_.push_back(sight);
   }
+}
+
+SweepPoint LidarRegistration::place(int point) const {
+  const TimedPoint& p = points_[static_cast<std::size_t>(point)];
+  return path_.place(p.stamp_ns, body_from_lidar_ * p.lidar.cast<double>());
 }
 
 // What a plane's own points are off it by, others are too: noise, and what is not flat.
@@ -56,10 +60,10 @@ double LidarRegistration::variance_of(const Sight& sight, const Eigen::Matrix3d&
 
 void LidarRegistration::look(Sight& sight, const LidarState& state, const Eigen::Matrix3d& R,
                              int iteration) const {
-  const Eigen::Vector3d& bias = path_.end().gyroscope_bias_radps;
+  const EndPoint at_end = end_point(state, path_.end().gyroscope_bias_radps, sight.point);
   if (iteration < options_.searches) {
     const double noise = std::hypot(sigmas_.range_m, sigmas_.beam_rad * sight.range_m);
-    const Eigen::Vector3d world = world_point(state, bias, sight.point);
+    const Eigen::Vector3d world = world_point(state, sight.point, at_end);
     if (iteration == 0 || (world - sight.sought_at).norm() > options_.search_again_m) {
       sight.plane = map_.plane_near(world, {options_.max_thickness * noise, options_.min_breadth * noise});
       sight.sought_at = world;
@@ -67,8 +71,8 @@ void LidarRegistration::look(Sight& sight, const LidarState& state, const Eigen:
   }
   sight.is_off = false;
   if (!sight.plane) return;
-  Row12d& J = sight.jacobian;
-  sight.distance_m = plane_distance(state, bias, sight.point, *sight.plane, &J);
+  sight.distance_m = plane_distance(state, sight.point, at_end, *sight.plane);
+  const Row12d J = sight.jacobian = distance_jacobian(state, sight.point, at_end, sight.plane->normal);
   sight.variance = variance_of(sight, R);
   const double predicted =
       iteration < kOpenIterations ? (J.head<6>() * prior_ * J.head<6>().transpose()).value() : 0;
@@ -77,28 +81,27 @@ void LidarRegistration::look(Sight& sight, const LidarState& state, const Eigen:
   sight.is_off = !(std::abs(sight.distance_m) <= gate);
 }
 
-int LidarRegistration::side_of(const Sight& sight) const {
-  int side = 0;
-  (sides_.transpose() * sight.plane->normal).cwiseAbs().maxCoeff(&side);
+std::size_t LidarRegistration::side_of(const MapPlane& plane) const {
+  std::size_t side = 0;
+  const Eigen::Vector3d facing = (sides_.transpose() * plane.normal).cwiseAbs();
+  facing.maxCoeff(&side);
   return side;
 }
 
-// What a point facing each way counts.
-std::array<double, 3> LidarRegistration::shares() const {
+// What a point facing each way counts; tells points their sides.
+std::array<double, 3> LidarRegistration::shares() {
   std::array<double, 3> points{};
-  for (const Sight& sight : sights_)
-    if (counts(sight)) ++points[static_cast<std::size_t>(side_of(sight))];
+  for (Sight& sight : sights_)
+    if (counts(sight)) ++points[sight.side = side_of(*sight.plane)];
   for (double& share : points) share = std::min(1.0, options_.side_points / std::max(share, 1.0));
   return points;
 }
 
-// The Jacobian's row is linear in the normal.
 void LidarRegistration::add_noise(const Sight& sight, const LidarState& state, double weight,
                                   SightingSquare& noise) const {
-  for (int k = 0; k < 2; ++k) {
-    Row12d row = Row12d::Zero();
-    plane_distance(state, path_.end().gyroscope_bias_radps, sight.point, {sight.plane->normal_error.col(k)},
-                   &row);
+  const EndPoint at_end = end_point(state, path_.end().gyroscope_bias_radps, sight.point);
+  for (const auto& error : sight.plane->normal_error.colwise()) {
+    const Row12d row = distance_jacobian(state, sight.point, at_end, error);
     noise.noalias() += (weight * row.transpose()) * row;
   }
 }
@@ -120,8 +123,7 @@ LidarNormal LidarRegistration::normal_at(const LidarState& state, int iteration)
     if (!counts(sight)) continue;
     const Row12d& J = sight.jacobian;
     const double off = std::abs(sight.distance_m) / (options_.huber_sigmas * std::sqrt(sight.variance));
-    const double weight =
-        share[static_cast<std::size_t>(side_of(sight))] / (sight.variance * std::max(off, 1.0));
+    const double weight = share[sight.side] / (sight.variance * std::max(off, 1.0));
     normal.square.noalias() += (weight * J.transpose()) * J;
     normal.side += (weight * sight.distance_m) * J.transpose();
     plane_normals.push_back(sight.plane->normal);
@@ -137,11 +139,13 @@ LidarNormal LidarRegistration::normal_at(const LidarState& state, int iteration)
 std::vector<Eigen::Vector3d> LidarRegistration::map_points(const LidarState& end) const {
   std::vector<Eigen::Vector3d> result;
   result.reserve(points_.size());
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    if (!sights_[static_cast<std::size_t>(choice_.voxel_of[i])].is_off)
-      result.push_back(
-          world_point(end, path_.end().gyroscope_bias_radps,
-                      path_.place(points_[i].stamp_ns, body_from_lidar_ * points_[i].lidar.cast<double>())));
+  for (int i = 0; i < std::ssize(points_); ++i) {
+    const auto voxel = static_cast<std::size_t>(choice_.voxel_of[static_cast<std::size_t>(i)]);
+    const Sight& sight = sights_[voxel];
+    if (sight.is_off) continue;
+    const SweepPoint point = choice_.point_of[voxel] == i ? sight.point : place(i);
+    result.push_back(world_point(end, point, end_point(end, path_.end().gyroscope_bias_radps, point)));
+  }
   return result;
 }
 

@@ -77,14 +77,16 @@ class LidarRegistration {
     Eigen::Vector3d sought_at = Eigen::Vector3d::Zero();
     bool is_off = false;
     double distance_m = 0, variance = 0;
+    std::size_t side = 0;  // of sides_, that the plane faces
     Row12d jacobian = Row12d::Zero();
   };
+  SweepPoint place(int point) const;
   double variance_of(const Sight& sight, const Eigen::Matrix3d& R) const;
   void look(Sight& sight, const LidarState& state, const Eigen::Matrix3d& R, int iteration) const;
   void add_noise(const Sight& sight, const LidarState& state, double weight, SightingSquare& noise) const;
-  std::array<double, 3> shares() const;
+  std::array<double, 3> shares();
   bool counts(const Sight& sight) const { return sight.plane && !sight.is_off; }
-  int side_of(const Sight& sight) const;
+  std::size_t side_of(const MapPlane& plane) const;
 
   const LidarMap& map_;
   const std::vector<TimedPoint>& points_;

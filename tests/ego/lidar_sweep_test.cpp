@@ -33,10 +33,9 @@ TEST(LidarSweep, PlacesPointsByTheMotionOfTheSweep) {
     for (const ReadingPiece& piece : pieces)
       if (then.stamp_ns < stamp_ns) then = propagated(then, piece.reading, std::min(piece.end_ns, stamp_ns));
     const Vector3d body(4, -2, 1);
-    EXPECT_LT((world_point(path.end(), path.end().gyroscope_bias_radps, path.place(stamp_ns, body)) -
-               then.world_from_body * body)
-                  .norm(),
-              1e-9);
+    const SweepPoint point = path.place(stamp_ns, body);
+    const EndPoint at_end = end_point(path.end(), path.end().gyroscope_bias_radps, point);
+    EXPECT_LT((world_point(path.end(), point, at_end) - then.world_from_body * body).norm(), 1e-9);
   }
 }
 
