@@ -10,6 +10,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME uniquadric)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libopencv-imgcodecs406, libosmesa6")  # loaded on demand, which it does not see
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "simulates, estimates and evaluates object-level SLAM with moving objects")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libuniquadric-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)

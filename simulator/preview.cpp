@@ -4,11 +4,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
-#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/sequence/image_file.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene_files.h"
 
@@ -38,10 +37,7 @@ void write_preview(const Scene& scene, const PreviewOptions& options, const std:
     cv::resize(colour, small, {width, height}, 0, 0, cv::INTER_AREA);
     small.copyTo(picture(cv::Rect(i * (width + kGap_px), 0, width, height)));
   }
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
-    throw std::runtime_error(fmt::format("{}: cannot be encoded", jpeg.string()));
-  write_text(jpeg, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  write_text(jpeg, encode_image(".jpg", picture, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}, jpeg));
 }
 
 }  // namespace uniquadric

@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
+#include <stdexcept>
 
 #include "core/base/error.h"
+#include "core/base/on_demand.h"
 
 namespace uniquadric {
 namespace {
@@ -90,14 +92,33 @@ cv::Mat decode_image(std::string_view bytes, int most_side_px, const std::filesy
   if (bytes.size() > kMostImageBytes) throw InputError(path, "is longer than an image");
   check_image_size(bytes, most_side_px, path);
   if (const std::string what = damage(bytes); !what.empty()) throw InputError(path, what);
+  // OpenCV's readers link a hundred libraries, GDAL's among them, whose loading is most of a short command's
+  // time. C++ names, as the linker has them.
+  static const auto imdecode = function_on_demand<cv::Mat(cv::InputArray, int)>(
+      UNIQUADRIC_IMGCODECS, "_ZN2cv8imdecodeERKNS_11_InputArrayEi");
   cv::Mat image;
   try {
     const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-    image = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+    image = imdecode(buffer, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
   }
   if (image.empty()) throw InputError(path, "is not an image that can be decoded");
   return image;
+}
+
+std::string encode_image(const std::string& ending, const cv::Mat& image, const std::vector<int>& parameters,
+                         const std::filesystem::path& path) {
+  using Encode =
+      bool(const std::string&, cv::InputArray, std::vector<unsigned char>&, const std::vector<int>&);
+  static const auto imencode =
+      function_on_demand<Encode>(UNIQUADRIC_IMGCODECS,
+                                 "_ZN2cv8imencodeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKNS_"
+                                 "11_InputArrayERSt6vectorIhSaIhEE"
+                                 "RKSB_IiSaIiEE");
+  std::vector<unsigned char> bytes;
+  if (!imencode(ending, image, bytes, parameters))
+    throw std::runtime_error(fmt::format("{}: cannot be encoded", path.string()));
+  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace uniquadric

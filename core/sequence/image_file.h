@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace uniquadric {
 
@@ -12,5 +14,10 @@ inline constexpr int kMostImageSide_px = 16384;
 /// The image of a PNG or JPEG file's bytes; `path` names them. Throws InputError for other files, for
 /// undecodable or truncated ones, and when the header announces more than `most_side_px` pixels a side.
 cv::Mat decode_image(std::string_view bytes, int most_side_px, const std::filesystem::path& path);
+
+/// The bytes of an image's file, by its ending (".png", ".jpg") and the parameters of cv::imencode. Throws
+/// std::runtime_error naming `path` for an image that such a file cannot hold.
+std::string encode_image(const std::string& ending, const cv::Mat& image, const std::vector<int>& parameters,
+                         const std::filesystem::path& path);
 
 }  // namespace uniquadric

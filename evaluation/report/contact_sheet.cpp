@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -8,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/text.h"
+#include "core/sequence/image_file.h"
 #include "core/sequence/sequence.h"
 #include "evaluation/report/jpeg.h"
 #include "evaluation/report/overlay.h"
@@ -33,10 +32,7 @@ std::vector<fs::path> frame_files(const fs::path& folder) {
 }  // namespace
 
 void write_jpeg(const fs::path& path, const cv::Mat& image) {
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
-    throw std::runtime_error(fmt::format("{}: cannot be encoded", path.string()));
-  write_text(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  write_text(path, encode_image(".jpg", image, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}, path));
 }
 
 void write_contact_sheet(const fs::path& overlays, const fs::path& picture) {

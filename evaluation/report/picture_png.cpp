@@ -2,8 +2,8 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
 
+#include "core/sequence/image_file.h"
 #include "evaluation/report/picture.h"
 #include "evaluation/report/svg_colours.h"
 
@@ -104,10 +104,7 @@ std::string picture_png(const Picture& picture) {
   cv::Mat image(cvRound(kScale * picture.height), cvRound(kScale * picture.width), CV_8UC3,
                 colour_of(kLightSvg.back));
   for (const auto& part : picture.parts) std::visit([&](const auto& p) { draw(image, p); }, part);
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
-    throw std::runtime_error("the picture cannot be made a PNG");
-  return {bytes.begin(), bytes.end()};
+  return encode_image(".png", image, {cv::IMWRITE_PNG_COMPRESSION, 9}, "picture");
 }
 
 }  // namespace uniquadric

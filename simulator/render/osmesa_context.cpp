@@ -6,10 +6,32 @@
 #include <array>
 #include <stdexcept>
 
+#include "core/base/on_demand.h"
 #include "simulator/render/gl_context.h"
 
 namespace uniquadric {
 namespace {
+
+// The library is loaded with the first context: it brings LLVM along, which most commands do without.
+struct Osmesa {
+#define UNIQUADRIC_OSMESA_FUNCTION(name) decltype(&::name) name = load<decltype(::name)>(#name)
+  UNIQUADRIC_OSMESA_FUNCTION(OSMesaCreateContextAttribs);
+  UNIQUADRIC_OSMESA_FUNCTION(OSMesaDestroyContext);
+  UNIQUADRIC_OSMESA_FUNCTION(OSMesaGetCurrentContext);
+  UNIQUADRIC_OSMESA_FUNCTION(OSMesaMakeCurrent);
+  UNIQUADRIC_OSMESA_FUNCTION(OSMesaGetProcAddress);
+#undef UNIQUADRIC_OSMESA_FUNCTION
+
+  template <typename Function>
+  static Function* load(const char* name) {
+    return function_on_demand<Function>("libOSMesa.so.8", name);
+  }
+};
+
+const Osmesa& osmesa() {
+  static const Osmesa functions;
+  return functions;
+}
 
 class OsmesaContext : public GlContext {
  public:
@@ -27,17 +49,17 @@ class OsmesaContext : public GlContext {
                                        OSMESA_CONTEXT_MINOR_VERSION,
                                        5,
                                        0};
-    context_ = OSMesaCreateContextAttribs(attributes.data(), nullptr);
+    context_ = osmesa().OSMesaCreateContextAttribs(attributes.data(), nullptr);
     if (!context_) throw std::runtime_error("OSMesa cannot make an OpenGL 4.5 core context");
   }
-  ~OsmesaContext() override { OSMesaDestroyContext(context_); }
+  ~OsmesaContext() override { osmesa().OSMesaDestroyContext(context_); }
 
   void make_current() override {
-    if (OSMesaGetCurrentContext() == context_) return;
-    if (!OSMesaMakeCurrent(context_, window_.data(), GL_UNSIGNED_BYTE, kWindowSide, kWindowSide))
+    if (osmesa().OSMesaGetCurrentContext() == context_) return;
+    if (!osmesa().OSMesaMakeCurrent(context_, window_.data(), GL_UNSIGNED_BYTE, kWindowSide, kWindowSide))
       throw std::runtime_error("OSMesa cannot make its context current");
   }
-  Function function(const char* name) const override { return OSMesaGetProcAddress(name); }
+  Function function(const char* name) const override { return osmesa().OSMesaGetProcAddress(name); }
 
  private:
   static constexpr int kWindowSide =

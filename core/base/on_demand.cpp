@@ -1,0 +1,16 @@
+#include "core/base/on_demand.h"
+
+#include <dlfcn.h>
+
+#include <stdexcept>
+
+namespace uniquadric {
+
+void* symbol_on_demand(const char* library, const char* symbol) {
+  void* const handle = dlopen(library, RTLD_LAZY | RTLD_LOCAL);  // stays loaded; a second call finds it
+  void* const found = handle ? dlsym(handle, symbol) : nullptr;
+  if (!found) throw std::runtime_error(dlerror());
+  return found;
+}
+
+}  // namespace uniquadric
