@@ -52,7 +52,9 @@ void align_estimate(const TrajectoryOptions& options, TrajectoryComparison& resu
   result.aligned_pairs = options.alignment == AlignmentKind::none    ? 0
                          : options.alignment == AlignmentKind::first ? 1
                                                                      : n;
-  const Alignment fitted = align(options.alignment, first(pairs.reference), first(pairs.estimate));
+  const Alignment fitted = n == pairs.size()
+                               ? align(options.alignment, pairs.reference, pairs.estimate)
+                               : align(options.alignment, first(pairs.reference), first(pairs.estimate));
   // No rounding of a fit where there is nothing to align: a perfect estimate has no error at all.
   if (std::equal(pairs.reference.begin(), pairs.reference.end(), pairs.estimate.begin(), same_pose)) return;
   result.alignment = fitted;
@@ -70,6 +72,12 @@ std::vector<IndexStep> steps_of(const PosePairs& pairs, const TrajectoryOptions&
   return steps;
 }
 
+double absolute_part(const Pose& reference, const Pose& estimate, ErrorPart part) {
+  if (part == ErrorPart::full) return full_absolute_error(reference, estimate);
+  return part == ErrorPart::translation ? absolute_distance_m(reference, estimate)
+                                        : absolute_angle_rad(reference, estimate);
+}
+
 double part_of(const PoseError& error, ErrorPart part) {
   return part == ErrorPart::translation ? error.translation_m : error.rotation_rad;
 }
@@ -79,10 +87,8 @@ ErrorSeries absolute_series(const PosePairs& pairs, ErrorPart part) {
   series.at.reserve(pairs.size());
   series.values.reserve(pairs.size());
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Pose &reference = pairs.reference[k], &estimate = pairs.estimate[k];
     series.at.push_back(k);
-    series.values.push_back(part == ErrorPart::full ? full_absolute_error(reference, estimate)
-                                                    : part_of(absolute_error(reference, estimate), part));
+    series.values.push_back(absolute_part(pairs.reference[k], pairs.estimate[k], part));
   }
   return series;
 }

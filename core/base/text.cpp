@@ -59,7 +59,8 @@ void split_into(std::vector<std::string_view>& fields, std::string_view line, ch
 
 std::optional<double> parse_double(std::string_view text) {
   const auto value = parse_whole<double>(text);
-  return value && std::isfinite(*value) ? value : std::nullopt;
+  if (!value || !std::isfinite(*value)) return std::nullopt;
+  return *value;
 }
 
 std::optional<long long> parse_integer(std::string_view text) {

@@ -15,9 +15,10 @@ std::vector<IndexPair> nearest_pairs(const Stamps& reference, const Stamps& esti
   const Stamps& longer = estimate_is_longer ? estimate : reference;
   std::vector<IndexPair> pairs;
   pairs.reserve(shorter.size());
-  for (std::size_t i = 0; i < shorter.size() && !longer.empty(); ++i) {
-    const std::size_t j = nearest_index(longer, shorter[i]);
-    if (std::abs(longer[j] - shorter[i]) > limit) continue;
+  for (std::size_t i = 0, j = 0; i < shorter.size() && !longer.empty(); ++i) {
+    const auto away = [&](std::size_t k) { return std::abs(longer[k] - shorter[i]); };
+    while (j + 1 < longer.size() && away(j + 1) < away(j)) ++j;
+    if (away(j) > limit) continue;
     pairs.push_back(estimate_is_longer ? IndexPair{i, j} : IndexPair{j, i});
   }
   return pairs;

@@ -18,17 +18,19 @@ std::optional<Statistics> statistics(const std::vector<double>& values) {
     result.sse += value * value;
   }
   result.rmse = std::sqrt(result.sse / n);
-  std::vector<double> sorted = values;
-  std::sort(sorted.begin(), sorted.end());
-  result.min = sorted.front();
-  result.max = sorted.back();
+  const auto [min, max] = std::minmax_element(values.begin(), values.end());
+  result.min = *min;
+  result.max = *max;
   // Rounding may carry the mean of equal values past them.
   result.mean = std::clamp(sum / n, result.min, result.max);
   double squares = 0;  // second pass: no cancellation for a small spread about a large mean
   for (const double value : values) squares += (value - result.mean) * (value - result.mean);
   result.std = std::sqrt(squares / n);
-  const std::size_t half = sorted.size() / 2;
-  result.median = sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
+  std::vector<double> halves = values;
+  const auto middle = halves.begin() + std::ssize(halves) / 2;
+  std::nth_element(halves.begin(), middle, halves.end());
+  result.median =
+      halves.size() % 2 == 1 ? *middle : (*std::max_element(halves.begin(), middle) + *middle) / 2;
   return result;
 }
 

@@ -35,10 +35,17 @@ std::vector<double> path_lengths_m(const std::vector<Pose>& poses) {
   return along;
 }
 
+double absolute_distance_m(const Pose& reference, const Pose& estimate) {
+  return (estimate.translation - reference.translation).norm();
+}
+
+double absolute_angle_rad(const Pose& reference, const Pose& estimate) {
+  return rotation_angle(estimate.rotation.toRotationMatrix().transpose() *
+                        reference.rotation.toRotationMatrix());
+}
+
 PoseError absolute_error(const Pose& reference, const Pose& estimate) {
-  const Eigen::Matrix3d R =
-      estimate.rotation.toRotationMatrix().transpose() * reference.rotation.toRotationMatrix();
-  return {(estimate.translation - reference.translation).norm(), rotation_angle(R)};
+  return {absolute_distance_m(reference, estimate), absolute_angle_rad(reference, estimate)};
 }
 
 PoseError relative_error(const Pose& reference_i, const Pose& reference_j, const Pose& estimate_i,

@@ -19,6 +19,8 @@ struct PoseError {
 
 /// Absolute error: |p_est - p_ref| and the angle of R_est^T R_ref.
 PoseError absolute_error(const Pose& reference, const Pose& estimate);
+double absolute_distance_m(const Pose& reference, const Pose& estimate);
+double absolute_angle_rad(const Pose& reference, const Pose& estimate);
 
 /// Relative error of the motion from time i to time j: E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j), Q the reference, P
 /// the estimate; its translation's norm and its angle.
