@@ -127,12 +127,14 @@ Vector3d world_point(const LidarState& end, const SweepPoint& point, const EndPo
 
 double plane_distance(const LidarState& end, const SweepPoint& point, const EndPoint& at_end,
                       const MapPlane& plane) {
-  return plane.normal.dot(world_point(end, point, at_end)) + plane.offset_m;
+  const Vector3d world = end.world_from_body.rotation.toRotationMatrix() * at_end.body +
+                         end.world_from_body.translation - point.age_s * end.velocity_mps + point.bend_m;
+  return plane.normal.dot(world) + plane.offset_m;
 }
 
 Row12d distance_jacobian(const LidarState& end, const SweepPoint& point, const EndPoint& at_end,
                          const Vector3d& normal) {
-  const Vector3d n_end = end.world_from_body.rotation.conjugate() * normal;
+  const Vector3d n_end = end.world_from_body.rotation.toRotationMatrix().transpose() * normal;
   const Vector3d n_then = at_end.turned.conjugate() * (point.end_from_then.transpose() * n_end);
   Row12d row;
   row.segment<3>(kTurn) = at_end.body.cross(n_end).transpose();

@@ -86,6 +86,18 @@ TEST(LidarFilter, PlaneDistanceJacobianIsTheDifference) {
     }
 }
 
+TEST(LidarFilter, PlaneDistanceIsThatOfTheWorldPoint) {
+  RandomStream random(4, "filter");
+  const LidarState state = random_state(random, 1);
+  const SweepPoint point{random_vector(random, 10), exp_so3(random_vector(random, 0.1)).toRotationMatrix(),
+                         random_vector(random, 0.1), 0.05};
+  const MapPlane plane{random_vector(random, 1).normalized(), -1.5, 0};
+  const Vector3d bias = state.gyroscope_bias_radps + Vector3d(0.1, 0, 0.2);
+  const EndPoint at_end = end_point(state, bias, point);
+  EXPECT_NEAR(plane_distance(state, point, at_end, plane),
+              plane.normal.dot(world_point(state, point, at_end)) + plane.offset_m, 1e-12);
+}
+
 TEST(LidarFilter, WithoutReadingsItMovesAtConstantVelocity) {
   RandomStream random(5, "filter");
   LidarState state = random_state(random, 0.5);
