@@ -1,6 +1,8 @@
 #include "estimator/perception/outline_cuts.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -11,6 +13,9 @@ namespace uniquadric {
 namespace {
 
 constexpr int kMinNearer = 2;  // one nearer pixel may be a wrong measurement
+// From the normal [rad]: where an occluder's edge crosses the outline, the body goes on behind it to the
+// side.
+constexpr std::array<double, 5> kOutwards{0, -0.785, 0.785, -1.57, 1.57};
 constexpr double kBodyJump =
     1.0 / 3;  // share of occluder_jump that tells another body, which no slope feigns
 
@@ -43,15 +48,13 @@ double depth_inside(const OutlineSurroundings& around, const Eigen::Vector2d& pi
   return upper_median(std::move(values));
 }
 
-}  // namespace
-
-bool is_cut(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
-            const SilhouetteOptions& options) {
-  if (is_at_border(around.masks, pixel, options.border_px)) return true;
-  const double inside_m = depth_inside(around, pixel, normal, options.occluder_reach_px);
+// Whether what lies from the outline at `pixel` along `outward` hides the body, which is `inside_m` deep
+// there.
+bool meets_occluder(const OutlineSurroundings& around, const Eigen::Vector2d& pixel,
+                    const Eigen::Vector2d& outward, double inside_m, const SilhouetteOptions& options) {
   int nearer = 0, unknown = 0, farther = 0;  // unknown and farther: of other bodies
   for (int k = 1; k <= options.occluder_reach_px; ++k) {
-    const auto p = pixel_at(around.masks, pixel + k * normal);
+    const auto p = pixel_at(around.masks, pixel + k * outward);
     if (!p) break;
     const int id = around.masks.at<std::uint16_t>(*p);
     const double z = depth_at(around.depth, *p);
@@ -63,6 +66,18 @@ bool is_cut(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, con
     if (z > inside_m && inside_m > 0) ++farther;
   }
   return nearer >= kMinNearer || (unknown >= kMinNearer && farther == 0 && nearer == 0);
+}
+
+}  // namespace
+
+bool is_cut(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
+            const SilhouetteOptions& options) {
+  if (is_at_border(around.masks, pixel, options.border_px)) return true;
+  const double inside_m = depth_inside(around, pixel, normal, options.occluder_reach_px);
+  return std::any_of(kOutwards.begin(), kOutwards.end(), [&](double angle_rad) {
+    const Eigen::Vector2d outward = Eigen::Rotation2Dd(angle_rad) * normal;
+    return meets_occluder(around, pixel, outward, inside_m, options);
+  });
 }
 
 }  // namespace uniquadric

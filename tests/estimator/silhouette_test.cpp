@@ -185,6 +185,28 @@ TEST(Silhouette, ANearerBodyCutsAndAFartherDoesNot) {
   EXPECT_TRUE(blind.at(1).bbox[0].free);
 }
 
+// Where the nearer one's edge crosses the outline, the body goes on behind it: what is called free is the
+// tangent of all of it.
+TEST(Silhouette, NoTangentIsWhereANearerEdgeCrossesTheOutline) {
+  const Eigen::Vector2d center(150, 120);
+  for (const double angle : {-0.6, -0.25, 0.25, 0.6})
+    for (const double edge_px : {115.0, 130.0, 150.0, 170.0}) {
+      cv::Mat masks = empty_masks();
+      draw(masks, 1, rectangle(center, 50, 30, angle));
+      draw(masks, 2, half_plane_left_of(edge_px));
+      const auto found = silhouettes(masks, depth_of(masks, {{0, 4}, {1, 2}, {2, 1}}), kCamera, {});
+      int free = 0;
+      for (const SupportLine& line : found.at(1).support) {
+        if (!line.free) continue;
+        ++free;
+        const Eigen::Vector2d n = Eigen::Rotation2Dd(-angle) * line.normal;
+        const double expected = line.normal.dot(center) + 50 * std::abs(n.x()) + 30 * std::abs(n.y());
+        EXPECT_NEAR(line.offset_px, expected, 2) << angle << ' ' << edge_px << ' ' << line.normal.transpose();
+      }
+      EXPECT_GE(free, 5) << angle << ' ' << edge_px;
+    }
+}
+
 // What hides the body need not have an id: a shelf seen by its depth alone.
 TEST(Silhouette, ANearerSurfaceWithoutAnIdCuts) {
   cv::Mat masks = empty_masks(), kinds = empty_masks();
