@@ -20,6 +20,7 @@ constexpr double kBestViews = 0.5;                 // quantile of the views that
 constexpr double kRimSpacings = 0.75;              // between points, that they end inside the outline at most
 constexpr double kLeastRim =
     0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
+constexpr double kAgreeing = 0.03;     // radii, within which points and a fit agree: the fit has all of them
 constexpr double kEndSigma = 0.003;    // [m] of an end read off points, at best
 constexpr double kCutSigma = 1;        // radii, of an end that was cut from every view
 constexpr double kUnseenSigma = 0.05;  // radii, of an end that no camera saw
@@ -77,6 +78,10 @@ PointView point_view(const Camera& camera, const ShapeView& view) {
 
 Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double radius_m) {
   const double spacing = point_spacing(shape, views);
+  const auto fused = [&](double solved, double seen) {
+    const double off = seen - solved, doubt = kAgreeing * radius_m;
+    return solved + off * off * off / (off * off + doubt * doubt);
+  };
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     std::array<double, 2> ends{}, sigmas{};
@@ -98,9 +103,9 @@ Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double
       if (reach->views > 0) {
         end = std::max(end, std::min(ends[side], outlined.value_or(end)));
         sigmas[side] = std::max(kEndSigma, std::abs(end - ends[side]));  // of two ways to tell
-        ends[side] = end;
+        ends[side] = fused(ends[side], end);
       } else if (end > ends[side]) {
-        ends[side] = end;
+        ends[side] = fused(ends[side], end);
       } else if (const double seen_share = visible_share(shape, views, axis, side ? -1 : 1);
                  seen_share > kLeastRim) {
         const double by_points = std::max(end, (end + kRimSpacings * spacing) / seen_share);
