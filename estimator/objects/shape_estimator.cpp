@@ -8,7 +8,6 @@
 #include "estimator/objects/closer_sides.h"
 #include "estimator/objects/seen_extents.h"
 #include "estimator/objects/shape_by_extents.h"
-#include "estimator/objects/unseen_ends.h"
 #include "estimator/shape/quantile.h"
 
 namespace uniquadric {
@@ -214,7 +213,7 @@ SurfaceModel ShapeEstimator::surface() const {
   SurfaceModel model = surface_.model();
   model.body_from_object = shape_.body_from_object;
   const bool is_young = keyframes_ <= options_.search_keyframes;
-  if (!is_young) model.unseen = unseen_ends(shape_, model.points, radius_m_);
+  if (!is_young) model.shape = Superellipsoid{shape_.semi_axes_m, shape_.exponents};
   return model;
 }
 

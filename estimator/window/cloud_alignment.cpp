@@ -1,5 +1,4 @@
 #include "estimator/window/cloud_alignment.h"
-#include "core/geometry/box_symmetry.h"
 
 #include <pcl/kdtree/kdtree_flann.h>
 
@@ -9,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/geometry/box_symmetry.h"
 #include "estimator/shape/even_choice.h"
 #include "estimator/window/normal_equations.h"
 
@@ -23,6 +23,7 @@ constexpr double kUnmatched = 0.45;  // the cost of a point one sigma off
 constexpr double kEvidence = 0.1;    // of each residual: neighbours err together
 constexpr double kMinDepth = 0.1;    // [m]
 constexpr double kReach = 1.5;       // of a body that is not known all around, in radii of what is
+constexpr double kAgreeing = 0.05;   // radii, by which points end inside the shape that they lie on
 constexpr double kConverged = 1e-5;  // [m], [rad]
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
@@ -108,9 +109,7 @@ class Aligner {
         options_(options),
         seen_(evenly_drawn(body, options.max_points)),
         is_colored_(body.colors.cols() > 0 && model.colors.cols() > 0),
-        tree_(tree_of(model.points)),
-        ends_(3, model.points.cols() + model.unseen.cols()) {
-    ends_ << model.points, model.unseen;
+        tree_(tree_of(model.points)) {
     std::copy_if(body.silhouette->support.begin(), body.silhouette->support.end(), std::back_inserter(lines_),
                  [](const SupportLine& line) { return line.free; });
   }
@@ -203,28 +202,53 @@ class Aligner {
     fit.distance_m = matched ? sum / matched : 0;
   }
 
+  // A point of the body that is furthest along a tangent's normal, and how far it lies beyond the tangent.
+  struct OutlineEnd {
+    Eigen::Vector3d position;  // camera frame
+    double beyond_px = 0;
+  };
+
+  OutlineEnd end_of(const SupportLine& line, const Eigen::Vector3d& p) const {
+    return {p, line.normal.dot((camera_.matrix() * p).hnormalized()) - line.offset_px};
+  }
+
+  // By the shape where the points agree with it, which end some way inside. What lies further out was not
+  // seen: the outline may well be its, but it does not pull at what is known.
+  std::optional<OutlineEnd> end_along(const SupportLine& line, const Pose& camera_from_body,
+                                      const OutlineEnd& seen) const {
+    if (!model_.shape) return seen;
+    const Pose camera_from_object = camera_from_body * *model_.body_from_object;
+    const Eigen::Vector3d plane(line.normal.x(), line.normal.y(), -line.offset_px);
+    const Eigen::Vector3d normal = (camera_.matrix().transpose() * plane).normalized();
+    const OutlineEnd end =
+        end_of(line, camera_from_object *
+                         support_point(*model_.shape, camera_from_object.rotation.conjugate() * normal));
+    if (end.position.z() < kMinDepth) return std::nullopt;
+    const double radius_px = camera_.fx * std::cbrt(model_.shape->semi_axes_m.prod()) / end.position.z();
+    if (std::abs(end.beyond_px - seen.beyond_px) < kAgreeing * radius_px) return end;
+    if (seen.beyond_px >= 0 || end.beyond_px < seen.beyond_px) return seen;
+    return end.beyond_px > 0 ? std::nullopt : std::optional(end);
+  }
+
   // Whether all of the body is in front of the camera: else it has no outline.
   bool add_outline(Fit& fit, CauchyEquations& equations) const {
     const Eigen::Matrix3Xd in_camera =
-        (fit.pose.rotation.toRotationMatrix() * ends_).colwise() + fit.pose.translation;
+        (fit.pose.rotation.toRotationMatrix() * model_.points).colwise() + fit.pose.translation;
     if (in_camera.row(2).minCoeff() < kMinDepth) return false;
     const Eigen::RowVectorXd u =
         camera_.fx * in_camera.row(0).cwiseQuotient(in_camera.row(2)).array() + camera_.cx;
     const Eigen::RowVectorXd v =
         camera_.fy * in_camera.row(1).cwiseQuotient(in_camera.row(2)).array() + camera_.cy;
     double sum = 0, beyond = 0;
-    const Eigen::Index known = model_.points.cols();
     for (const SupportLine& line : lines_) {
-      const Eigen::RowVectorXd beyond_px =
-          (line.normal.x() * u + line.normal.y() * v).array() - line.offset_px;
       Eigen::Index at = 0;
-      double off = beyond_px.head(known).maxCoeff(&at);
-      if (off < 0) off = beyond_px.maxCoeff(&at);  // the outline may well be that of what was not seen
-      if (off > 0 && at >= known) continue;
-      equations.add(line_row(camera_, line, fit.pose, in_camera.col(at)) / options_.outline_sigma_px,
-                    off / options_.outline_sigma_px);
-      sum += std::abs(off);
-      beyond += std::max(0.0, off);
+      (line.normal.x() * u + line.normal.y() * v).maxCoeff(&at);
+      const auto end = end_along(line, fit.pose, end_of(line, in_camera.col(at)));
+      if (!end) continue;
+      equations.add(line_row(camera_, line, fit.pose, end->position) / options_.outline_sigma_px,
+                    end->beyond_px / options_.outline_sigma_px);
+      sum += std::abs(end->beyond_px);
+      beyond += std::max(0.0, end->beyond_px);
     }
     const auto count = static_cast<double>(std::max<std::ptrdiff_t>(1, lines()));
     fit.outline_px = sum / count;
@@ -254,7 +278,6 @@ class Aligner {
   std::vector<SupportLine> lines_;
   bool is_colored_;
   Tree tree_;
-  Eigen::Matrix3Xd ends_;  // what an outline touches
 };
 
 }  // namespace

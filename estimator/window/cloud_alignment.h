@@ -16,8 +16,8 @@ namespace uniquadric {
 struct SurfaceModel {
   Eigen::Matrix3Xd points, normals;        ///< (3 x n) [m]; unit, outward
   Eigen::Matrix3Xf colors;                 ///< of the points, CIE L*a*b*; (3 x 0) where they are not known
-  Eigen::Matrix3Xd unseen{3, 0};           ///< (3 x m) where a model has the ends of what was not seen [m]
   std::optional<Pose> body_from_object{};  ///< its axes: turned about them by quarters it looks much the same
+  std::optional<Superellipsoid> shape{};   ///< about those axes, where it is known well enough to say more
 };
 
 /// How a body that shows too few of its features is found by its surface. All numbers are ours.

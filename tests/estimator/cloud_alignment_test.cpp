@@ -10,6 +10,7 @@ namespace uniquadric {
 namespace {
 
 const Eigen::Vector3d kAxes(0.3, 0.2, 0.15);
+const Superellipsoid kBox{kAxes, {1, 1, 1}};
 
 Pose still(double) {
   return {exp_so3({0.2, -0.1, 0.4}), {0, 0, 1}};
@@ -111,13 +112,34 @@ TEST(CloudAlignment, FindsABodyOfWhichAPartIsKnown) {
   auto found = align();
   ASSERT_TRUE(found);
   expect_near(found->camera_from_body, scene.camera_from_body, 0.02, 0.03);
-  // where its model has the unseen ends, the outline does not pull at what is known
-  model.unseen = Eigen::Matrix3Xd(3, 4);
-  for (int i = 0; i < 4; ++i)
-    model.unseen.col(i) = kAxes.cwiseProduct(Eigen::Vector3d(1, i % 2 ? 1 : -1, i / 2 ? 1 : -1));
+  // where its shape is known to go on, the outline does not pull at what is known
+  model.body_from_object = Pose{};
+  model.shape = kBox;
   found = align();
   ASSERT_TRUE(found);
   expect_near(found->camera_from_body, scene.camera_from_body, 0.004, 0.01);
+}
+
+// One face of it is seen, and beside an occluder two of its edges: points of the surface, which end some way
+// before the edges, put it further along them than the shape does.
+TEST(CloudAlignment, AShapeTellsWhereThePointsEndBeforeTheOutline) {
+  const Scene scene(kAxes, 1);
+  std::vector<Eigen::Index> known;
+  for (Eigen::Index i = 0; i < scene.body.points.cols(); ++i)
+    if ((scene.body.points.col(i).cwiseQuotient(kAxes).array().abs() > 0.97).count() < 2) known.push_back(i);
+  SurfaceModel model{scene.body.points(Eigen::all, known), scene.body.normals(Eigen::all, known), {}};
+  BodyObservation seen = scene.seen();
+  for (SupportLine& line : seen.silhouette->support) line.free = line.normal.x() < -0.1;
+  const auto error = [&] {
+    const auto found =
+        align_to_cloud(scene.perception.camera, seen, model, scene.camera_from_body, {0.1, 0.3}, false, {});
+    return found ? (found->camera_from_body.translation - scene.camera_from_body.translation).norm() : 1;
+  };
+  const double by_points = error();
+  model.body_from_object = Pose{};
+  model.shape = kBox;
+  EXPECT_GT(by_points, 0.01);
+  EXPECT_LT(error(), 0.003);
 }
 
 TEST(CloudAlignment, TriesTurnedStartsWhenThePredictionIsStale) {
