@@ -52,16 +52,33 @@ ObjectState object_state(const BodyState& body) {
   return state;
 }
 
-// The states of a body's life as they are known at the end: the last shape, the whole trajectory smoothed.
-// From here on the body's frame is the object's.
-void finish(std::span<BodyState> states, const TrajectorySmootherOptions& options) {
+// A state's pose of the object, whose place in the body is known by now.
+PoseSample sample_of(const BodyState& state, const Pose& body_from_object) {
+  const Matrix6d turn = turned(body_from_object.rotation.inverse());
+  return {state.stamp_ns, state.world_from_body * body_from_object,
+          turn * state.covariance * turn.transpose(), state.evidence};
+}
+
+// The states of a body's life as they are known at the end: the last shape, the whole trajectory smoothed,
+// about which `look_again` looks at states that were guessed. From here on the body's frame is the object's.
+template <typename LookAgain>
+void finish(std::span<BodyState> states, const TrajectorySmootherOptions& options,
+            const LookAgain& look_again) {
   const Shape shape = states.back().shape;
-  const Matrix6d turn = turned(shape.body_from_object.rotation.inverse());
-  std::vector<PoseSample> samples;
-  for (BodyState& state : states)
-    samples.push_back({state.stamp_ns, state.world_from_body * shape.body_from_object,
-                       turn * state.covariance * turn.transpose(), state.evidence});
-  smooth_trajectory(samples, options);
+  const auto smoothed = [&] {
+    std::vector<PoseSample> samples;
+    for (const BodyState& state : states) samples.push_back(sample_of(state, shape.body_from_object));
+    smooth_trajectory(samples, options);
+    return samples;
+  };
+  std::vector<PoseSample> samples = smoothed();
+  const auto is_guess = [](const BodyState& state) { return state.evidence == PoseEvidence::guess; };
+  if (std::any_of(states.begin(), states.end(), is_guess)) {
+    const Pose object_from_body = shape.body_from_object.inverse();
+    for (std::size_t i = 0; i < states.size(); ++i)
+      if (is_guess(states[i])) look_again(states[i], samples[i].world_from_object * object_from_body);
+    samples = smoothed();
+  }
   for (std::size_t i = 0; i < states.size(); ++i) {
     states[i].shape = shape;
     states[i].shape.body_from_object = Pose();
@@ -85,7 +102,7 @@ SurfaceFile surface_file(const SurfaceModel& model, const Pose& object_from_body
 class BodyRun {
  public:
   BodyRun(int id, const Perception& perception, const Variant& variant, std::uint64_t seed)
-      : id_(id), estimator_(id, perception.camera(), variant.body, seed) {}
+      : id_(id), perception_(perception), estimator_(id, perception.camera(), variant.body, seed) {}
 
   void step(const PerceivedFrame& frame) {
     std::vector<StageTime> windows, solutions;
@@ -141,12 +158,23 @@ class BodyRun {
     for (auto begin = states_.begin(); begin != states_.end();) {
       const auto end = std::find_if(
           begin, states_.end(), [&](const BodyState& state) { return state.beginning != begin->beginning; });
-      finish({begin, end}, options);
+      finish({begin, end}, options,
+             [&](BodyState& state, const Pose& expected) { look_again(state, expected); });
       begin = end;
     }
   }
 
+  void look_again(BodyState& state, const Pose& expected) const {
+    const auto& frames = perception_.frames();
+    const auto at = std::find_if(frames.begin(), frames.end(),
+                                 [&](const FrameInfo& info) { return info.frame == state.frame; });
+    const PerceivedFrame frame = perception_.read(static_cast<std::size_t>(at - frames.begin()));
+    if (const BodyObservation* body = find_body(frame, id_))
+      estimator_.look_again(frame, *body, expected, state);
+  }
+
   int id_;
+  const Perception& perception_;
   BodyEstimator estimator_;
   std::vector<BodyState> states_;
   std::set<std::int64_t> seen_;  // frames that show it

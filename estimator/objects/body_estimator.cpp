@@ -15,6 +15,7 @@ constexpr double kPredictionSigma = 0.02;        // [m], [rad] of a prediction o
 constexpr PoseSigmas kSettleSigmas{0.01, 0.03};  // of a pose by features against the surface
 constexpr PoseSigmas kAnySigmas{1, 1.8};         // of what a frame does not tell: any turn is as likely
 constexpr PoseSigmas kStraySigmas{0.03, 0.1};    // of a pose that goes by a new face
+constexpr PoseSigmas kAgainSigmas{0.03, 0.1};    // of a trajectory where its poses were guessed
 constexpr double kBack = 0.7;                    // share of the points on the surface of before
 constexpr double kSlid = 1.5,
                  kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
@@ -283,6 +284,16 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   pose.sighted = pose.world_from_body;
   short_window_.start(frame, body, pose.world_from_body);
   return pose;
+}
+
+void BodyEstimator::look_again(const PerceivedFrame& frame, const BodyObservation& body, const Pose& expected,
+                               BodyState& state) const {
+  const Pose camera_from_body = frame.world_from_camera->inverse() * expected;
+  const auto found = align_to_cloud(camera_, body, shape_.surface(), camera_from_body, kAgainSigmas, false,
+                                    options_.alignment);
+  if (!found || found->matched < kSure) return;
+  state.world_from_body = in_world(frame, found->camera_from_body);
+  state.covariance = covariance_of(found->information);
 }
 
 // From perception's own frame-to-frame motion where the last frame was tracked, else at constant velocity.
