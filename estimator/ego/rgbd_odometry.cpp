@@ -84,7 +84,8 @@ struct RgbdOdometry::State {
   bool is_young() const { return given_up.empty() && std::ssize(frames) < options.young_frames; }
   bool is_hopeless(std::int64_t stamp_ns) const;
   void begin_anew(std::int64_t frame, const std::vector<Feature>& features);
-  void append(const Stretch& stretch, Trajectory& trajectory) const;
+  void append(const EgoMap& of, const std::vector<FramePose>& placed, const std::vector<FramePose>& earlier,
+              Trajectory& trajectory) const;
   void look_for_floor(const cv::Mat& depth, const cv::Mat& masks, std::int64_t frame);
   Pose world_from_map() const { return upright_world_from_camera(up.value_or(-Eigen::Vector3d::UnitY())); }
 };
@@ -212,8 +213,9 @@ std::optional<Pose> RgbdOdometry::pose() const {
 }
 
 // Frames that came before the map are placed by it backwards, from neighbour to neighbour.
-void RgbdOdometry::State::append(const Stretch& stretch, Trajectory& trajectory) const {
-  EgoMap adjusted = stretch.map;
+void RgbdOdometry::State::append(const EgoMap& of, const std::vector<FramePose>& placed,
+                                 const std::vector<FramePose>& earlier, Trajectory& trajectory) const {
+  EgoMap adjusted = of;
   if (options.final_adjustment) {
     std::vector<int> all(adjusted.keyframes.size());
     std::iota(all.begin(), all.end(), 0);
@@ -226,19 +228,19 @@ void RgbdOdometry::State::append(const Stretch& stretch, Trajectory& trajectory)
     pose.rotation.normalize();
     return StampedPose{frame.stamp_ns, pose};
   };
-  Trajectory earlier;
+  Trajectory first;
   Pose next = adjusted.keyframes.front().camera_from_world;
-  auto motion = stretch.frames.front().motion;
-  for (auto frame = stretch.before.rbegin(); frame != stretch.before.rend(); ++frame) {
+  auto motion = placed.front().motion;
+  for (auto frame = earlier.rbegin(); frame != earlier.rend(); ++frame) {
     if (motion) next = motion->inverse() * next;
     motion = frame->motion;
     const auto fit = locate(adjusted, frame->features, next, frame->frame);
     if (!fit) continue;
     next = fit->camera_from_body;
-    earlier.push_back(world_from_camera(*frame, next));
+    first.push_back(world_from_camera(*frame, next));
   }
-  trajectory.insert(trajectory.end(), earlier.rbegin(), earlier.rend());
-  for (const FramePose& frame : stretch.frames) {
+  trajectory.insert(trajectory.end(), first.rbegin(), first.rend());
+  for (const FramePose& frame : placed) {
     const Pose expected = frame.camera_from_keyframe * adjusted.keyframes[frame.keyframe].camera_from_world;
     const bool is_keyframe = adjusted.keyframes[frame.keyframe].frame == frame.frame;
     const auto fit = is_keyframe ? std::nullopt : locate(adjusted, frame.features, expected, frame.frame);
@@ -248,8 +250,8 @@ void RgbdOdometry::State::append(const Stretch& stretch, Trajectory& trajectory)
 
 Trajectory RgbdOdometry::trajectory() const {
   Trajectory trajectory;
-  for (const Stretch& stretch : state_->given_up) state_->append(stretch, trajectory);
-  if (!state_->frames.empty()) state_->append({state_->map, state_->frames, state_->before}, trajectory);
+  for (const Stretch& s : state_->given_up) state_->append(s.map, s.frames, s.before, trajectory);
+  if (!state_->frames.empty()) state_->append(state_->map, state_->frames, state_->before, trajectory);
   return trajectory;
 }
 
