@@ -15,7 +15,7 @@ find_package(embree 3.13 REQUIRED CONFIG)
 find_package(octomap 1.9 REQUIRED CONFIG)
 find_package(GTest REQUIRED CONFIG)
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+pkg_check_modules(OSMESA REQUIRED osmesa)  # for its header: it is not linked, but loaded on demand
 pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)

@@ -38,12 +38,12 @@ std::string resume_key(const Scene& scene, const SimulateOptions& options, std::
       .hex();
 }
 
-// Says so before anything is written where there is no EGL. In a process of its own: the workers shall not
-// inherit an open display.
+// Says so before anything is written where there is no such library. OSMesa is loaded here, to be shared by
+// the workers; EGL is tried in a process of its own, for they shall not inherit an open display.
 void check_gl_library(GlLibrary library) {
-  if (library == GlLibrary::egl)
-    run_workers(
-        1, [](int) { make_gl_context(GlLibrary::egl); }, [] {});
+  if (library == GlLibrary::osmesa) return load_osmesa();
+  run_workers(
+      1, [](int) { make_gl_context(GlLibrary::egl); }, [] {});
 }
 
 // Empties a partial folder of another scene, seed, length or program; a scene without a hash cannot be told

@@ -31,4 +31,8 @@ class GlContext {
 /// first context of the process is made.
 std::unique_ptr<GlContext> make_gl_context(GlLibrary library);
 
+/// Loads OSMesa, as the first of its contexts would: processes that are forked after it share its memory.
+/// Throws std::runtime_error where it is not installed.
+void load_osmesa();
+
 }  // namespace uniquadric

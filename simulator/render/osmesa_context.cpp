@@ -70,6 +70,10 @@ class OsmesaContext : public GlContext {
 
 }  // namespace
 
+void load_osmesa() {
+  osmesa();
+}
+
 std::unique_ptr<GlContext> make_osmesa_context() {
   return std::make_unique<OsmesaContext>();
 }
