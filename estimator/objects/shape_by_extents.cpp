@@ -77,10 +77,10 @@ std::optional<Fit> fit_extents(const ExtentEvidence& evidence, const std::vector
                                Shape from, BodyEnds ends) {
   const Eigen::Quaterniond rotation = from.body_from_object.rotation;
   const Eigen::Matrix3d axes = rotation.toRotationMatrix();
-  const auto extents = fuse_extents(views, axes, evidence.least_m, ends, evidence.fusion);
+  const std::vector<ViewExtent> seen = view_extents(views, axes, ends);
+  const auto extents = fuse_extents(seen, evidence.least_m, ends, evidence.fusion);
   if (!extents) return std::nullopt;
-  const std::vector<AxisBelief> beliefs = {evidence.sphere,
-                                           {extents->axes.semi_axes_m, extents->axes.sigma_m}};
+  const std::vector<AxisBelief> beliefs = {evidence.sphere, {extents->semi_axes_m, extents->sigma_m}};
   LongWindowOptions options = evidence.long_window;
   const double given_px = options.outline_sigma_px;
   options.offset_sigmas = options.covariance_offset_sigmas = {kCenterSigma, kHeldTurn};
@@ -89,15 +89,14 @@ std::optional<Fit> fit_extents(const ExtentEvidence& evidence, const std::vector
     return std::max(given_px,
                     outline_misfit_px(evidence.camera, evidence.views, shape, options).value_or(given_px));
   };
-  if (ends == BodyEnds::edges) from.semi_axes_m = extents->axes.semi_axes_m;
+  if (ends == BodyEnds::edges) from.semi_axes_m = extents->semi_axes_m;
   for (int round = 0; round < kNoiseRounds; ++round) {
-    from.body_from_object.translation = axes * center_of_extents(views, axes, from.semi_axes_m, ends);
+    from.body_from_object.translation = axes * center_of_extents(seen, from.semi_axes_m);
     options.outline_sigma_px = sigma_px(from);
     from = solve_shape(evidence.camera, evidence.views, {}, beliefs, from, options).shape;
   }
   from.body_from_object.rotation = rotation;
-  const Eigen::Vector3d off =
-      (from.semi_axes_m - extents->axes.semi_axes_m).cwiseQuotient(extents->axes.sigma_m);
+  const Eigen::Vector3d off = (from.semi_axes_m - extents->semi_axes_m).cwiseQuotient(extents->sigma_m);
   return Fit{from, 5 * std::log(sigma_px(from)) + off.squaredNorm() / 2};
 }
 

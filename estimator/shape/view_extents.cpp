@@ -12,21 +12,14 @@ namespace {
 constexpr Eigen::Index kLeastPoints = 30;
 constexpr double kRoundDoubt = 0.3;  // share of what an ellipsoid hides by which an egg may hide more or less
 
-// What one view shows along the axes.
-struct Seen {
-  Eigen::Array3d low_m, high_m;
-  Eigen::Array3d away;  // cosine of each axis with the line of sight
-  double horizon_rad;   // how far around an ellipsoid's points are seen
-};
-
 // An end that faces the camera is seen itself, one that does not ends at the outline.
 double rim_weight(double towards, const ViewExtentOptions& options) {
   return std::clamp(1 - towards / options.near_cosine, 0.0, 1.0);
 }
 
-Seen seen_by(const PointView& view, const Eigen::Matrix3d& axes, BodyEnds ends,
-             const ViewExtentOptions& options) {
-  Seen seen;
+ViewExtent view_extent(const PointView& view, const Eigen::Matrix3d& axes, BodyEnds ends,
+                       const ViewExtentOptions& options) {
+  ViewExtent seen;
   const double rim_m = ends == BodyEnds::round ? 0 : view.rim_m;
   seen.horizon_rad = ends == BodyEnds::round ? view.horizon_rad : std::numbers::pi / 2;
   const Eigen::Vector3d to_body =
@@ -53,37 +46,35 @@ double shown_share(double away, double horizon_rad) {
   return (near_end - std::cos(tilt + horizon_rad)) / 2;
 }
 
-std::vector<Seen> seen_by_all(const std::vector<PointView>& views, const Eigen::Matrix3d& axes, BodyEnds ends,
-                              const ViewExtentOptions& options) {
-  std::vector<Seen> whole, cut;
+}  // namespace
+
+std::vector<ViewExtent> view_extents(const std::vector<PointView>& views, const Eigen::Matrix3d& axes,
+                                     BodyEnds ends, const ViewExtentOptions& options) {
+  std::vector<ViewExtent> whole, cut;
   for (const PointView& view : views)
     if (view.points->cols() >= kLeastPoints)
-      (view.cut.empty() ? whole : cut).push_back(seen_by(view, axes, ends, options));
+      (view.cut.empty() ? whole : cut).push_back(view_extent(view, axes, ends, options));
   return whole.empty() ? cut : whole;
 }
 
-}  // namespace
-
-std::optional<FusedExtents> fuse_extents(const std::vector<PointView>& views, const Eigen::Matrix3d& axes,
-                                         double least_m, BodyEnds ends, const AxisFusionOptions& fusion,
-                                         const ViewExtentOptions& options) {
-  const std::vector<Seen> all = seen_by_all(views, axes, ends, options);
-  if (all.empty()) return std::nullopt;
-  std::vector<AxisEstimate> samples(all.size());
+std::optional<AxisEstimate> fuse_extents(const std::vector<ViewExtent>& views, double least_m, BodyEnds ends,
+                                         const AxisFusionOptions& fusion, const ViewExtentOptions& options) {
+  if (views.empty()) return std::nullopt;
+  std::vector<AxisEstimate> samples(views.size());
   Eigen::Array3d missed_m;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> halves, hidden;
-    for (const Seen& seen : all) halves.push_back((seen.high_m[k] - seen.low_m[k]) / 2);
+    for (const ViewExtent& seen : views) halves.push_back((seen.high_m[k] - seen.low_m[k]) / 2);
     const double scale = std::max(quantile(halves, options.scale_quantile), least_m);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const double hides = 1 - shown_share(all[i].away[k], all[i].horizon_rad);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const double hides = 1 - shown_share(views[i].away[k], views[i].horizon_rad);
       const bool round = ends == BodyEnds::round;
       hidden.push_back((round ? kRoundDoubt : 1) * scale * hides);
       samples[i].semi_axes_m[k] = round ? halves[i] / (1 - hides) : halves[i];
       samples[i].sigma_m[k] = std::hypot(options.noise_m, hidden[i]);
     }
     double weight = 0, missed = 0;
-    for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
       const double trust = 1 / (samples[i].sigma_m[k] * samples[i].sigma_m[k]);
       weight += trust;
       missed += trust * hidden[i];
@@ -92,25 +83,21 @@ std::optional<FusedExtents> fuse_extents(const std::vector<PointView>& views, co
   }
   AxisFusionOptions weighted = fusion;
   weighted.weighted_spread = true;
-  const auto fused = fuse_axes(samples, weighted);
+  auto fused = fuse_axes(samples, weighted);
   if (!fused || !(fused->semi_axes_m.minCoeff() > 0)) return std::nullopt;
-  FusedExtents result{*fused, {}};
-  result.axes.sigma_m = (fused->sigma_m.array().square() + missed_m.square() +
-                         (options.model * fused->semi_axes_m.array()).square())
-                            .sqrt();
-  result.center_m = center_of_extents(views, axes, fused->semi_axes_m, ends, options);
-  return result;
+  fused->sigma_m = (fused->sigma_m.array().square() + missed_m.square() +
+                    (options.model * fused->semi_axes_m.array()).square())
+                       .sqrt();
+  return fused;
 }
 
-Eigen::Vector3d center_of_extents(const std::vector<PointView>& views, const Eigen::Matrix3d& axes,
-                                  const Eigen::Vector3d& semi_axes_m, BodyEnds ends,
+Eigen::Vector3d center_of_extents(const std::vector<ViewExtent>& views, const Eigen::Vector3d& semi_axes_m,
                                   const ViewExtentOptions& options) {
-  const std::vector<Seen> all = seen_by_all(views, axes, ends, options);
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  if (all.empty()) return center;
+  if (views.empty()) return center;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> centers;
-    for (const Seen& seen : all) {
+    for (const ViewExtent& seen : views) {
       const double half = (seen.high_m[k] - seen.low_m[k]) / 2;
       const double far = std::clamp(seen.away[k] / options.near_cosine, -1.0, 1.0);
       centers.push_back((seen.high_m[k] + seen.low_m[k]) / 2 + far * (semi_axes_m[k] - half));

@@ -24,28 +24,32 @@ struct ViewExtentOptions {
   double scale_quantile = 0.9;  // of the views' half extents, by which what is hidden is measured
 };
 
-/// What single views say of a body's box along given axes, put together.
-struct FusedExtents {
-  AxisEstimate axes;                                   ///< semi-axes and their standard deviations [m]
-  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  ///< along the axes
+/// What one view shows of a body along given axes, from the body's origin [m].
+struct ViewExtent {
+  Eigen::Array3d low_m, high_m;
+  Eigen::Array3d away;     ///< cosine of each axis with the line of sight
+  double horizon_rad = 0;  ///< how far around an ellipsoid's points are seen
 };
 
-/// The semi-axes of a body along `axes` (columns, in the body's frame): each view's half extents of points,
-/// fused by Alg. 2 with the uncertainty of each view. Across the line of sight a view shows both ends of a
-/// body, along it the near one alone: of an axis at an angle phi to it an ellipsoid hides (1 - sin phi) of
-/// the semi-axis beyond its horizon, a box nothing. Half of that, as a length, is the sample's delta; what
-/// even the best view may have missed is added to the result's. If the ends are `round` the sample is what is
-/// seen over the share that an ellipsoid shows, (1 + sin phi) / 2. `least_m`: semi-axis that is taken for
-/// possible where no view shows more. The centre is that of the near ends moved inwards by the fused axes, of
-/// the middle where both ends were seen. Views of bodies in part hidden count where there are no whole ones.
-/// Nothing without points.
-std::optional<FusedExtents> fuse_extents(const std::vector<PointView>& views, const Eigen::Matrix3d& axes,
-                                         double least_m, BodyEnds ends, const AxisFusionOptions& fusion = {},
+/// Of each view along `axes` (columns, in the body's frame). Views of bodies in part hidden count where there
+/// are no whole ones.
+std::vector<ViewExtent> view_extents(const std::vector<PointView>& views, const Eigen::Matrix3d& axes,
+                                     BodyEnds ends, const ViewExtentOptions& options = {});
+
+/// The semi-axes of a body: each view's half extents, fused by Alg. 2 with the uncertainty of each view.
+/// Across the line of sight a view shows both ends of a body, along it the near one alone: of an axis at an
+/// angle phi to it an ellipsoid hides (1 - sin phi) of the semi-axis beyond its horizon, a box nothing. Half
+/// of that, as a length, is the sample's delta; what even the best view may have missed is added to the
+/// result's. If the ends are `round` the sample is what is seen over the share that an ellipsoid shows,
+/// (1 + sin phi) / 2. `least_m`: semi-axis that is taken for possible where no view shows more. Nothing
+/// without views.
+std::optional<AxisEstimate> fuse_extents(const std::vector<ViewExtent>& views, double least_m, BodyEnds ends,
+                                         const AxisFusionOptions& fusion = {},
                                          const ViewExtentOptions& options = {});
 
-/// The centre along `axes` that these views say a body of given semi-axes has.
-Eigen::Vector3d center_of_extents(const std::vector<PointView>& views, const Eigen::Matrix3d& axes,
-                                  const Eigen::Vector3d& semi_axes_m, BodyEnds ends,
+/// The centre along the axes that these views say a body of given semi-axes has: of the near ends moved
+/// inwards by them, of the middle where both ends were seen.
+Eigen::Vector3d center_of_extents(const std::vector<ViewExtent>& views, const Eigen::Vector3d& semi_axes_m,
                                   const ViewExtentOptions& options = {});
 
 }  // namespace uniquadric
