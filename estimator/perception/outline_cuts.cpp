@@ -15,7 +15,7 @@ namespace {
 constexpr int kMinNearer = 2;  // one nearer pixel may be a wrong measurement
 // From the normal [rad]: where an occluder's edge crosses the outline, the body goes on behind it to the
 // side.
-constexpr std::array<double, 5> kOutwards{0, -0.785, 0.785, -1.57, 1.57};
+constexpr std::array<double, 4> kSideways{-0.785, 0.785, -1.57, 1.57};
 constexpr double kBodyJump =
     1.0 / 3;  // share of occluder_jump that tells another body, which no slope feigns
 
@@ -48,6 +48,19 @@ double depth_inside(const OutlineSurroundings& around, const Eigen::Vector2d& pi
   return upper_median(std::move(values));
 }
 
+// Least depth of the body about a pixel; 0 where nothing is measured. A slanted body goes on nearer than it
+// is at the pixel, and masks are pixels off: what hides it is nearer than all of it there.
+double least_depth_about(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, int reach_px) {
+  double least = 0;
+  for (int dv = -reach_px; dv <= reach_px; ++dv)
+    for (int du = -reach_px; du <= reach_px; ++du) {
+      const auto p = pixel_at(around.masks, pixel + Eigen::Vector2d(du, dv));
+      if (!p || around.masks.at<std::uint16_t>(*p) != around.id) continue;
+      if (const double z = depth_at(around.depth, *p); z > 0 && (least == 0 || z < least)) least = z;
+    }
+  return least;
+}
+
 // Whether what lies from the outline at `pixel` along `outward` hides the body, which is `inside_m` deep
 // there.
 bool meets_occluder(const OutlineSurroundings& around, const Eigen::Vector2d& pixel,
@@ -73,10 +86,13 @@ bool meets_occluder(const OutlineSurroundings& around, const Eigen::Vector2d& pi
 bool is_cut(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
             const SilhouetteOptions& options) {
   if (is_at_border(around.masks, pixel, options.border_px)) return true;
-  const double inside_m = depth_inside(around, pixel, normal, options.occluder_reach_px);
-  return std::any_of(kOutwards.begin(), kOutwards.end(), [&](double angle_rad) {
+  const int reach_px = options.occluder_reach_px;
+  if (meets_occluder(around, pixel, normal, depth_inside(around, pixel, normal, reach_px), options))
+    return true;
+  const double least_m = least_depth_about(around, pixel, reach_px);
+  return std::any_of(kSideways.begin(), kSideways.end(), [&](double angle_rad) {
     const Eigen::Vector2d outward = Eigen::Rotation2Dd(angle_rad) * normal;
-    return meets_occluder(around, pixel, outward, inside_m, options);
+    return meets_occluder(around, pixel, outward, least_m, options);
   });
 }
 
