@@ -20,10 +20,11 @@ constexpr double kBestViews = 0.5;                 // quantile of the views that
 constexpr double kRimSpacings = 0.75;              // between points, that they end inside the outline at most
 constexpr double kLeastRim =
     0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
-constexpr double kAgreeing = 0.03;     // radii, within which points and a fit agree: the fit has all of them
-constexpr double kEndSigma = 0.003;    // [m] of an end read off points, at best
-constexpr double kCutSigma = 1;        // radii, of an end that was cut from every view
-constexpr double kUnseenSigma = 0.05;  // radii, of an end that no camera saw
+constexpr double kAgreeing = 0.03;      // radii, within which points and a fit agree: the fit has all of them
+constexpr double kMostAgreeing = 0.01;  // [m] of the same: what a pose or a cell is off by does not grow
+constexpr double kEndSigma = 0.003;     // [m] of an end read off points, at best
+constexpr double kCutSigma = 1;         // radii, of an end that was cut from every view
+constexpr double kUnseenSigma = 0.05;   // radii, of an end that no camera saw
 
 // Mean distance of a view's points to their neighbours.
 double point_spacing(const Shape& shape, const std::vector<PointView>& views) {
@@ -79,7 +80,7 @@ PointView point_view(const Camera& camera, const ShapeView& view) {
 Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double radius_m) {
   const double spacing = point_spacing(shape, views);
   const auto fused = [&](double solved, double seen) {
-    const double off = seen - solved, doubt = kAgreeing * radius_m;
+    const double off = seen - solved, doubt = std::min(kAgreeing * radius_m, kMostAgreeing);
     return solved + off * off * off / (off * off + doubt * doubt);
   };
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();

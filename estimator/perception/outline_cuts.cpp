@@ -13,8 +13,8 @@ namespace uniquadric {
 namespace {
 
 constexpr int kMinNearer = 2;  // one nearer pixel may be a wrong measurement
-// From the normal [rad]: where an occluder's edge crosses the outline, the body goes on behind it to the
-// side.
+// From the normal [rad]: where the edge of a body in front crosses the outline, this one goes on behind it to
+// the side. Of what has no id the ground is nearer there, too.
 constexpr std::array<double, 4> kSideways{-0.785, 0.785, -1.57, 1.57};
 constexpr double kBodyJump =
     1.0 / 3;  // share of occluder_jump that tells another body, which no slope feigns
@@ -61,11 +61,15 @@ double least_depth_about(const OutlineSurroundings& around, const Eigen::Vector2
   return least;
 }
 
-// Whether what lies from the outline at `pixel` along `outward` hides the body, which is `inside_m` deep
-// there.
-bool meets_occluder(const OutlineSurroundings& around, const Eigen::Vector2d& pixel,
-                    const Eigen::Vector2d& outward, double inside_m, const SilhouetteOptions& options) {
-  int nearer = 0, unknown = 0, farther = 0;  // unknown and farther: of other bodies
+// What lies beside the outline at `pixel`, along `outward`, against the body's depth there.
+struct Beside {
+  int nearer = 0, nearer_bodies = 0;
+  int unknown = 0, farther = 0;  // of other bodies
+};
+
+Beside look_beside(const OutlineSurroundings& around, const Eigen::Vector2d& pixel,
+                   const Eigen::Vector2d& outward, double inside_m, const SilhouetteOptions& options) {
+  Beside beside;
   for (int k = 1; k <= options.occluder_reach_px; ++k) {
     const auto p = pixel_at(around.masks, pixel + k * outward);
     if (!p) break;
@@ -73,12 +77,14 @@ bool meets_occluder(const OutlineSurroundings& around, const Eigen::Vector2d& pi
     const double z = depth_at(around.depth, *p);
     if (id == around.id) continue;
     const double jump = (id == 0 ? 1 : kBodyJump) * options.occluder_jump;
-    if (z > 0 && inside_m > 0 && z < (1 - jump) * inside_m) ++nearer;
+    const bool is_nearer = z > 0 && inside_m > 0 && z < (1 - jump) * inside_m;
+    beside.nearer += is_nearer;
     if (id == 0) continue;
-    if (!(z > 0 && inside_m > 0)) ++unknown;
-    if (z > inside_m && inside_m > 0) ++farther;
+    beside.nearer_bodies += is_nearer;
+    if (!(z > 0 && inside_m > 0)) ++beside.unknown;
+    if (z > inside_m && inside_m > 0) ++beside.farther;
   }
-  return nearer >= kMinNearer || (unknown >= kMinNearer && farther == 0 && nearer == 0);
+  return beside;
 }
 
 }  // namespace
@@ -87,12 +93,14 @@ bool is_cut(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, con
             const SilhouetteOptions& options) {
   if (is_at_border(around.masks, pixel, options.border_px)) return true;
   const int reach_px = options.occluder_reach_px;
-  if (meets_occluder(around, pixel, normal, depth_inside(around, pixel, normal, reach_px), options))
+  const double inside_m = depth_inside(around, pixel, normal, reach_px);
+  const Beside front = look_beside(around, pixel, normal, inside_m, options);
+  if (front.nearer >= kMinNearer || (front.unknown >= kMinNearer && front.farther == 0 && front.nearer == 0))
     return true;
   const double least_m = least_depth_about(around, pixel, reach_px);
   return std::any_of(kSideways.begin(), kSideways.end(), [&](double angle_rad) {
     const Eigen::Vector2d outward = Eigen::Rotation2Dd(angle_rad) * normal;
-    return meets_occluder(around, pixel, outward, least_m, options);
+    return look_beside(around, pixel, outward, least_m, options).nearer_bodies >= kMinNearer;
   });
 }
 
