@@ -166,8 +166,9 @@ class BodyRun {
 
   void look_again(BodyState& state, const Pose& expected) const {
     const auto& frames = perception_.frames();
-    const auto at = std::find_if(frames.begin(), frames.end(),
-                                 [&](const FrameInfo& info) { return info.frame == state.frame; });
+    const auto at =
+        std::lower_bound(frames.begin(), frames.end(), state.frame,
+                         [](const FrameInfo& info, std::int64_t frame) { return info.frame < frame; });
     const PerceivedFrame frame = perception_.read(static_cast<std::size_t>(at - frames.begin()));
     if (const BodyObservation* body = find_body(frame, id_))
       estimator_.look_again(frame, *body, expected, state);

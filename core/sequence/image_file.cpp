@@ -116,8 +116,12 @@ std::string encode_image(const std::string& ending, const cv::Mat& image, const 
                                  "11_InputArrayERSt6vectorIhSaIhEE"
                                  "RKSB_IiSaIiEE");
   std::vector<unsigned char> bytes;
-  if (!imencode(ending, image, bytes, parameters))
-    throw std::runtime_error(fmt::format("{}: cannot be encoded", path.string()));
+  bool encoded = false;
+  try {
+    encoded = imencode(ending, image, bytes, parameters);
+  } catch (const cv::Exception&) {
+  }
+  if (!encoded) throw std::runtime_error(fmt::format("{}: cannot be encoded", path.string()));
   return {bytes.begin(), bytes.end()};
 }
 

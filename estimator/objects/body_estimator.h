@@ -72,8 +72,9 @@ class BodyEstimator {
   /// `body` since the last frame where there is one, else constant velocity, or rest.
   Pose predict(const PerceivedFrame& frame, const BodyObservation* body) const;
 
-  /// Looks once more at a frame where the body was found by a part of it alone: about `expected`
-  /// world_from_body, by all of the surface that is known by now. Where that fits, `state` has its pose.
+  /// Looks once more at a frame whose pose was a guess: about `expected` world_from_body, by all of the
+  /// surface that is known by now. Where that fits, `state` has its pose, and is still a guess. States of a
+  /// life before the last one stay as they are.
   void look_again(const PerceivedFrame& frame, const BodyObservation& body, const Pose& expected,
                   BodyState& state) const;
 

@@ -12,8 +12,9 @@ namespace uniquadric {
 PointView point_view(const Camera& camera, const ShapeView& view);
 
 /// The shape with the ends that points show along its axes, stated as uncertain as they are. The model's
-/// family of shapes is small: where points show how far the body reaches, they count. `radius_m`: of the
-/// body's first sphere.
+/// family of shapes is small: where points show that the body reaches further, or less far, than the fit by
+/// more than their own error, they count; within it the fit does. `radius_m`: of the body's first sphere,
+/// positive.
 Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double radius_m);
 
 }  // namespace uniquadric

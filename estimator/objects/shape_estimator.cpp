@@ -213,7 +213,7 @@ SurfaceModel ShapeEstimator::surface() const {
   SurfaceModel model = surface_.model();
   model.body_from_object = shape_.body_from_object;
   const bool is_young = keyframes_ <= options_.search_keyframes;
-  if (!is_young) model.shape = Superellipsoid{shape_.semi_axes_m, shape_.exponents};
+  if (!is_young) model.shape = shape_.superellipsoid();
   return model;
 }
 

@@ -24,9 +24,10 @@ bool has_any_masks(const Sequence& sequence) {
 // Masks that no list names are as good as none, and another segmenter gives other results.
 void warn_of_lost_masks(const Sequence& sequence, const char* instead) {
   const std::filesystem::path list = sequence.folder / "masks.txt";
-  if (!std::filesystem::exists(list) && std::filesystem::is_directory(sequence.folder / "masks"))
-    warn(fmt::format("{}: no such file: the images in masks/ are not used, bodies are segmented by {}",
-                     list.string(), instead));
+  if (std::filesystem::is_directory(sequence.folder / "masks"))
+    warn(fmt::format(
+        "{}: is not there or names no masks: the images in masks/ are not used, bodies are segmented by {}",
+        list.string(), instead));
 }
 
 MaskSource resolve(const Sequence& sequence, MaskSource source, PromptKind prompts) {

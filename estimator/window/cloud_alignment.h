@@ -17,7 +17,8 @@ struct SurfaceModel {
   Eigen::Matrix3Xd points, normals;        ///< (3 x n) [m]; unit, outward
   Eigen::Matrix3Xf colors;                 ///< of the points, CIE L*a*b*; (3 x 0) where they are not known
   std::optional<Pose> body_from_object{};  ///< its axes: turned about them by quarters it looks much the same
-  std::optional<Superellipsoid> shape{};   ///< about those axes, where it is known well enough to say more
+  std::optional<Superellipsoid>
+      shape{};  ///< about body_from_object, where it is known well enough to say more
 };
 
 /// How a body that shows too few of its features is found by its surface. All numbers are ours.
@@ -50,8 +51,9 @@ struct CloudAlignment {
 
 /// Pose of a body of known surface from one outline and depth cloud (3 x n, camera frame, noise taken off)
 /// and a predicted camera_from_body with its sigmas: iterated closest points, point to plane; the outline's
-/// tangents touch the model's points. `stale`: tries starts that are turned about the predicted one, and then
-/// the object's other sides. Nothing where it does not fit.
+/// tangents touch the model's points, or its shape where that agrees with them; one that only what was not
+/// seen reaches says nothing. `stale`: tries starts that are turned about the predicted one, and then the
+/// object's other sides. Nothing where it does not fit.
 std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObservation& body,
                                              const SurfaceModel& model, const Pose& predicted,
                                              const PoseSigmas& sigmas, bool stale,

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "estimator/backend.h"
+#include "estimator/objects/body_estimator.h"
 #include "synthetic_perception.h"
 #include "tests/support/temp_folder.h"
 
@@ -65,6 +66,34 @@ TEST(FinalStates, FirstSightsThatLedNowhereAreNoStates) {
         << state.frame;
     EXPECT_EQ(state.ellipsoid.semi_axes_m, at_the_end.back().ellipsoid.semi_axes_m) << state.frame;
   }
+}
+
+// By then its whole surface is known, in the frame of its last life.
+TEST(FinalStates, AGuessedPoseIsFoundByAnotherLook) {
+  SyntheticOptions options;
+  options.world_from_camera = [](double) { return Pose(); };
+  const std::vector<SyntheticBody> bodies = {box_body(kAxes, moving)};
+  const SyntheticPerception perception = synthetic_perception(bodies, options);
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  std::vector<BodyState> states;
+  for (const PerceivedFrame& frame : perception.frames)
+    if (auto state = estimator.step(frame, &frame.bodies.at(0))) states.push_back(*state);
+  const Pose object_from_body = states.back().shape.body_from_object.inverse();
+  BodyState guess = states[states.size() / 2];
+  const PerceivedFrame& frame = perception.frames[guess.frame];
+  const Pose truth =
+      synthetic_truth(bodies, options).objects[0].states[guess.frame].ellipsoid.world_from_object;
+  guess.world_from_body = truth * Pose{exp_so3({0.05, -0.05, 0.05}), {0.02, -0.02, 0.02}} * object_from_body;
+  const auto error_m = [&](const BodyState& state) {
+    return ((state.world_from_body * object_from_body.inverse()).translation - truth.translation).norm();
+  };
+  BodyState earlier = guess;
+  earlier.beginning -= 1;
+  estimator.look_again(frame, frame.bodies[0], guess.world_from_body, earlier);
+  EXPECT_EQ(earlier.world_from_body.translation, guess.world_from_body.translation);
+  EXPECT_GT(error_m(guess), 0.03);
+  estimator.look_again(frame, frame.bodies[0], guess.world_from_body, guess);
+  EXPECT_LT(error_m(guess), 0.005);
 }
 
 // Each point, carried by the estimated pose and back by the true one, is on a side of the box.

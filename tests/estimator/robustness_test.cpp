@@ -60,12 +60,16 @@ TEST(Robustness, MasksThatNoListNamesAreToldOf) {
     return testing::internal::GetCapturedStderr();
   };
   const fs::path list = temp.path() / "masks.txt";
-  const std::string warning = "warning: " + list.string() +
-                              ": no such file: the images in masks/ are not used, bodies are segmented by "
-                              "depth_motion\n";
+  const std::string warning =
+      "warning: " + list.string() +
+      ": is not there or names no masks: the images in masks/ are not used, bodies are segmented by "
+      "depth_motion\n";
   EXPECT_EQ(said().find("masks.txt"), std::string::npos);
   fs::remove(list);
   EXPECT_NE(said().find(warning), std::string::npos);
+  write_text(list, "");
+  EXPECT_NE(said().find(warning), std::string::npos);
+  fs::remove(list);
   Variant listed = windows();
   listed.perception.segmentation.source = MaskSource::sequence;
   const std::string refusal = input_error([&] { estimate(temp.path(), listed, {}, temp.path() / "out"); });
