@@ -41,6 +41,11 @@ Vector3d own_acceleration(const LidarState& state, const InertialReading& readin
   return reading.specific_force_mps2 - state.accelerometer_bias_mps2;
 }
 
+// Of a point in the world's axes, from the body at the end.
+Vector3d moved_on(const LidarState& end, const SweepPoint& point, const Vector3d& turned) {
+  return turned + end.world_from_body.translation - point.age_s * end.velocity_mps + point.bend_m;
+}
+
 }  // namespace
 
 LidarState moved(const LidarState& state, const Vector18d& error) {
@@ -121,14 +126,13 @@ EndPoint end_point(const LidarState& end, const Vector3d& path_bias, const Sweep
 }
 
 Vector3d world_point(const LidarState& end, const SweepPoint& point, const EndPoint& at_end) {
-  return end.world_from_body.rotation * at_end.body + end.world_from_body.translation -
-         point.age_s * end.velocity_mps + point.bend_m;
+  return moved_on(end, point, end.world_from_body.rotation * at_end.body);
 }
 
 double plane_distance(const LidarState& end, const SweepPoint& point, const EndPoint& at_end,
                       const MapPlane& plane) {
-  const Vector3d world = end.world_from_body.rotation.toRotationMatrix() * at_end.body +
-                         end.world_from_body.translation - point.age_s * end.velocity_mps + point.bend_m;
+  // a matrix, not world_point()'s quaternion: results keep their last digits
+  const Vector3d world = moved_on(end, point, end.world_from_body.rotation.toRotationMatrix() * at_end.body);
   return plane.normal.dot(world) + plane.offset_m;
 }
 
