@@ -57,31 +57,12 @@ bool ends_short(const Eigen::Matrix2Xd& pixels, const SupportLine& line, double 
   return (line.normal.transpose() * pixels).maxCoeff() < line.offset_px - inside_px;
 }
 
-}  // namespace
-
-PointView point_view(const Camera& camera, const ShapeView& view) {
-  PointView seen;
-  seen.touches = outline_touches(camera, view.silhouette);
-  seen.body_from_camera = view.world_from_body.inverse() * view.world_from_camera;
-  seen.points = &view.points;
-  seen.normals = &view.normals;
-  const Eigen::Index count = view.points.cols();
-  Eigen::Matrix2Xd pixels(2, count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    pixels.col(i) = (camera.matrix() * view.points.col(i)).hnormalized();
-  const Ellipse& box = view.silhouette.rot_bbox;
-  const double spacing_px = 2 * std::sqrt(box.semi_major * box.semi_minor / static_cast<double>(count));
-  const double inside_px = std::max({kShortPx, kShort * box.semi_minor, kShortSpacings * spacing_px});
-  for (const SupportLine& line : view.silhouette.support)
-    if (!line.free || (count > 0 && ends_short(pixels, line, inside_px))) seen.cut.push_back(line.normal);
-  return seen;
-}
-
-Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double radius_m) {
+// `about`: what is known of where the body ends in the other axes, without which an outline says little.
+Shape with_ends(Shape shape, const Shape& about, const std::vector<PointView>& views, double radius_m) {
   const double spacing = point_spacing(shape, views);
   const auto fused = [&](double solved, double seen) {
-    const double off = seen - solved, doubt = std::min(kAgreeing * radius_m, kMostAgreeing);
-    return solved + off * off * off / (off * off + doubt * doubt);
+    const double doubts = (seen - solved) / std::min(kAgreeing * radius_m, kMostAgreeing);
+    return seen + (solved - seen) / (1 + std::pow(doubts, 4));
   };
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
@@ -100,7 +81,8 @@ Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double
         continue;
       }
       // few points may lie on a thin end (wheels, an egg's tip), and a mask's rim has none
-      const auto outlined = reach_by_outlines(shape, views, axis, side ? -1 : 1);
+      auto outlined = reach_by_outlines(about, views, axis, side ? -1 : 1);
+      if (outlined) *outlined += direction.dot(about.body_from_object.translation) - center;
       if (reach->views > 0) {
         end = std::max(end, std::min(ends[side], outlined.value_or(end)));
         sigmas[side] = std::max(kEndSigma, std::abs(end - ends[side]));  // of two ways to tell
@@ -122,6 +104,30 @@ Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double
   }
   shape.body_from_object.translation += shape.body_from_object.rotation * shift;
   return shape;
+}
+
+}  // namespace
+
+PointView point_view(const Camera& camera, const ShapeView& view) {
+  PointView seen;
+  seen.touches = outline_touches(camera, view.silhouette);
+  seen.body_from_camera = view.world_from_body.inverse() * view.world_from_camera;
+  seen.points = &view.points;
+  seen.normals = &view.normals;
+  const Eigen::Index count = view.points.cols();
+  Eigen::Matrix2Xd pixels(2, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    pixels.col(i) = (camera.matrix() * view.points.col(i)).hnormalized();
+  const Ellipse& box = view.silhouette.rot_bbox;
+  const double spacing_px = 2 * std::sqrt(box.semi_major * box.semi_minor / static_cast<double>(count));
+  const double inside_px = std::max({kShortPx, kShort * box.semi_minor, kShortSpacings * spacing_px});
+  for (const SupportLine& line : view.silhouette.support)
+    if (!line.free || (count > 0 && ends_short(pixels, line, inside_px))) seen.cut.push_back(line.normal);
+  return seen;
+}
+
+Shape with_seen_extents(const Shape& shape, const std::vector<PointView>& views, double radius_m) {
+  return with_ends(shape, with_ends(shape, shape, views, radius_m), views, radius_m);
 }
 
 }  // namespace uniquadric

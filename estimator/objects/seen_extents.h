@@ -15,6 +15,6 @@ PointView point_view(const Camera& camera, const ShapeView& view);
 /// family of shapes is small: where points show that the body reaches further, or less far, than the fit by
 /// more than their own error, they count; within it the fit does. `radius_m`: of the body's first sphere,
 /// positive.
-Shape with_seen_extents(Shape shape, const std::vector<PointView>& views, double radius_m);
+Shape with_seen_extents(const Shape& shape, const std::vector<PointView>& views, double radius_m);
 
 }  // namespace uniquadric

@@ -24,21 +24,26 @@ struct View {
   }
 };
 
-// From the side, without points: of an outline that touches a plane x = end.
-PointView side_view(double end_m) {
+// Without points: of an outline that a camera sees touch, to the right of it, a plane along z.
+PointView outline_view(const Eigen::Vector3d& camera, const Eigen::Vector3d& sight) {
   static const Eigen::Matrix3Xd none(3, 0);
-  PointView view{{Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY()),
-                  {end_m, -2, 0}},
-                 &none,
-                 &none};
+  PointView view{{Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), sight), camera}, &none, &none};
   const auto in_camera = [&](const Eigen::Vector3d& v) {
     return Eigen::Vector3d(view.body_from_camera.rotation.conjugate() * v);
   };
-  view.touches = {{in_camera({1, 0, 0}), in_camera({0, 2, -0.1}), in_camera({0, 2, 0.1})}};
+  const Eigen::Vector3d up = 0.05 * Eigen::Vector3d::UnitZ();
+  view.touches = {{in_camera(sight.cross(Eigen::Vector3d::UnitZ()).normalized()), in_camera(sight - up),
+                   in_camera(sight + up)}};
   return view;
 }
 
-Shape with_ends(const View& view, const std::vector<PointView>& more = {}, double fitted = 1.1) {
+// From the side: of a plane x = end.
+PointView side_view(double end_m) {
+  return outline_view({end_m, -2, 0}, Eigen::Vector3d::UnitY());
+}
+
+Shape with_ends(const View& view, const std::vector<PointView>& more = {},
+                const Eigen::Vector3d& fitted_m = 1.1 * kHalf) {
   Pose body_from_camera;
   body_from_camera.translation = {1, 1, 1};
   body_from_camera.rotation =
@@ -48,7 +53,7 @@ Shape with_ends(const View& view, const std::vector<PointView>& more = {}, doubl
   in_camera.points = R * (view.points.colwise() - body_from_camera.translation);
   in_camera.normals = R * view.normals;
   Shape shape;
-  shape.semi_axes_m = fitted * kHalf;
+  shape.semi_axes_m = fitted_m;
   shape.exponents = {1, 1, 1};
   shape.variances.setConstant(1e-6);
   std::vector<PointView> views(3, PointView{body_from_camera, &in_camera.points, &in_camera.normals});
@@ -65,7 +70,7 @@ TEST(SeenExtents, AreThoseOfThePoints) {
 // A few millimetres are the points' own error, of which a fit of all of them and of outlines has less.
 TEST(SeenExtents, LeaveAFitThatAgrees) {
   for (const double fitted : {0.99, 1.01}) {
-    const Shape shape = with_ends(View(0, 0), {}, fitted);
+    const Shape shape = with_ends(View(0, 0), {}, fitted * kHalf);
     const Eigen::Vector3d far_end = shape.body_from_object.translation + shape.semi_axes_m;
     EXPECT_LT((far_end - fitted * kHalf).cwiseAbs().maxCoeff(), 4e-4) << fitted;
     EXPECT_GE(shape.variances.head<3>().minCoeff(), 4e-6) << fitted;  // of the half that is seen, at its best
@@ -84,6 +89,16 @@ TEST(SeenExtents, AreNotShortOfTheOutline) {
   EXPECT_NEAR(end_x(0.4), 1.1 * kHalf.x(), 1e-6);
   const Shape shape = with_ends(View(0, 0), {side_view(0.2)});
   EXPECT_GT(shape.variances[0], 1e-4);  // points end 25 mm before the fit
+}
+
+// An outline that passes the edge (0.25, 0.15) at an angle: by a fit that ends before it in y, the body would
+// reach further in x than it does.
+TEST(SeenExtents, OfOutlinesAreJudgedWithinThePointsOfTheOtherAxes) {
+  const PointView aslant = outline_view(Eigen::Vector3d(0.75, -0.85, 0), Eigen::Vector3d(-0.5, 1, 0));
+  const Shape shape = with_ends(View(0, 0), {aslant}, {0.29, 0.03, kHalf.z()});
+  const Eigen::Vector3d far_end = shape.body_from_object.translation + shape.semi_axes_m;
+  EXPECT_NEAR(far_end.x(), kHalf.x(), 0.005);
+  EXPECT_NEAR(far_end.y(), kHalf.y(), 0.005);
 }
 
 // A third of the points of every view lies a metre off: nothing of the model is there.
