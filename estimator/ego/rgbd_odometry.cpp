@@ -22,7 +22,8 @@ double median_depth(const std::vector<Feature>& features) {
   return upper_median(std::move(depths));
 }
 
-// A frame's place: known at once, mended by what becomes of its keyframe and of the points it saw.
+// A frame's place: known at once, mended by what becomes of its keyframe and, as long as its features are
+// kept, of the points it saw.
 struct FramePose {
   std::int64_t frame = 0, stamp_ns = 0;
   int keyframe = 0;
@@ -69,6 +70,7 @@ struct RgbdOdometry::State {
   std::vector<Stretch> given_up;
   EgoMap map;
   std::vector<FramePose> frames, before;  // of the map, as in Stretch
+  std::size_t settled = 0;                // of the frames, whose features are gone
   std::vector<FramePose> lost;            // since the last frame with a pose
   std::optional<Pose> camera_from_world;  // of the last frame
   Pose presumed;                          // the same, where it is not known: the last known, moved on
@@ -79,6 +81,8 @@ struct RgbdOdometry::State {
                                     const std::optional<Pose>& prior, std::int64_t frame) const;
   bool wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const;
   void insert_keyframe(std::int64_t frame, const std::vector<Feature>& features);
+  Pose found_again(const EgoMap& by, const FramePose& frame) const;
+  void settle_frames();
   void begin_map(const Pose& pose, std::int64_t frame, const std::vector<Feature>& features);
   bool follow(std::int64_t frame, const TrackedFeatures& features);
   bool is_young() const { return given_up.empty() && std::ssize(frames) < options.young_frames; }
@@ -122,6 +126,28 @@ void RgbdOdometry::State::insert_keyframe(std::int64_t frame, const std::vector<
   camera_from_world = map.keyframes.back().camera_from_world;
 }
 
+// camera_from_world of a frame by what the map has become.
+Pose RgbdOdometry::State::found_again(const EgoMap& by, const FramePose& frame) const {
+  const Keyframe& keyframe = by.keyframes[frame.keyframe];
+  const Pose expected = frame.camera_from_keyframe * keyframe.camera_from_world;
+  if (keyframe.frame == frame.frame || frame.features.empty()) return expected;
+  const auto fit = locate(by, frame.features, expected, frame.frame);
+  return fit ? fit->camera_from_body : expected;
+}
+
+// Frames whose keyframe has left the local bundle adjustment are fixed to it: from here on the map about them
+// moves as a whole, and memory does not grow with their features.
+void RgbdOdometry::State::settle_frames() {
+  if (is_young()) return;  // they may have to be looked for in another map
+  const int first_moving = static_cast<int>(map.keyframes.size()) - options.window_keyframes;
+  for (; settled < frames.size() && frames[settled].keyframe < first_moving; ++settled) {
+    FramePose& frame = frames[settled];
+    frame.camera_from_keyframe =
+        found_again(map, frame) * map.keyframes[frame.keyframe].camera_from_world.inverse();
+    frame.features = std::vector<Feature>();
+  }
+}
+
 void RgbdOdometry::State::look_for_floor(const cv::Mat& depth, const cv::Mat& masks, std::int64_t frame) {
   if (up || frames_seen > kUprightTries || !camera_from_world) return;
   RandomStream random(seed, "ego_floor", frame);
@@ -142,7 +168,10 @@ bool RgbdOdometry::State::follow(std::int64_t frame, const TrackedFeatures& feat
   camera_from_world.reset();
   if (!fit) return false;
   camera_from_world = fit->camera_from_body;
-  if (wants_keyframe(features.background, frame)) insert_keyframe(frame, features.background);
+  if (wants_keyframe(features.background, frame)) {
+    insert_keyframe(frame, features.background);
+    settle_frames();
+  }
   return true;
 }
 
@@ -169,6 +198,7 @@ void RgbdOdometry::State::begin_anew(std::int64_t frame, const std::vector<Featu
   before.insert(before.end(), lost.begin(), lost.end());
   map = {};
   frames.clear();
+  settled = 0;
   begin_map(presumed, frame, features);
 }
 
@@ -240,12 +270,8 @@ void RgbdOdometry::State::append(const EgoMap& of, const std::vector<FramePose>&
     first.push_back(world_from_camera(*frame, next));
   }
   trajectory.insert(trajectory.end(), first.rbegin(), first.rend());
-  for (const FramePose& frame : placed) {
-    const Pose expected = frame.camera_from_keyframe * adjusted.keyframes[frame.keyframe].camera_from_world;
-    const bool is_keyframe = adjusted.keyframes[frame.keyframe].frame == frame.frame;
-    const auto fit = is_keyframe ? std::nullopt : locate(adjusted, frame.features, expected, frame.frame);
-    trajectory.push_back(world_from_camera(frame, fit ? fit->camera_from_body : expected));
-  }
+  for (const FramePose& frame : placed)
+    trajectory.push_back(world_from_camera(frame, found_again(adjusted, frame)));
 }
 
 Trajectory RgbdOdometry::trajectory() const {
