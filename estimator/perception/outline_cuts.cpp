@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace {
 constexpr int kMinNearer = 2;  // one nearer pixel may be a wrong measurement
 // From the normal [rad]: where the edge of a body in front crosses the outline, this one goes on behind it to
 // the side. Of what has no id the ground is nearer there, too.
-constexpr std::array<double, 4> kSideways{-0.785, 0.785, -1.57, 1.57};
+constexpr std::array<double, 4> kSideways{-std::numbers::pi / 4, std::numbers::pi / 4, -std::numbers::pi / 2,
+                                          std::numbers::pi / 2};
 constexpr double kBodyJump =
     1.0 / 3;  // share of occluder_jump that tells another body, which no slope feigns
 
@@ -48,17 +50,16 @@ double depth_inside(const OutlineSurroundings& around, const Eigen::Vector2d& pi
   return upper_median(std::move(values));
 }
 
-// Least depth of the body about a pixel; 0 where nothing is measured. A slanted body goes on nearer than it
-// is at the pixel, and masks are pixels off: what hides it is nearer than all of it there.
-double least_depth_about(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, int reach_px) {
-  double least = 0;
+// Median depth of the body about a pixel; 0 where nothing is measured. Some of its mask may be another's.
+double depth_about(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, int reach_px) {
+  std::vector<double> depths;
   for (int dv = -reach_px; dv <= reach_px; ++dv)
     for (int du = -reach_px; du <= reach_px; ++du) {
       const auto p = pixel_at(around.masks, pixel + Eigen::Vector2d(du, dv));
       if (!p || around.masks.at<std::uint16_t>(*p) != around.id) continue;
-      if (const double z = depth_at(around.depth, *p); z > 0 && (least == 0 || z < least)) least = z;
+      if (const double z = depth_at(around.depth, *p); z > 0) depths.push_back(z);
     }
-  return least;
+  return depths.empty() ? 0 : upper_median(std::move(depths));
 }
 
 // What lies beside the outline at `pixel`, along `outward`, against the body's depth there.
@@ -97,10 +98,10 @@ bool is_cut(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, con
   const Beside front = look_beside(around, pixel, normal, inside_m, options);
   if (front.nearer >= kMinNearer || (front.unknown >= kMinNearer && front.farther == 0 && front.nearer == 0))
     return true;
-  const double least_m = least_depth_about(around, pixel, reach_px);
+  const double about_m = depth_about(around, pixel, reach_px);
   return std::any_of(kSideways.begin(), kSideways.end(), [&](double angle_rad) {
     const Eigen::Vector2d outward = Eigen::Rotation2Dd(angle_rad) * normal;
-    return look_beside(around, pixel, outward, least_m, options).nearer_bodies >= kMinNearer;
+    return look_beside(around, pixel, outward, about_m, options).nearer_bodies >= kMinNearer;
   });
 }
 
