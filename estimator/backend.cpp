@@ -62,8 +62,8 @@ PoseSample sample_of(const BodyState& state, const Pose& body_from_object) {
 // The states of a body's life as they are known at the end: the last shape, the whole trajectory smoothed,
 // about which `look_again` looks at states that were guessed. From here on the body's frame is the object's.
 template <typename LookAgain>
-void finish(std::span<BodyState> states, const TrajectorySmootherOptions& options,
-            const LookAgain& look_again) {
+void finish_life(std::span<BodyState> states, const TrajectorySmootherOptions& options,
+                 const LookAgain& look_again) {
   const Shape shape = states.back().shape;
   const auto smoothed = [&] {
     std::vector<PoseSample> samples;
@@ -121,19 +121,24 @@ class BodyRun {
     times_.push_back(windows.back());
   }
 
-  void end(const Variant& variant, BackendResult& result) {
-    if (!states_.empty())
-      if (SurfaceFile surface =
-              surface_file(estimator_.surface(), states_.back().shape.body_from_object.inverse());
-          !surface.points.empty())
-        result.surfaces[id_] = std::move(surface);
-    if (variant.output == Output::final && !states_.empty()) {
+  // After its last frame.
+  void finish(const Variant& variant) {
+    if (states_.empty()) return;
+    Stopwatch watch(states_.back().frame, times_);
+    if (estimator_.is_present(states_.back()))
+      surface_ = surface_file(estimator_.surface(), states_.back().shape.body_from_object.inverse());
+    if (variant.output == Output::final) {
       forget_glimpses();
       finish_lives(variant.body.trajectory);
     }
+    watch.stop("finish");
+  }
+
+  void give(BackendResult& result) const {
     result.observations_without_state += without_state_;
     result.times.insert(result.times.end(), times_.begin(), times_.end());
     if (states_.empty()) return;
+    if (!surface_.points.empty()) result.surfaces[id_] = surface_;
     ObjectTrack& track = result.objects.emplace_back();
     track.id = id_;
     for (const BodyState& state : states_) track.states.push_back(object_state(state));
@@ -158,8 +163,8 @@ class BodyRun {
     for (auto begin = states_.begin(); begin != states_.end();) {
       const auto end = std::find_if(
           begin, states_.end(), [&](const BodyState& state) { return state.beginning != begin->beginning; });
-      finish({begin, end}, options,
-             [&](BodyState& state, const Pose& expected) { look_again(state, expected); });
+      finish_life({begin, end}, options,
+                  [&](BodyState& state, const Pose& expected) { look_again(state, expected); });
       begin = end;
     }
   }
@@ -180,6 +185,7 @@ class BodyRun {
   std::vector<BodyState> states_;
   std::set<std::int64_t> seen_;  // frames that show it
   int without_state_ = 0;
+  SurfaceFile surface_;
   std::vector<StageTime> times_;
 };
 
@@ -200,8 +206,11 @@ BackendResult estimate_windows(const Perception& perception, const Variant& vari
       for (const PerceivedFrame& frame : frames) bodies[i]->step(frame);
     });
   }
+  std::vector<BodyRun*> bodies;
+  for (auto& [id, body] : by_id) bodies.push_back(&body);
+  tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t i) { bodies[i]->finish(variant); });
   BackendResult result;
-  for (auto& [id, body] : by_id) body.end(variant, result);
+  for (const BodyRun* body : bodies) body->give(result);
   return result;
 }
 

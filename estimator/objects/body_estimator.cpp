@@ -288,7 +288,7 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
 
 void BodyEstimator::look_again(const PerceivedFrame& frame, const BodyObservation& body, const Pose& expected,
                                BodyState& state) const {
-  if (state.beginning != beginnings_) return;  // in another frame
+  if (!is_present(state)) return;  // in another frame
   const Pose camera_from_body = frame.world_from_camera->inverse() * expected;
   const auto found = align_to_cloud(camera_, body, shape_.surface(), camera_from_body, kAgainSigmas, false,
                                     options_.alignment);

@@ -78,6 +78,9 @@ class BodyEstimator {
   void look_again(const PerceivedFrame& frame, const BodyObservation& body, const Pose& expected,
                   BodyState& state) const;
 
+  /// Whether a state is of the life that goes on, in whose frame the surface is.
+  bool is_present(const BodyState& state) const { return state.beginning == beginnings_; }
+
   /// What has been seen of its surface, in the body's frame.
   SurfaceModel surface() const { return shape_.surface(); }
 
