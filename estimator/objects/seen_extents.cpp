@@ -89,10 +89,11 @@ Shape with_ends(Shape shape, const Shape& about, const std::vector<PointView>& v
         ends[side] = fused(ends[side], end);
       } else if (end > ends[side]) {
         ends[side] = fused(ends[side], end);
-      } else if (const double seen_share = visible_share(shape, views, axis, side ? -1 : 1);
-                 seen_share > kLeastRim) {
+      } else if (const double seen_share = visible_share(shape, views, axis, side ? -1 : 1); seen_share > 0) {
         const double by_points = std::max(end, (end + kRimSpacings * spacing) / seen_share);
-        ends[side] = std::min(ends[side], std::max(by_points, outlined.value_or(by_points)));
+        sigmas[side] = std::max(sigmas[side], ends[side] - by_points);  // a fit that is far off tells little
+        if (seen_share > kLeastRim)
+          ends[side] = std::min(ends[side], std::max(by_points, outlined.value_or(by_points)));
       }
       if (reach->is_cut) sigmas[side] = kCutSigma * radius_m;
     }

@@ -43,7 +43,8 @@ PointView side_view(double end_m) {
 }
 
 Shape with_ends(const View& view, const std::vector<PointView>& more = {},
-                const Eigen::Vector3d& fitted_m = 1.1 * kHalf) {
+                const Eigen::Vector3d& fitted_m = 1.1 * kHalf,
+                const Eigen::Vector3d& center_m = Eigen::Vector3d::Zero()) {
   Pose body_from_camera;
   body_from_camera.translation = {1, 1, 1};
   body_from_camera.rotation =
@@ -54,6 +55,7 @@ Shape with_ends(const View& view, const std::vector<PointView>& more = {},
   in_camera.normals = R * view.normals;
   Shape shape;
   shape.semi_axes_m = fitted_m;
+  shape.body_from_object.translation = center_m;
   shape.exponents = {1, 1, 1};
   shape.variances.setConstant(1e-6);
   std::vector<PointView> views(3, PointView{body_from_camera, &in_camera.points, &in_camera.normals});
@@ -89,6 +91,16 @@ TEST(SeenExtents, AreNotShortOfTheOutline) {
   EXPECT_NEAR(end_x(0.4), 1.1 * kHalf.x(), 1e-6);
   const Shape shape = with_ends(View(0, 0), {side_view(0.2)});
   EXPECT_GT(shape.variances[0], 1e-4);  // points end 25 mm before the fit
+}
+
+// Of ends that no camera saw the fit knows little where it is far off what was seen beside them.
+TEST(SeenExtents, AreUncertainWhereTheFitIsFarOff) {
+  const auto sigma = [](double beyond_m) {
+    const Eigen::Vector3d half = 0.5 * Eigen::Vector3d::Constant(beyond_m);  // the ends that are seen agree
+    return with_ends(View(0, 0), {}, kHalf + half, -half).variances.head<3>().cwiseSqrt().minCoeff();
+  };
+  EXPECT_LT(sigma(0.002), 0.01);
+  EXPECT_GT(sigma(0.1), 0.03);
 }
 
 // An outline that passes the edge (0.25, 0.15) at an angle: by a fit that ends before it in y, the body would
