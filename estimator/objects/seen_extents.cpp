@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "estimator/objects/outline_reach.h"
 
@@ -57,51 +57,77 @@ bool ends_short(const Eigen::Matrix2Xd& pixels, const SupportLine& line, double 
   return (line.normal.transpose() * pixels).maxCoeff() < line.offset_px - inside_px;
 }
 
+// What points show of one end of an axis, whatever the axes' lengths.
+struct Side {
+  int axis = 0, sign = 1;
+  Eigen::Vector3d direction;  // outward, in the body's frame
+  double middle_m = 0;        // of the shape, along it
+  std::optional<Reach> reach;
+};
+
+std::vector<Side> sides_of(const Shape& shape, const std::vector<PointView>& views) {
+  std::vector<Side> sides;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int sign : {1, -1}) {
+      const Eigen::Vector3d direction =
+          sign * (shape.body_from_object.rotation * Eigen::Vector3d::Unit(axis));
+      sides.push_back({axis, sign, direction, direction.dot(shape.body_from_object.translation),
+                       reach_along(views, direction)});
+    }
+  return sides;
+}
+
+// Of a side, from the middle.
+struct End {
+  double at_m = 0, sigma_m = 0;
+};
+
+// `solved_m`: by the fit; `outlined_m`: at least, by outlines; `seen_share`: of an ellipsoid's semi-axis.
+End end_of(const Side& side, double solved_m, std::optional<double> outlined_m, double seen_share,
+           double spacing_m, double radius_m) {
+  const auto fused = [&](double seen_m) {
+    const double doubts = (seen_m - solved_m) / std::min(kAgreeing * radius_m, kMostAgreeing);
+    return seen_m + (solved_m - seen_m) / (1 + std::pow(doubts, 4));
+  };
+  End end{solved_m, kUnseenSigma * radius_m};
+  if (!side.reach) return end;
+  const double seen_m = side.reach->position_m - side.middle_m;
+  if (seen_m > kBeyond * solved_m + kBeyondRadii * radius_m)  // strays, in most views
+    return {solved_m, seen_m - solved_m};
+  if (side.reach->views > 0) {
+    // few points may lie on a thin end (wheels, an egg's tip), and a mask's rim has none
+    const double shown_m = std::max(seen_m, std::min(solved_m, outlined_m.value_or(seen_m)));
+    end = {fused(shown_m), std::max(kEndSigma, std::abs(shown_m - solved_m))};  // of two ways to tell
+  } else if (seen_m > solved_m) {
+    end.at_m = fused(seen_m);
+  } else if (seen_share > 0) {
+    const double by_points_m = std::max(seen_m, (seen_m + kRimSpacings * spacing_m) / seen_share);
+    end.sigma_m = std::max(end.sigma_m, solved_m - by_points_m);  // a fit that is far off tells little
+    if (seen_share > kLeastRim)
+      end.at_m = std::min(solved_m, std::max(by_points_m, outlined_m.value_or(by_points_m)));
+  }
+  if (side.reach->is_cut) end.sigma_m = kCutSigma * radius_m;
+  return end;
+}
+
 // `about`: what is known of where the body ends in the other axes, without which an outline says little.
-Shape with_ends(Shape shape, const Shape& about, const std::vector<PointView>& views, double radius_m) {
-  const double spacing = point_spacing(shape, views);
-  const auto fused = [&](double solved, double seen) {
-    const double doubts = (seen - solved) / std::min(kAgreeing * radius_m, kMostAgreeing);
-    return seen + (solved - seen) / (1 + std::pow(doubts, 4));
+Shape with_ends(Shape shape, const Shape& about, const std::vector<Side>& sides,
+                const std::vector<PointView>& views, double radius_m) {
+  const double spacing_m = point_spacing(shape, views);
+  const auto end_at = [&](const Side& side) {
+    auto outlined_m = reach_by_outlines(about, views, side.axis, side.sign);
+    if (outlined_m) *outlined_m += side.direction.dot(about.body_from_object.translation) - side.middle_m;
+    const double seen_share = visible_share(about, views, side.axis, side.sign);
+    return end_of(side, shape.semi_axes_m[side.axis], outlined_m, seen_share, spacing_m, radius_m);
   };
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
-    std::array<double, 2> ends{}, sigmas{};
-    for (int side = 0; side < 2; ++side) {
-      const Eigen::Vector3d direction =
-          (side ? -1 : 1) * (shape.body_from_object.rotation * Eigen::Vector3d::Unit(axis));
-      const double center = direction.dot(shape.body_from_object.translation);
-      ends[side] = shape.semi_axes_m[axis];
-      sigmas[side] = kUnseenSigma * radius_m;
-      const auto reach = reach_along(views, direction);
-      if (!reach) continue;
-      double end = reach->position_m - center;
-      if (end > kBeyond * shape.semi_axes_m[axis] + kBeyondRadii * radius_m) {  // strays, in most views
-        sigmas[side] = end - shape.semi_axes_m[axis];
-        continue;
-      }
-      // few points may lie on a thin end (wheels, an egg's tip), and a mask's rim has none
-      auto outlined = reach_by_outlines(about, views, axis, side ? -1 : 1);
-      if (outlined) *outlined += direction.dot(about.body_from_object.translation) - center;
-      if (reach->views > 0) {
-        end = std::max(end, std::min(ends[side], outlined.value_or(end)));
-        sigmas[side] = std::max(kEndSigma, std::abs(end - ends[side]));  // of two ways to tell
-        ends[side] = fused(ends[side], end);
-      } else if (end > ends[side]) {
-        ends[side] = fused(ends[side], end);
-      } else if (const double seen_share = visible_share(shape, views, axis, side ? -1 : 1); seen_share > 0) {
-        const double by_points = std::max(end, (end + kRimSpacings * spacing) / seen_share);
-        sigmas[side] = std::max(sigmas[side], ends[side] - by_points);  // a fit that is far off tells little
-        if (seen_share > kLeastRim)
-          ends[side] = std::min(ends[side], std::max(by_points, outlined.value_or(by_points)));
-      }
-      if (reach->is_cut) sigmas[side] = kCutSigma * radius_m;
-    }
-    if (!(ends[0] + ends[1] > 0)) continue;
+    const End high = end_at(sides[2 * axis]), low = end_at(sides[2 * axis + 1]);
+    if (!(high.at_m + low.at_m > 0)) continue;
     for (double* variance : {&shape.variances[axis], &shape.variances[3 + axis]})
-      *variance = std::max(*variance, (sigmas[0] * sigmas[0] + sigmas[1] * sigmas[1]) / 4);
-    shape.semi_axes_m[axis] = (ends[0] + ends[1]) / 2;
-    shift[axis] = (ends[0] - ends[1]) / 2;
+      *variance = std::max(*variance, (high.sigma_m * high.sigma_m + low.sigma_m * low.sigma_m) / 4);
+    shape.semi_axes_m[axis] = (high.at_m + low.at_m) / 2;
+    shift[axis] = (high.at_m - low.at_m) / 2;
   }
   shape.body_from_object.translation += shape.body_from_object.rotation * shift;
   return shape;
@@ -128,7 +154,8 @@ PointView point_view(const Camera& camera, const ShapeView& view) {
 }
 
 Shape with_seen_extents(const Shape& shape, const std::vector<PointView>& views, double radius_m) {
-  return with_ends(shape, with_ends(shape, shape, views, radius_m), views, radius_m);
+  const std::vector<Side> sides = sides_of(shape, views);
+  return with_ends(shape, with_ends(shape, shape, sides, views, radius_m), sides, views, radius_m);
 }
 
 }  // namespace uniquadric
