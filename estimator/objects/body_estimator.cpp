@@ -1,5 +1,6 @@
 #include "estimator/objects/body_estimator.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -57,6 +58,15 @@ Pose in_world(const PerceivedFrame& frame, const Pose& camera_from_body) {
 
 }  // namespace
 
+bool is_placed(const Matrix6d& covariance, const Shape& shape) {
+  const Eigen::Matrix3d to_radii = shape.semi_axes_m.cwiseInverse().asDiagonal() *
+                                   shape.body_from_object.rotation.conjugate().toRotationMatrix();
+  const Eigen::Matrix3d in_radii = to_radii * covariance.topLeftCorner<3, 3>() * to_radii.transpose();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(in_radii, Eigen::EigenvaluesOnly)
+             .eigenvalues()
+             .maxCoeff() < 1;
+}
+
 BodyEstimator::BodyEstimator(int id, const Camera& camera, const BodyOptions& options, std::uint64_t seed)
     : id_(id),
       camera_(camera),
@@ -109,8 +119,9 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     if (pose->keyframe) {
       ++keyframes_;
       if (!is_global) shape_.follow(short_window_.keyframes());
-      shape_.add_keyframe({frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, {}},
-                          *body);
+      if (is_placed(covariance, shape_.shape()))
+        shape_.add_keyframe(
+            {frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, {}}, *body);
     }
     return state_at(frame, pose->world_from_body, covariance);
   }

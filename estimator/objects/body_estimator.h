@@ -55,6 +55,11 @@ struct BodyState {
   ObjectMotion motion = ObjectMotion::unknown;
 };
 
+/// Whether a pose is known better than the body is large, in every direction: one that is not, as by the last
+/// sliver of a body before it is hidden, says nothing of its shape. `covariance`: of a right-hand
+/// perturbation of the body's pose (translation [m^2], rotation vector).
+bool is_placed(const Matrix6d& covariance, const Shape& shape);
+
 /// One body through its life: initialised as a sphere and then by Alg. 1 (the paper's SQI), tracked by the
 /// short window, modelled by the long one, predicted while it is hidden, found again by its points.
 class BodyEstimator {

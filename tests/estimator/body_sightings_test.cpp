@@ -62,5 +62,21 @@ TEST(BodyEstimator, AGlimpseThatLeadsNowhereIsForgotten) {
   EXPECT_EQ(state->status, ObjectStatus::active);
 }
 
+// Of a body a metre long that is slanted in its frame: half a metre along it is little, across it is all.
+TEST(BodyEstimator, APoseIsPlacedByTheBodysSizeInEveryDirection) {
+  Shape shape;
+  shape.semi_axes_m = {1, 0.1, 0.1};
+  shape.body_from_object.rotation = exp_so3(Eigen::Vector3d(0, 0, 0.6));
+  const auto with_sigma_along = [&](const Eigen::Vector3d& axis) {
+    Matrix6d covariance = 1e-4 * Matrix6d::Identity();
+    const Eigen::Vector3d off = shape.body_from_object.rotation * axis;
+    covariance.topLeftCorner<3, 3>() += 0.25 * off * off.transpose();
+    return covariance;
+  };
+  EXPECT_TRUE(is_placed(with_sigma_along(Eigen::Vector3d::UnitX()), shape));
+  EXPECT_FALSE(is_placed(with_sigma_along(Eigen::Vector3d::UnitY()), shape));
+  EXPECT_FALSE(is_placed(with_sigma_along(Eigen::Vector3d::UnitZ()), shape));
+}
+
 }  // namespace
 }  // namespace uniquadric
