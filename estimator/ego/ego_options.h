@@ -20,7 +20,6 @@ void visit(Io& io, EgoOptions& o) {
   io.number("window_keyframes", o.window_keyframes, 1, 10'000);
   io.flag("final_adjustment", o.final_adjustment);
   io.number("final_iterations", o.final_iterations, 1, 1000);
-  io.number("most_keyframes", o.most_keyframes, 2, 100'000);
   io.number("young_frames", o.young_frames, 0, 10'000);
   io.number("young_lost_frames", o.young_lost_frames, 2, 10'000);
   io.number("restart_after_s", o.restart_after_s, 0.0, 1e6);

@@ -53,12 +53,6 @@ std::int64_t count_followed(const std::vector<FramePose>& lost) {
                        [&](const Feature& f) { return f.depth_m > 0 && before.contains(f.track); });
 }
 
-std::vector<int> numbers(int begin, int end) {
-  std::vector<int> result(end - begin);
-  std::iota(result.begin(), result.end(), begin);
-  return result;
-}
-
 std::vector<PointSighting> sightings_of(const EgoMap& map, const std::vector<Feature>& features) {
   std::vector<PointSighting> sightings;
   for (const Feature& f : features)
@@ -87,7 +81,6 @@ struct RgbdOdometry::State {
                                     const std::optional<Pose>& prior, std::int64_t frame) const;
   bool wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const;
   void insert_keyframe(std::int64_t frame, const std::vector<Feature>& features);
-  void adjust_all(EgoMap& of, const BundleOptions& bundle) const;
   Pose found_again(const EgoMap& by, const FramePose& frame) const;
   void settle_frames();
   void begin_map(const Pose& pose, std::int64_t frame, const std::vector<Feature>& features);
@@ -119,27 +112,17 @@ bool RgbdOdometry::State::wants_keyframe(const std::vector<Feature>& features, s
          moved.translation.norm() > options.keyframe_shift * median_depth(features);
 }
 
-// All keyframes: where there are many, in parts that overlap by half, lest memory grow with them.
-void RgbdOdometry::State::adjust_all(EgoMap& of, const BundleOptions& bundle) const {
-  const int count = static_cast<int>(of.keyframes.size()), most = options.most_keyframes;
-  if (count <= most) return adjust_bundle(of, camera, numbers(0, count), bundle);
-  for (int begin = 1; begin + most / 2 < count; begin += most / 2)  // the first is the world
-    adjust_bundle(of, camera, numbers(begin, std::min(begin + most, count)), bundle);
-}
-
 void RgbdOdometry::State::insert_keyframe(std::int64_t frame, const std::vector<Feature>& features) {
   RandomStream random(seed, "ego_loop", frame);
   const auto loop = map.keyframes.empty()
                         ? std::nullopt
                         : find_loop(map, camera, features, *camera_from_world, options.loop, random);
   add_keyframe(map, camera, {frame, *camera_from_world, features});
-  if (loop) {
-    close_loop(map, *loop, options.loop);
-    adjust_all(map, options.bundle);
-  } else {
-    const int count = static_cast<int>(map.keyframes.size());
-    adjust_bundle(map, camera, numbers(std::max(0, count - options.window_keyframes), count), options.bundle);
-  }
+  const int count = static_cast<int>(map.keyframes.size());
+  if (loop) close_loop(map, *loop, options.loop);
+  std::vector<int> moving(loop ? count : std::min(count, options.window_keyframes));
+  std::iota(moving.begin(), moving.end(), count - static_cast<int>(moving.size()));
+  adjust_bundle(map, camera, moving, options.bundle);
   camera_from_world = map.keyframes.back().camera_from_world;
 }
 
@@ -264,9 +247,11 @@ void RgbdOdometry::State::append(const EgoMap& of, const std::vector<FramePose>&
                                  const std::vector<FramePose>& earlier, Trajectory& trajectory) const {
   EgoMap adjusted = of;
   if (options.final_adjustment) {
+    std::vector<int> all(adjusted.keyframes.size());
+    std::iota(all.begin(), all.end(), 0);
     BundleOptions bundle = options.bundle;
     bundle.iterations = options.final_iterations;
-    adjust_all(adjusted, bundle);
+    adjust_bundle(adjusted, camera, all, bundle);
   }
   const auto world_from_camera = [&](const FramePose& frame, const Pose& camera_from_map) {
     Pose pose = world_from_map() * camera_from_map.inverse();

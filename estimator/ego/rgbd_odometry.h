@@ -33,7 +33,6 @@ struct EgoOptions {
   int window_keyframes = 8;      // that move in the local bundle adjustment
   bool final_adjustment = true;  // of all keyframes, when the trajectory is asked for
   int final_iterations = 20;
-  int most_keyframes = 100;  // that are adjusted at once
   /// Frames: a map that is lost for young_lost_frames before it has placed young_frames was begun on a bad
   /// one.
   int young_frames = 10, young_lost_frames = 3;

@@ -120,26 +120,6 @@ TEST(RgbdOdometry, AFullCircleCloses) {
   EXPECT_LT((estimate.translation - truth.translation).norm(), 0.004);
 }
 
-// Memory is bounded by adjusting a part of the keyframes at a time: the place in the world and the accuracy
-// are those of all at once.
-TEST(RgbdOdometry, KeyframesThatAreAdjustedInPartsFitAsWell) {
-  Walk walk(2);
-  walk.pixel_sigma = 0.15;
-  walk.depth_share = 0.001;
-  for (const int most : {1000, 8}) {
-    EgoOptions options;
-    options.most_keyframes = most;
-    RgbdOdometry odometry(walk.camera, options, 1);
-    for (int i = 0; i < 200; ++i) odometry.track(walk.frame(i), walk.see(i), {}, {});
-    const Trajectory trajectory = odometry.trajectory();
-    const Errors errors = errors_of(walk, trajectory);
-    EXPECT_EQ(errors.poses, 200) << most;
-    EXPECT_LT(errors.worst_m, 0.01) << most;
-    EXPECT_LT(errors.worst_rad, 0.004) << most;
-    EXPECT_LT(trajectory.front().pose.translation.norm(), 1e-12) << most;
-  }
-}
-
 // The path is bent as if the odometry had drifted, a random step a keyframe: old points that come back
 // straighten it.
 TEST(RgbdOdometry, ALoopMendsADrift) {
