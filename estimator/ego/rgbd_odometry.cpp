@@ -76,6 +76,7 @@ struct RgbdOdometry::State {
   Pose presumed;                          // the same, where it is not known: the last known, moved on
   std::optional<Eigen::Vector3d> up;      // in the map's world, the first camera
   int frames_seen = 0;
+  bool depth_changed = false;  // and no map has begun since
 
   std::optional<RigidMotion> locate(const EgoMap& by, const std::vector<Feature>& features,
                                     const std::optional<Pose>& prior, std::int64_t frame) const;
@@ -158,6 +159,7 @@ void RgbdOdometry::State::look_for_floor(const cv::Mat& depth, const cv::Mat& ma
 void RgbdOdometry::State::begin_map(const Pose& pose, std::int64_t frame,
                                     const std::vector<Feature>& features) {
   camera_from_world = pose;
+  depth_changed = false;
   insert_keyframe(frame, features);
 }
 
@@ -217,11 +219,12 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
   ++s.frames_seen;
   const auto& seen = features.background;
   const bool can_begin = count_with_depth(seen) >= s.options.pose.min_inliers;
+  s.depth_changed = s.depth_changed || features.depth_changed;
   if (features.background_motion) s.presumed = *features.background_motion * s.presumed;
   if (s.map.keyframes.empty()) {
     if (!can_begin) return;
     s.begin_map(Pose{}, frame.frame, seen);
-  } else if (features.depth_changed && can_begin) {
+  } else if (s.depth_changed && can_begin) {
     s.begin_anew(frame.frame, seen);
   } else if (!s.follow(frame.frame, features)) {
     s.lost.push_back({frame.frame, frame.stamp_ns, 0, {}, seen, features.background_motion});
@@ -279,6 +282,12 @@ Trajectory RgbdOdometry::trajectory() const {
   for (const Stretch& s : state_->given_up) state_->append(s.map, s.frames, s.before, trajectory);
   if (!state_->frames.empty()) state_->append(state_->map, state_->frames, state_->before, trajectory);
   return trajectory;
+}
+
+std::int64_t RgbdOdometry::features_kept() const {
+  std::int64_t kept = 0;
+  for (const FramePose& frame : state_->frames) kept += std::ssize(frame.features);
+  return kept;
 }
 
 int RgbdOdometry::restarts() const {

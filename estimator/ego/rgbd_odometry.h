@@ -66,6 +66,10 @@ class RgbdOdometry {
   /// world_from_camera of all frames but those where the camera was lost, with all that is known now.
   Trajectory trajectory() const;
 
+  /// Features by which frames of the present map will be placed once more: as many as the frames of the local
+  /// bundle adjustment have.
+  std::int64_t features_kept() const;
+
   /// How often a new map went on from the last known pose: what moved meanwhile is missing there.
   int restarts() const;
 

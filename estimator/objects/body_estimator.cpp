@@ -79,8 +79,8 @@ BodyEstimator::BodyEstimator(int id, const Camera& camera, const BodyOptions& op
 std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const BodyObservation* body,
                                              std::vector<StageTime>* times) {
   shape_.note_times(times);
-  if (!frame.world_from_camera) return std::nullopt;
   if (frame.depth_changed && !recent_.empty()) begin_anew();
+  if (!frame.world_from_camera) return std::nullopt;
   shape_.receive(frame.frame);  // silhouettes that came late
   if (recent_.empty()) {
     if (!body || !start(frame, *body)) return std::nullopt;

@@ -238,6 +238,40 @@ TEST(RgbdOdometry, AStepOfTheScaleBeginsANewMapAtTheLastPose) {
   }
 }
 
+// Told that depth has another scale, it does not wait until it is lost; told by a frame without depth, it
+// begins with the next one that has.
+TEST(RgbdOdometry, AChangeOfDepthThatIsKnownBeginsANewMapAtOnce) {
+  const Walk walk(9);
+  for (const bool is_blank : {false, true}) {
+    RgbdOdometry odometry(walk.camera, {}, 1);
+    for (int i = 0; i < 50; ++i) {
+      TrackedFeatures seen = walk.see(i);
+      for (auto& f : seen.background) f.depth_m *= i < 40 ? 1 : i == 40 && is_blank ? 0 : 1.08;
+      if (i > 0) seen.background_motion = walk.motion(i);
+      seen.depth_changed = i == 40;
+      odometry.track(walk.frame(i), seen, {}, {});
+      EXPECT_EQ(odometry.restarts(), i >= (is_blank ? 41 : 40) ? 1 : 0) << i;
+    }
+  }
+}
+
+// By those of frames whose keyframes still move; the frames' places stay.
+TEST(RgbdOdometry, FeaturesThatAreKeptAreBounded) {
+  Walk walk(2);
+  walk.pixel_sigma = 0.15;
+  walk.depth_share = 0.001;
+  RgbdOdometry odometry(walk.camera, {}, 1);
+  std::int64_t most_early = 0, most_late = 0;
+  for (int i = 0; i < 300; ++i) {
+    odometry.track(walk.frame(i), walk.see(i), {}, {});
+    std::int64_t& most = i < 150 ? most_early : most_late;
+    most = std::max(most, odometry.features_kept());
+  }
+  EXPECT_GT(most_early, 0);
+  EXPECT_LT(most_late, 1.2 * static_cast<double>(most_early));
+  EXPECT_LT(errors_of(walk, odometry.trajectory()).worst_m, 0.01);
+}
+
 // Features that are new in every frame: any map would be lost in the next one, and the first stays.
 TEST(RgbdOdometry, WithoutFeaturesToFollowNoMapBeginsAnew) {
   const Walk walk(11);

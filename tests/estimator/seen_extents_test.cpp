@@ -44,7 +44,7 @@ PointView side_view(double end_m) {
 
 Shape with_ends(const View& view, const std::vector<PointView>& more = {},
                 const Eigen::Vector3d& fitted_m = 1.1 * kHalf,
-                const Eigen::Vector3d& center_m = Eigen::Vector3d::Zero()) {
+                const Eigen::Vector3d& center_m = Eigen::Vector3d::Zero(), bool is_cut = false) {
   Pose body_from_camera;
   body_from_camera.translation = {1, 1, 1};
   body_from_camera.rotation =
@@ -59,6 +59,9 @@ Shape with_ends(const View& view, const std::vector<PointView>& more = {},
   shape.exponents = {1, 1, 1};
   shape.variances.setConstant(1e-6);
   std::vector<PointView> views(3, PointView{body_from_camera, &in_camera.points, &in_camera.normals});
+  const Eigen::Vector3d x = R.col(0);
+  if (is_cut)
+    for (PointView& seen : views) seen.cut.push_back(x.head<2>().normalized());
   views.insert(views.end(), more.begin(), more.end());
   return with_seen_extents(shape, views, 0.2);
 }
@@ -91,6 +94,24 @@ TEST(SeenExtents, AreNotShortOfTheOutline) {
   EXPECT_NEAR(end_x(0.4), 1.1 * kHalf.x(), 1e-6);
   const Shape shape = with_ends(View(0, 0), {side_view(0.2)});
   EXPECT_GT(shape.variances[0], 1e-4);  // points end 25 mm before the fit
+}
+
+// Something hides the end along x in every view: how far the body goes on behind it is not known.
+TEST(SeenExtents, OfWhatIsCutInEveryViewAreUnknown) {
+  const auto sigmas = [](bool is_cut) {
+    const Shape shape = with_ends(View(0, 0), {}, kHalf, Eigen::Vector3d::Zero(), is_cut);
+    return Eigen::Vector3d(shape.variances.head<3>().cwiseSqrt());
+  };
+  EXPECT_LT(sigmas(false).x(), 0.02);
+  EXPECT_GT(sigmas(true).x(), 0.09);  // half of a radius
+  EXPECT_LT(sigmas(true).y(), 0.02);
+}
+
+// Ends that no camera saw are not far beyond points beside them, as far as a body can hide.
+TEST(SeenExtents, DoNotFollowAFitFarBeyondWhatItWouldShow) {
+  const Eigen::Vector3d half = 0.05 * Eigen::Vector3d::Ones();
+  const Shape shape = with_ends(View(0, 0), {}, kHalf + half, -half);
+  EXPECT_NEAR(shape.body_from_object.translation.x() - shape.semi_axes_m.x(), -kHalf.x(), 0.03);
 }
 
 // Of ends that no camera saw the fit knows little where it is far off what was seen beside them.

@@ -217,6 +217,31 @@ TEST(Silhouette, NoTangentIsWhereANearerEdgeCrossesTheOutline) {
     }
 }
 
+// One nearer pixel beside the outline, a wrong measurement, cuts nothing; and beside a body, what is nearer
+// by less than depth may err is no other in front.
+TEST(Silhouette, NoiseBesideTheOutlineCutsNothing) {
+  cv::Mat masks = empty_masks();
+  draw(masks, 1, rectangle({150, 120}, 50, 30, std::numbers::pi / 4));
+  draw(masks, 2, rectangle({150, 205}, 80, 30, 0));
+  cv::Mat depth = depth_of(masks, {{0, 4}, {1, 2}, {2, 1.995}});
+  depth.at<float>(134, 209) = 1;  // beside the corner on the right
+  const auto found = silhouettes(masks, depth, kCamera, {});
+  for (const SupportLine& side : found.at(1).bbox) EXPECT_TRUE(side.free) << side.normal.transpose();
+}
+
+// On the ground a body's sides stay tangents: of what has no id, nearer ground beside its foot is no edge in
+// front of it.
+TEST(Silhouette, GroundBesideTheFootCutsNoSide) {
+  cv::Mat masks = empty_masks();
+  draw(masks, 1, rectangle({150, 120}, 50, 30, -0.1));  // rightmost is its lower corner, at 145
+  cv::Mat depth = depth_of(masks, {{0, 4}, {1, 2}});
+  for (int v = 147; v < 167; ++v)
+    for (int u = 0; u < depth.cols; ++u)
+      if (masks.at<std::uint16_t>(v, u) == 0)
+        depth.at<float>(v, u) = 2.0F - 0.05F * static_cast<float>(v - 146);
+  EXPECT_TRUE(silhouettes(masks, depth, kCamera, {}).at(1).bbox[0].free);
+}
+
 // What hides the body need not have an id: a shelf seen by its depth alone.
 TEST(Silhouette, ANearerSurfaceWithoutAnIdCuts) {
   cv::Mat masks = empty_masks(), kinds = empty_masks();
