@@ -233,12 +233,12 @@ TEST(Silhouette, NoiseBesideTheOutlineCutsNothing) {
 // front of it.
 TEST(Silhouette, GroundBesideTheFootCutsNoSide) {
   cv::Mat masks = empty_masks();
-  draw(masks, 1, rectangle({150, 120}, 50, 30, -0.1));  // rightmost is its lower corner, at 145
+  draw(masks, 1, rectangle({150, 120}, 50, 30, -0.6));  // rightmost is a corner at 116
   cv::Mat depth = depth_of(masks, {{0, 4}, {1, 2}});
-  for (int v = 147; v < 167; ++v)
+  for (int v = 119; v < 139; ++v)
     for (int u = 0; u < depth.cols; ++u)
       if (masks.at<std::uint16_t>(v, u) == 0)
-        depth.at<float>(v, u) = 2.0F - 0.05F * static_cast<float>(v - 146);
+        depth.at<float>(v, u) = 2.0F - 0.05F * static_cast<float>(v - 118);
   EXPECT_TRUE(silhouettes(masks, depth, kCamera, {}).at(1).bbox[0].free);
 }
 
