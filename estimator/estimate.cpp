@@ -242,10 +242,12 @@ Gap longest_gap(const std::vector<FrameInfo>& frames) {
   return longest;
 }
 
-// All that follows would be of another size, or nothing.
-void warn_of_depth(const Sequence& sequence) {
-  if (const auto fault = depth_scale_fault(sequence))
-    warn(fmt::format("{}: {}", (sequence.folder / "sequence.yaml").string(), *fault));
+// All that follows would be of another size or shape, or nothing.
+void warn_of_the_calibration(const Sequence& sequence) {
+  std::vector<std::string> faults = calibration_faults(sequence.camera);
+  if (const auto fault = depth_scale_fault(sequence)) faults.push_back(*fault);
+  for (const std::string& fault : faults)
+    warn(fmt::format("{}: {}", (sequence.folder / "sequence.yaml").string(), fault));
 }
 
 void warn_of_the_camera(const Perception& perception) {
@@ -276,7 +278,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   keep_solver_silent();
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
-  warn_of_depth(sequence);
+  warn_of_the_calibration(sequence);
   PendingFolder pending(out, options.force);
   const auto threads = static_cast<std::size_t>(threads_to_use(options.threads));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -312,7 +314,7 @@ void keep_perception(const fs::path& sequence_folder, const Variant& variant,
   keep_solver_silent();
   refuse_to_keep_joined(variant, options);
   const Sequence sequence = open_sequence(sequence_folder);
-  warn_of_depth(sequence);
+  warn_of_the_calibration(sequence);
   kept_perception(sequence, variant, options, options.force ? Replace::always : Replace::its_own);
 }
 

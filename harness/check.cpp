@@ -57,14 +57,8 @@ bool is_recording(const Sequence& sequence) {
 }
 
 void check_calibration(const Sequence& sequence, Problems& problems) {
-  const Camera& camera = sequence.camera;
-  const fs::path path = sequence.folder / "sequence.yaml";
-  if (!camera.contains({camera.cx, camera.cy}))
-    add(problems, path, "the principal point lies outside the image");
-  for (const double u : {0.0, camera.width - 1.0})
-    for (const double v : {0.0, camera.height - 1.0})
-      if (!camera.unproject({u, v}))
-        add(problems, path, fmt::format("the distortion has no inverse at pixel ({}, {})", u, v));
+  for (const std::string& fault : calibration_faults(sequence.camera))
+    add(problems, sequence.folder / "sequence.yaml", fault);
 }
 
 void check_depth(const Sequence& sequence, const SequenceFrame& frame, Problems& problems) {

@@ -1,13 +1,20 @@
 #include "core/geometry/camera.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
 
 namespace uniquadric {
 namespace {
 
 constexpr int kMaxNewtonSteps = 30;
 constexpr double kNewtonTolerance = 1e-13;  // normalised image plane; 1e-10 px at any usual focal length
+
+constexpr double kLeastView_deg = 2, kMostView_deg = 170;  // ours: wider than pinhole lenses
 
 Eigen::Vector2d distort(const Eigen::Vector2d& p, const std::array<double, 5>& d) {
   const double r2 = p.squaredNorm();
@@ -68,6 +75,24 @@ std::optional<Eigen::Vector3d> Camera::unproject(const Eigen::Vector2d& pixel) c
 Camera without_distortion(Camera camera) {
   camera.distortion = {};
   return camera;
+}
+
+std::vector<std::string> calibration_faults(const Camera& camera) {
+  std::vector<std::string> faults;
+  if (!camera.contains({camera.cx, camera.cy}))
+    faults.push_back("the principal point lies outside the image");
+  for (const auto& [size_px, focal_px, name] :
+       {std::tuple(camera.width, camera.fx, "fx"), std::tuple(camera.height, camera.fy, "fy")}) {
+    const double view_deg = 2 * std::atan2(size_px / 2.0, focal_px) * 180 / std::numbers::pi;
+    if (view_deg < kLeastView_deg || view_deg > kMostView_deg)
+      faults.push_back(
+          fmt::format("{} of {} px gives an angle of view of {:.2g} degrees", name, focal_px, view_deg));
+  }
+  for (const double u : {0.0, camera.width - 1.0})
+    for (const double v : {0.0, camera.height - 1.0})
+      if (!camera.unproject({u, v}))
+        faults.push_back(fmt::format("the distortion has no inverse at pixel ({}, {})", u, v));
+  return faults;
 }
 
 }  // namespace uniquadric

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace uniquadric {
 
@@ -26,5 +28,9 @@ struct Camera {
 
 /// The same camera with an ideal lens: what sees the undistorted pixels.
 Camera without_distortion(Camera camera);
+
+/// What is hardly any camera's: a principal point outside the image, an angle of view across it below 2 or
+/// above 170 degrees, a distortion without inverse at a corner.
+std::vector<std::string> calibration_faults(const Camera& camera);
 
 }  // namespace uniquadric

@@ -62,5 +62,19 @@ TEST(Camera, TheImageRunsHalfAPixelPastItsOuterPixelCentres) {
   EXPECT_FALSE(camera.contains({639.51, 0}));
 }
 
+TEST(Camera, CalibrationsOfNoCameraAreTold) {
+  EXPECT_TRUE(calibration_faults(Camera{}).empty());
+  Camera aside, wide, narrow, folded;
+  aside.cx = 5000;
+  wide.fx = 20;
+  narrow.fy = 525'000;
+  folded.distortion = {-5, 0, 0, 0, 0};
+  const auto first = [](const Camera& camera) { return calibration_faults(camera).at(0); };
+  EXPECT_NE(first(aside).find("principal point"), std::string::npos);
+  EXPECT_NE(first(wide).find("fx of 20 px"), std::string::npos);
+  EXPECT_NE(first(narrow).find("fy of 525000 px"), std::string::npos);
+  EXPECT_NE(first(folded).find("pixel (0, 0)"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace uniquadric
