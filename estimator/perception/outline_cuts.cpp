@@ -36,30 +36,33 @@ double depth_at(const cv::Mat& depth, const cv::Point& p) {
   return depth.empty() ? 0 : depth.at<float>(p);
 }
 
+void add_own_depth(const OutlineSurroundings& around, const Eigen::Vector2d& position,
+                   std::vector<double>& depths) {
+  const auto p = pixel_at(around.masks, position);
+  if (!p || around.masks.at<std::uint16_t>(*p) != around.id) return;
+  if (const double z = depth_at(around.depth, *p); z > 0) depths.push_back(z);
+}
+
+double median_or_zero(std::vector<double> depths) {
+  return depths.empty() ? 0 : upper_median(std::move(depths));
+}
+
 // Median depth of the body along a line into it; 0 where nothing is measured. The outermost pixels may be
 // another's: masks are pixels off.
 double depth_inside(const OutlineSurroundings& around, const Eigen::Vector2d& pixel,
                     const Eigen::Vector2d& normal, int reach_px) {
-  std::vector<double> values;
-  for (int k = 2; k <= 2 + reach_px; ++k) {
-    const auto p = pixel_at(around.masks, pixel - k * normal);
-    if (!p || around.masks.at<std::uint16_t>(*p) != around.id) continue;
-    if (const double z = depth_at(around.depth, *p); z > 0) values.push_back(z);
-  }
-  if (values.empty()) return 0;
-  return upper_median(std::move(values));
+  std::vector<double> depths;
+  for (int k = 2; k <= 2 + reach_px; ++k) add_own_depth(around, pixel - k * normal, depths);
+  return median_or_zero(std::move(depths));
 }
 
-// Median depth of the body about a pixel; 0 where nothing is measured. Some of its mask may be another's.
+// The same all about a pixel. Some of its mask may be another's.
 double depth_about(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, int reach_px) {
   std::vector<double> depths;
   for (int dv = -reach_px; dv <= reach_px; ++dv)
-    for (int du = -reach_px; du <= reach_px; ++du) {
-      const auto p = pixel_at(around.masks, pixel + Eigen::Vector2d(du, dv));
-      if (!p || around.masks.at<std::uint16_t>(*p) != around.id) continue;
-      if (const double z = depth_at(around.depth, *p); z > 0) depths.push_back(z);
-    }
-  return depths.empty() ? 0 : upper_median(std::move(depths));
+    for (int du = -reach_px; du <= reach_px; ++du)
+      add_own_depth(around, pixel + Eigen::Vector2d(du, dv), depths);
+  return median_or_zero(std::move(depths));
 }
 
 // What lies beside the outline at `pixel`, along `outward`, against the body's depth there.
@@ -88,6 +91,16 @@ Beside look_beside(const OutlineSurroundings& around, const Eigen::Vector2d& pix
   return beside;
 }
 
+bool meets_a_body(const OutlineSurroundings& around, const Eigen::Vector2d& pixel,
+                  const Eigen::Vector2d& outward, int reach_px) {
+  for (int k = 1; k <= reach_px; ++k) {
+    const auto p = pixel_at(around.masks, pixel + k * outward);
+    if (!p) break;
+    if (const int id = around.masks.at<std::uint16_t>(*p); id != 0 && id != around.id) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool is_cut(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
@@ -98,10 +111,12 @@ bool is_cut(const OutlineSurroundings& around, const Eigen::Vector2d& pixel, con
   const Beside front = look_beside(around, pixel, normal, inside_m, options);
   if (front.nearer >= kMinNearer || (front.unknown >= kMinNearer && front.farther == 0 && front.nearer == 0))
     return true;
-  const double about_m = depth_about(around, pixel, reach_px);
+  std::optional<double> about_m;  // most outlines have no other body beside them
   return std::any_of(kSideways.begin(), kSideways.end(), [&](double angle_rad) {
     const Eigen::Vector2d outward = Eigen::Rotation2Dd(angle_rad) * normal;
-    return look_beside(around, pixel, outward, about_m, options).nearer_bodies >= kMinNearer;
+    if (!meets_a_body(around, pixel, outward, reach_px)) return false;
+    if (!about_m) about_m = depth_about(around, pixel, reach_px);
+    return look_beside(around, pixel, outward, *about_m, options).nearer_bodies >= kMinNearer;
   });
 }
 
