@@ -193,6 +193,11 @@ class BodyRun {
 
 BackendResult estimate_windows(const Perception& perception, const Variant& variant, std::uint64_t seed) {
   std::map<int, BodyRun> by_id;
+  const auto for_each_body = [&](const auto& f) {  // beside each other
+    std::vector<BodyRun*> bodies;
+    for (auto& [id, body] : by_id) bodies.push_back(&body);
+    tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t i) { f(*bodies[i]); });
+  };
   for (std::size_t begin = 0, end; begin < perception.frames().size(); begin = end) {
     end = std::min(begin + kBatch, perception.frames().size());
     std::vector<PerceivedFrame> frames;
@@ -200,17 +205,13 @@ BackendResult estimate_windows(const Perception& perception, const Variant& vari
     for (const PerceivedFrame& frame : frames)
       for (const BodyObservation& body : frame.bodies)
         by_id.try_emplace(body.id, body.id, perception, variant, seed);
-    std::vector<BodyRun*> bodies;
-    for (auto& [id, body] : by_id) bodies.push_back(&body);
-    tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t i) {
-      for (const PerceivedFrame& frame : frames) bodies[i]->step(frame);
+    for_each_body([&](BodyRun& body) {
+      for (const PerceivedFrame& frame : frames) body.step(frame);
     });
   }
-  std::vector<BodyRun*> bodies;
-  for (auto& [id, body] : by_id) bodies.push_back(&body);
-  tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t i) { bodies[i]->finish(variant); });
+  for_each_body([&](BodyRun& body) { body.finish(variant); });
   BackendResult result;
-  for (const BodyRun* body : bodies) body->give(result);
+  for (const auto& [id, body] : by_id) body.give(result);
   return result;
 }
 

@@ -13,7 +13,6 @@ namespace {
 
 constexpr int kMaxNewtonSteps = 30;
 constexpr double kNewtonTolerance = 1e-13;  // normalised image plane; 1e-10 px at any usual focal length
-
 constexpr double kLeastView_deg = 2, kMostView_deg = 170;  // ours: wider than pinhole lenses
 
 Eigen::Vector2d distort(const Eigen::Vector2d& p, const std::array<double, 5>& d) {
