@@ -3,6 +3,7 @@
 #include <pcl/kdtree/kdtree_flann.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,7 +16,14 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kIterations = 15;
+struct Effort {
+  int iterations;
+  std::size_t stride;  // of the points that are used
+};
+
+constexpr Effort kFull{15, 1}, kRough{7, 4};
+constexpr std::size_t kRefined = 2;                   // rough fits that are worth a full one
+constexpr double kSamePlace = 0.02, kSameTurn = 0.1;  // [m], [rad] of rough fits that end alike
 constexpr int kPartners = 6;        // model points among which one with a like normal is looked for
 constexpr int kLeastModel = 50;     // points of a model that a pose is taken from
 constexpr double kOtherSide = 0.3;  // share of the points that it must match more, to be the one that is seen
@@ -109,6 +117,7 @@ class Aligner {
         options_(options),
         seen_(evenly_drawn(body, options.max_points)),
         is_colored_(body.colors.cols() > 0 && model.colors.cols() > 0),
+        bounds_(model.points.rowwise().minCoeff(), model.points.rowwise().maxCoeff()),
         tree_(tree_of(model.points)) {
     std::copy_if(body.silhouette->support.begin(), body.silhouette->support.end(), std::back_inserter(lines_),
                  [](const SupportLine& line) { return line.free; });
@@ -120,19 +129,19 @@ class Aligner {
     Fit fit;
     fit.pose = pose;
     CauchyEquations equations;
-    add_points(fit, options_.far_m, equations);
+    add_points(fit, options_.far_m, kFull.stride, equations);
     return fit.distance_m;
   }
 
-  Fit fit_from(const Pose& start) const {
+  Fit fit_from(const Pose& start, const Effort& effort) const {
     Fit fit;
     fit.pose = start;
-    for (int i = 0; i < kIterations; ++i) {
-      const double share = static_cast<double>(i) / (kIterations - 1);
+    for (int i = 0; i < effort.iterations; ++i) {
+      const double share = static_cast<double>(i) / (effort.iterations - 1);
       const double reach_m =
           options_.far_m * std::pow(options_.near_m / options_.far_m, std::min(1.0, 1.5 * share));
       CauchyEquations equations;
-      add_points(fit, reach_m, equations);
+      add_points(fit, reach_m, effort.stride, equations);
       if (!add_outline(fit, equations)) return {};
       fit.information = kEvidence * equations.information;
       fit.cost = equations.cost + add_prior(fit.pose, equations);
@@ -140,17 +149,15 @@ class Aligner {
       if (!step.allFinite()) return {};
       fit.pose = perturbed(fit.pose, step);
       if (fit.pose.translation.z() < kMinDepth) return {};
-      if (2 * i > kIterations && step.norm() < kConverged) break;
+      if (2 * i > effort.iterations && step.norm() < kConverged) break;
     }
     return fit;
   }
 
   // Whether most of the points are where the body is: an outline alone fits a small body far away as well.
   bool holds_points(const Pose& pose) const {
-    const Eigen::Vector3d least = model_.points.rowwise().minCoeff(),
-                          most = model_.points.rowwise().maxCoeff();
-    const Eigen::Vector3d center = pose * Eigen::Vector3d((least + most) / 2);
-    const double reach_m = kReach * (most - least).norm() / 2;
+    const Eigen::Vector3d center = pose * bounds_.center();
+    const double reach_m = kReach * bounds_.diagonal().norm() / 2;
     const auto held = std::count_if(seen_.begin(), seen_.end(), [&](const SeenPoint& seen) {
       return (seen.position - center).norm() < reach_m;
     });
@@ -158,11 +165,12 @@ class Aligner {
   }
 
   // Of how the points' colours differ from the model's there. Where it has none they may be any.
-  double color_cost(const Pose& pose) const {
+  double color_cost(const Pose& pose, std::size_t stride) const {
     if (!is_colored_) return 0;
     const Pose body_from_camera = pose.inverse();
     double cost = 0;
-    for (const SeenPoint& seen : seen_) {
+    for (std::size_t k = 0; k < seen_.size(); k += stride) {
+      const SeenPoint& seen = seen_[k];
       const auto partner = partner_of(seen, body_from_camera, options_.near_m);
       const double off =
           partner ? (seen.color - model_.colors.col(*partner)).norm() / options_.color_sigma : 1;
@@ -176,18 +184,22 @@ class Aligner {
   std::optional<int> partner_of(const SeenPoint& seen, const Pose& body_from_camera, double reach_m) const {
     pcl::Indices indices;
     std::vector<float> squared;
-    const Eigen::Vector3d normal = body_from_camera.rotation * seen.normal;
-    tree_.nearestKSearch(to_pcl(body_from_camera * seen.position), kPartners, indices, squared);
+    const Eigen::Vector3d position = body_from_camera * seen.position,
+                          normal = body_from_camera.rotation * seen.normal;
+    if (bounds_.squaredExteriorDistance(position) > reach_m * reach_m) return std::nullopt;
+    tree_.nearestKSearch(to_pcl(position), kPartners, indices, squared);
     for (std::size_t k = 0; k < indices.size() && squared[k] < reach_m * reach_m; ++k)
       if (model_.normals.col(indices[k]).dot(normal) >= options_.min_normal_cosine) return indices[k];
     return std::nullopt;
   }
 
-  void add_points(Fit& fit, double reach_m, CauchyEquations& equations) const {
+  void add_points(Fit& fit, double reach_m, std::size_t stride, CauchyEquations& equations) const {
     const Pose body_from_camera = fit.pose.inverse();
-    int matched = 0;
+    int used = 0, matched = 0;
     double sum = 0;
-    for (const SeenPoint& seen : seen_) {
+    for (std::size_t k = 0; k < seen_.size(); k += stride) {
+      const SeenPoint& seen = seen_[k];
+      ++used;
       const auto partner = partner_of(seen, body_from_camera, reach_m);
       if (!partner) continue;
       const Eigen::Vector3d p = body_from_camera * seen.position, n = model_.normals.col(*partner);
@@ -197,8 +209,8 @@ class Aligner {
       ++matched;
     }
     // what has no partner costs a little, else fewer would be better; not more, as it may be a new face
-    equations.cost += kEvidence * kUnmatched * static_cast<double>(std::ssize(seen_) - matched);
-    fit.matched = seen_.empty() ? 0 : matched / static_cast<double>(std::ssize(seen_));
+    equations.cost += kEvidence * kUnmatched * (used - matched);
+    fit.matched = used ? matched / static_cast<double>(used) : 0;
     fit.distance_m = matched ? sum / matched : 0;
   }
 
@@ -277,8 +289,49 @@ class Aligner {
   std::vector<SeenPoint> seen_;
   std::vector<SupportLine> lines_;
   bool is_colored_;
+  Eigen::AlignedBox3d bounds_;
   Tree tree_;
 };
+
+Fit held_fit(const Aligner& aligner, const Pose& start, const Effort& effort) {
+  const Fit fit = aligner.fit_from(start, effort);
+  return std::isfinite(fit.cost) && aligner.holds_points(fit.pose) ? fit : Fit{};
+}
+
+bool is_same_place(const Pose& a, const Pose& b) {
+  return a.rotation.angularDistance(b.rotation) < kSameTurn &&
+         (a.translation - b.translation).norm() < kSamePlace;
+}
+
+// Of many starts: full fits from where the best of the rough ones ended, with what colours say.
+std::vector<Fit> fits_from(const Aligner& aligner, const std::vector<Pose>& starts) {
+  if (starts.size() == 1) return {held_fit(aligner, starts.front(), kFull)};
+  const auto colored_fit = [&](const Pose& start, const Effort& effort) {
+    Fit fit = held_fit(aligner, start, effort);
+    if (std::isfinite(fit.cost)) fit.cost += aligner.color_cost(fit.pose, effort.stride);
+    return fit;
+  };
+  std::vector<Fit> rough, fits;
+  for (const Pose& start : starts) rough.push_back(colored_fit(start, kRough));
+  std::ranges::stable_sort(rough, {}, &Fit::cost);
+  std::vector<Pose> ends;
+  for (const Fit& fit : rough) {
+    if (ends.size() == kRefined || !std::isfinite(fit.cost)) break;
+    const auto is_here = [&](const Pose& end) { return is_same_place(end, fit.pose); };
+    if (std::ranges::any_of(ends, is_here)) continue;
+    ends.push_back(fit.pose);
+    fits.push_back(colored_fit(fit.pose, kFull));
+  }
+  return fits;
+}
+
+std::vector<Pose> other_sides(const Pose& camera_from_body, const Pose& body_from_object) {
+  std::vector<Pose> sides;
+  for (const Eigen::Matrix3d& turn : box_rotations())
+    sides.push_back(camera_from_body * body_from_object *
+                    Pose{Eigen::Quaterniond(turn), Eigen::Vector3d::Zero()} * body_from_object.inverse());
+  return sides;
+}
 
 }  // namespace
 
@@ -297,23 +350,12 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
           predicted.rotation * exp_so3(turn * options.turn_rad * Eigen::Vector3d::Unit(axis));
     }
   const Aligner aligner(camera, body, model, predicted, sigmas, options);
-  const auto fit_from = [&](const Pose& start) {
-    Fit fit = aligner.fit_from(start);
-    if (!std::isfinite(fit.cost) || !aligner.holds_points(fit.pose)) return Fit{};
-    if (starts.size() > 1) fit.cost += aligner.color_cost(fit.pose);
-    return fit;
-  };
   Fit best;
-  for (const Pose& start : starts)
-    if (const Fit fit = fit_from(start); fit.cost < best.cost) best = fit;
-  if (stale && model.body_from_object && std::isfinite(best.cost)) {
-    const Pose camera_from_object = best.pose * *model.body_from_object;
-    for (const Eigen::Matrix3d& turn : box_rotations()) {
-      const Pose turned{Eigen::Quaterniond(turn), Eigen::Vector3d::Zero()};
-      const Fit fit = fit_from(camera_from_object * turned * model.body_from_object->inverse());
+  for (const Fit& fit : fits_from(aligner, starts))
+    if (fit.cost < best.cost) best = fit;
+  if (stale && model.body_from_object && std::isfinite(best.cost))
+    for (const Fit& fit : fits_from(aligner, other_sides(best.pose, *model.body_from_object)))
       if (fit.matched >= best.matched + kOtherSide && fit.cost < best.cost) best = fit;
-    }
-  }
   if (!std::isfinite(best.cost)) return std::nullopt;
   // A face that was never seen matches nothing: the outline is enough to go on.
   const bool known = best.matched > options.min_matched;
