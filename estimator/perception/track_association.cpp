@@ -14,7 +14,9 @@ constexpr double kNanosecond_s = 1e-9;
 constexpr double kColourMemory = 0.8;    // weight of the known colours against those of a new sighting
 constexpr double kVelocityMemory = 0.5;  // the same for the velocity
 constexpr double kWellSeen = 0.3;        // share of the largest silhouette from which colours are learnt
+constexpr double kWholeSeen = 0.9;       // the same, from which a velocity is taken
 constexpr double kContinuous_s = 0.5;    // between sightings from which a velocity is taken
+constexpr double kMostHiddenSpeed = 2;   // of a hidden body, to and fro, in its last one's
 
 // Pixels that each id of the tracked masks shares with a detection.
 std::map<int, int> shared_pixels(const Detection& detection, const cv::Mat& tracked_masks) {
@@ -39,6 +41,13 @@ std::map<int, int> pixels_of_ids(const cv::Mat& masks) {
 bool same_depth(const Appearance& a, const Appearance& b, double tolerance) {
   if (!a.place_m || !b.place_m) return true;
   return std::abs(a.place_m->z() - b.place_m->z()) < tolerance * a.place_m->z();
+}
+
+// Distance from the line along which a body may have gone, to or fro, while it was hidden.
+double off_path_m(const Eigen::Vector3d& moved, const Eigen::Vector3d& velocity, double most_m) {
+  if (velocity.isZero()) return moved.norm();
+  const Eigen::Vector3d along = velocity.normalized();
+  return (moved - std::clamp(moved.dot(along), -most_m, most_m) * along).norm();
 }
 
 }  // namespace
@@ -82,10 +91,11 @@ double TrackBook::likeness(const Detection& detection, const KnownTrack& track, 
   if (gap_s > options_.patience_s || similarity < options_.min_similarity) return 0;
   if (!seen.place_m || !known.place_m)
     return seen.area_px <= options_.max_area_ratio * track.largest_area_px ? similarity : 0;
-  const double predicted_s = std::min(gap_s, kContinuous_s);  // bodies turn round while they are hidden
-  const Eigen::Vector3d predicted = *known.place_m + predicted_s * track.velocity_mps;
-  const double distance =
-      (*seen.place_m - predicted).norm() / (options_.reach_m + gap_s * options_.reach_mps);
+  // hidden ones slow down, turn round or hurry; and at the edges of its cover a body's end stands for it
+  const double most_m =
+      kMostHiddenSpeed * gap_s * track.velocity_mps.norm() + std::sqrt(track.largest_area_m2);
+  const double distance = off_path_m(*seen.place_m - *known.place_m, track.velocity_mps, most_m) /
+                          (options_.reach_m + gap_s * options_.reach_mps);
   if (distance > 1 || *seen.area_m2 > options_.max_area_ratio * track.largest_area_m2) return 0;
   return similarity * (1 - distance / 4);  // of two that look alike the nearer one
 }
@@ -146,11 +156,15 @@ void TrackBook::learn(KnownTrack& track, const Appearance& seen, std::int64_t st
   if (seen.area_px >= kWellSeen * track.largest_area_px)
     for (std::size_t i = 0; i < known.colours.size(); ++i)
       known.colours[i] = kColourMemory * known.colours[i] + (1 - kColourMemory) * seen.colours[i];
+  // while a cover slides over it, what is seen of it moves less than it does
+  const bool is_whole = seen.area_px >= kWholeSeen * track.largest_area_px;
   if (gap_s > kContinuous_s)
     track.velocity_mps.setZero();
-  else if (gap_s > 0 && seen.place_m && known.place_m)
-    track.velocity_mps = kVelocityMemory * track.velocity_mps +
-                         (1 - kVelocityMemory) * (*seen.place_m - *known.place_m) / gap_s;
+  else if (gap_s > 0 && seen.place_m && known.place_m && is_whole) {
+    const double memory = track.velocity_mps.isZero() ? 0 : kVelocityMemory;
+    track.velocity_mps =
+        memory * track.velocity_mps + (1 - memory) * (*seen.place_m - *known.place_m) / gap_s;
+  }
   known.area_px = seen.area_px;
   if (seen.place_m) {
     known.place_m = seen.place_m;

@@ -22,7 +22,7 @@ struct Effort {
 };
 
 constexpr Effort kFull{15, 1}, kRough{7, 4};
-constexpr std::size_t kRefined = 2;                   // rough fits that are worth a full one
+constexpr std::size_t kRefined = 5;                   // rough fits that are worth a full one
 constexpr double kSamePlace = 0.02, kSameTurn = 0.1;  // [m], [rad] of rough fits that end alike
 constexpr int kPartners = 6;        // model points among which one with a like normal is looked for
 constexpr int kLeastModel = 50;     // points of a model that a pose is taken from

@@ -169,6 +169,24 @@ TEST(Aot, ABodyThatWasHiddenKeepsItsId) {
   EXPECT_FALSE(tracks.contains(0));
 }
 
+// Two that look the same, at other distances, pass each other behind the pillar: each goes on.
+TEST(Aot, TwinsThatPassEachOtherInHidingKeepTheirIds) {
+  const Sprite pillar{9,          13,  {90, 140, 90},
+                      {100, 240}, 1.2, [](std::int64_t) { return Eigen::Vector2d(110, 0); }};
+  Sprite left = kRed, right = kRed;
+  right.id = 2;
+  right.depth_m = 2.4;
+  left.corner_px = [](std::int64_t n) { return Eigen::Vector2d(10 + 2.0 * double(n), 90); };
+  right.corner_px = [](std::int64_t n) { return Eigen::Vector2d(240 - 2.0 * double(n), 90); };
+  const std::vector<Sprite> world = {left, right, pillar};
+  const Kept not_pillar = [](std::int64_t, int id) { return id != 9; };
+  const History result = run(world, 120, perfect_segmenter(world, kLatency_ns, not_pillar));
+  for (const int id : {1, 2}) {
+    EXPECT_NE(track_of(result, 10, id), 0);
+    EXPECT_EQ(track_of(result, 119, id), track_of(result, 10, id)) << id;
+  }
+}
+
 // Blue goes behind the pillar and a body of other colours comes out: another id.
 TEST(Aot, ABodyOfOtherColoursIsANewOne) {
   const Sprite pillar{9,          13,  {90, 140, 90},
