@@ -80,6 +80,27 @@ json semi_axes_errors(const ObjectEvaluation& object) {
   return errors;
 }
 
+// Errors over the sigmas that were stated of them.
+json consistency(const ObjectEvaluation& object) {
+  const auto over_sigma = [](std::optional<double> error, std::optional<double> sigma) {
+    return error && sigma ? std::optional(*error / *sigma) : std::nullopt;
+  };
+  const auto of_part = [&](const auto& error_of, std::optional<double> StatedSigmas::*sigma) {
+    return over_frames(object, [&](const ObjectFrame& frame) {
+      return frame.estimate ? over_sigma(error_of(frame), frame.stated.*sigma) : std::nullopt;
+    });
+  };
+  return {{"translation", of_part([](const ObjectFrame& frame) { return frame.ape->translation_m; },
+                                  &StatedSigmas::translation_m)},
+          {"rotation", of_part([](const ObjectFrame& frame) { return frame.ape->rotation_rad; },
+                               &StatedSigmas::rotation_rad)},
+          {"semi_axes", of_part(
+                            [](const ObjectFrame& frame) {
+                              return (frame.estimate->semi_axes_m - frame.true_semi_axes_m).norm();
+                            },
+                            &StatedSigmas::semi_axes_m)}};
+}
+
 json to_json(const std::optional<SurfaceError>& surface) {
   if (!surface) return nullptr;
   json error = to_json(std::optional(surface->error_m));
@@ -134,7 +155,8 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"d_shape_m", figure(&ObjectFrame::d_shape_m)},
                  {"surface", to_json(object.surface)},
                  {"feature_depth", to_json(object.feature_depth)},
-                 {"semi_axes_error_m", semi_axes_errors(object)}};
+                 {"semi_axes_error_m", semi_axes_errors(object)},
+                 {"consistency", consistency(object)}};
   if (object.matched_frames < kMinPairs) {
     result["drift"] = result["ape"]["rotation_naive_rad"] = result["ape"]["rotation_symmetric_rad"] = nullptr;
     return result;

@@ -11,7 +11,8 @@ constexpr const char* kHeader =
     "iou3d_monte_carlo,iou3d_stderr,iou2d,iou2d_ellipse,d_shape_m,est_semi_axis_x_m,est_semi_axis_y_m,"
     "est_semi_axis_z_m,true_semi_axis_x_m,true_semi_axis_y_m,true_semi_axis_z_m,rpe_translation_m,rpe_"
     "rotation_rad,"
-    "motion_error_translation_m,motion_error_rotation_rad,visible_fraction,visible,occluded,arc_deg\n";
+    "motion_error_translation_m,motion_error_rotation_rad,visible_fraction,visible,occluded,arc_deg,"
+    "sigma_translation_m,sigma_rotation_rad,sigma_semi_axes_m\n";
 
 std::string cell(const std::optional<double>& value) {
   return value ? fmt::format(",{}", *value) : ",";
@@ -32,7 +33,9 @@ std::string row(const ObjectEvaluation& object, const ObjectFrame& frame) {
     text += frame.estimate ? fmt::format(",{}", frame.estimate->semi_axes_m[i]) : ",";
   for (int i = 0; i < 3; ++i) text += fmt::format(",{}", frame.true_semi_axes_m[i]);
   return text + cells(frame.rpe) + cells(frame.motion) + cell(frame.visible_fraction) +
-         (frame.visible ? ",1" : ",0") + (frame.occluded ? ",1" : ",0") + cell(frame.arc_deg) + "\n";
+         (frame.visible ? ",1" : ",0") + (frame.occluded ? ",1" : ",0") + cell(frame.arc_deg) +
+         cell(frame.stated.translation_m) + cell(frame.stated.rotation_rad) + cell(frame.stated.semi_axes_m) +
+         "\n";
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "evaluation/object_evaluation.h"
 
 #include <cassert>
+#include <cmath>
 
 #include "evaluation/align/symmetry.h"
 #include "evaluation/image_overlap.h"
@@ -38,6 +39,14 @@ void move_frame(BodyFrame kind, const std::vector<Ellipsoid>& truth, std::vector
   if (kind == BodyFrame::none) return;
   const Pose offset = body_frame_offset(kind, poses_of(truth), poses_of(estimate));
   for (Ellipsoid& ellipsoid : estimate) ellipsoid.world_from_object = ellipsoid.world_from_object * offset;
+}
+
+StatedSigmas stated_sigmas(const Vector9d& variances) {
+  const auto sigma_of = [&](Eigen::Index first) -> std::optional<double> {
+    const double variance = variances.segment<3>(first).sum();  // NaN where one is not stated
+    return variance > 0 ? std::optional(std::sqrt(variance)) : std::nullopt;
+  };
+  return {sigma_of(3), sigma_of(6), sigma_of(0)};
 }
 
 void fill_single_frame(const Ellipsoid& truth, const Ellipsoid& original, const Ellipsoid& settled,
@@ -135,8 +144,9 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
   result.relabel_flips = settled.relabel_flips;
   for (std::size_t i = 0; i < settled.estimate.size(); ++i) {
     ObjectFrame& frame = result.frames[matched.frame[i]];
-    if (track->states[*matched_states[matched.frame[i]]].status == ObjectStatus::occluded)
-      frame.occluded = true;
+    const ObjectState& state = track->states[*matched_states[matched.frame[i]]];
+    if (state.status == ObjectStatus::occluded) frame.occluded = true;
+    frame.stated = stated_sigmas(state.covariance_diagonal);
     fill_single_frame(matched.truth[i], matched.estimate[i], settled.estimate[i], context, frame);
     fill_image_overlap(matched.truth[i], matched.estimate[i], context, frame);
   }

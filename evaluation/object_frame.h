@@ -10,6 +10,12 @@
 
 namespace uniquadric {
 
+/// Root of the summed variances that an estimate states of each part; empty where it states none. The mean of
+/// |error|^2 over these squared is 1 where they are right, whichever way an error lies.
+struct StatedSigmas {
+  std::optional<double> translation_m, rotation_rad, semi_axes_m;
+};
+
 /// One object at one truth frame. Empty where there is no estimate, or no such figure of it.
 struct ObjectFrame {
   std::int64_t frame = 0, stamp_ns = 0;
@@ -22,6 +28,7 @@ struct ObjectFrame {
   std::optional<double> arc_deg;
   std::optional<Ellipsoid> estimate;  ///< axes renamed, body frame turned within the true shape's symmetry
   std::optional<PoseError> ape;       ///< of `estimate`
+  StatedSigmas stated;
   std::optional<double> ape_rotation_naive_rad;  ///< of the estimate as it came
   std::optional<double> rotation_symmetric_rad;  ///< by the class of the true axes; empty for spheres
   std::optional<PoseError> rpe, motion;          ///< from the truth frame before, when both are estimated

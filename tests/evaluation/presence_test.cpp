@@ -114,7 +114,7 @@ TEST_F(Presence, FramesCsvSaysWhatWasVisible) {
   for_each_line(
       root_ / "out/frames.csv",
       [&](int line, const auto& fields) {
-        const std::size_t n = fields.size();
+        const std::size_t n = fields.size() - 3;  // sigmas stand last
         if (line == 1) {
           EXPECT_EQ(fields[n - 4], "visible_fraction");
           EXPECT_EQ(fields[n - 3], "visible");
@@ -206,7 +206,7 @@ class Arc : public Presence {
     for_each_line(
         root_ / "out/frames.csv",
         [&](int line, const auto& fields) {
-          if (line > 1 && fields[2] == "1") values.push_back(parse_double(fields.back()));
+          if (line > 1 && fields[2] == "1") values.push_back(parse_double(fields[fields.size() - 4]));
         },
         ',');
     return values;
