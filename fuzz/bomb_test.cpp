@@ -104,6 +104,14 @@ TEST_F(Bombs, ImagesLargerThanMemory) {
   expect_refused(always(png), "png");
 }
 
+// OpenCV would give it to its reader of DICOM, which an assertion of its own ends, and the program with it.
+TEST_F(Bombs, AnImageOfAnotherFormatThanItsFirstBytesSay) {
+  const std::string dicom = std::string(124, '\0') + "DICM" + std::string("\2\0\x10\0\0\0\0\x60", 8);
+  const std::string end("\0\0\0\0IEND....", 12);
+  expect_refused(always("\x89PNG" + dicom + std::string(64, '\0') + end), "png");
+  expect_refused(always("\xff\xd8" + dicom + std::string(64, '\0') + "\xff\xd9"), "jpeg");
+}
+
 TEST_F(Bombs, CountsThatTheFileCannotHold) {
   const auto pcd = [](const std::string& points, const std::string& width) {
     return "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + width +

@@ -15,7 +15,10 @@ namespace uniquadric {
 namespace {
 
 constexpr std::size_t kMostImageBytes = 1 << 30;
-constexpr std::size_t kPngSignature = 8, kChunkFrame = 12;  // bytes; a chunk's frame: length, type, checksum
+constexpr std::size_t kChunkFrame = 12;  // bytes: length, type, checksum
+// Whole, as OpenCV has them: what begins otherwise goes to the first of its dozens of readers that likes the
+// rest, of which that of DICOM takes 2 GB if a file of 1 kB says so, or ends the program by an assertion.
+constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n", kJpegSignature = "\xff\xd8\xff";
 
 std::uint32_t big_endian(std::string_view bytes, std::size_t at, int count) {
   std::uint32_t value = 0;
@@ -52,7 +55,7 @@ cv::Size2d png_size(std::string_view bytes) {
 
 // Throws for more than `most_side_px` pixels a side: decoded, a few kilobytes can fill the memory.
 void check_image_size(std::string_view bytes, int most_side_px, const std::filesystem::path& path) {
-  const bool is_png = bytes.starts_with("\x89PNG"), is_jpeg = bytes.starts_with("\xff\xd8");
+  const bool is_png = bytes.starts_with(kPngSignature), is_jpeg = bytes.starts_with(kJpegSignature);
   if (!is_png && !is_jpeg)
     throw InputError(path, "is not an image that can be decoded: neither PNG nor JPEG");
   const auto size = is_png ? png_size(bytes) : jpeg_size(bytes);
@@ -65,7 +68,7 @@ void check_image_size(std::string_view bytes, int most_side_px, const std::files
 // What is wrong with a PNG's chunks, empty when nothing is: OpenCV decodes truncated files to partly grey
 // images, and libpng says what it finds wrong on stderr.
 std::string png_damage(std::string_view bytes) {
-  for (std::size_t at = kPngSignature; at + kChunkFrame <= bytes.size();) {
+  for (std::size_t at = kPngSignature.size(); at + kChunkFrame <= bytes.size();) {
     const std::size_t size = big_endian(bytes, at, 4);
     if (size > bytes.size() - at - kChunkFrame) break;
     const std::string_view checked = bytes.substr(at + 4, size + 4);
@@ -78,8 +81,8 @@ std::string png_damage(std::string_view bytes) {
 }
 
 std::string damage(std::string_view bytes) {
-  if (bytes.starts_with("\x89PNG")) return png_damage(bytes);
-  const bool is_jpeg = bytes.starts_with("\xff\xd8");
+  if (bytes.starts_with(kPngSignature)) return png_damage(bytes);
+  const bool is_jpeg = bytes.starts_with(kJpegSignature);
   if (is_jpeg && bytes.find("\xff\xd9", bytes.size() > 64 ? bytes.size() - 64 : 0) == bytes.npos)
     return "is a truncated image";
   return "";

@@ -120,6 +120,10 @@ TEST_F(SequenceFolder, RefusesImagesThatAreNotWhatTheySay) {
   damaged[damaged.size() - 20] ^= 1;
   write_text(folder() / "rgb/1.png", damaged);
   expect_error("rgb/1.png", ": is a damaged image");
+  damaged = whole;
+  damaged[5] ^= 1;
+  write_text(folder() / "rgb/1.png", damaged);
+  expect_error("rgb/1.png", ": is not an image that can be decoded: neither PNG nor JPEG");
   write_text(folder() / "rgb/1.png", "");
   expect_error("rgb/1.png", ": is empty");
   write_text(folder() / "rgb/1.png", "not an image at all");
