@@ -9,6 +9,8 @@ if(UNIQUADRIC_WERROR)
   target_compile_options(uniquadric_warnings INTERFACE -Werror)
 endif()
 if(UNIQUADRIC_SANITIZE)
+  target_compile_options(uniquadric_warnings INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # false positives of GCC 12 in std::regex (PR 105562)
   add_compile_options(-fsanitize=${UNIQUADRIC_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${UNIQUADRIC_SANITIZE})
 endif()
