@@ -10,8 +10,10 @@ namespace uniquadric {
 namespace {
 
 // All ours.
-constexpr double kFacing = 0.866;   // cosine of a tangent's normal to the axis that it tells of: 30 degrees
-constexpr int kSights = 5;          // lines of sight that stand for all between which a tangent touches
+constexpr double kFacing = 0.866;     // cosine of a tangent's normal to the axis that it tells of: 30 degrees
+constexpr int kSights = 5;            // lines of sight that stand for all between which a tangent touches
+constexpr int kBeside = 8;            // points next to a line of sight that say where it meets the body
+constexpr double kFacingSight = 0.2;  // cosine of a normal to it from which on its plane says so
 constexpr double kBestViews = 0.9;  // quantile of the views: each says the least, some much less than others
 
 Eigen::Vector3d crossing(const Camera& camera, const SupportLine& a, const SupportLine& b) {
@@ -23,9 +25,9 @@ Eigen::Vector3d crossing(const Camera& camera, const SupportLine& a, const Suppo
 
 // Least coordinate along the axis, times the sign, of a line of sight where it is within the shape's box in
 // the other axes. All in the shape's frame; nothing where it passes the box.
+// `nearest`: as a multiple of `sight`, before which it is not in the body.
 std::optional<double> least_within(const Eigen::Vector3d& semi_axes_m, const Eigen::Vector3d& camera,
-                                   const Eigen::Vector3d& sight, int axis, int sign) {
-  if (!sight.allFinite()) return std::nullopt;  // of two tangents that are parallel
+                                   const Eigen::Vector3d& sight, double nearest, int axis, int sign) {
   double first = 0, last = std::numeric_limits<double>::infinity();
   for (const int other : {(axis + 1) % 3, (axis + 2) % 3}) {
     const double to_face = -camera[other] / sight[other], half = std::abs(semi_axes_m[other] / sight[other]);
@@ -33,6 +35,7 @@ std::optional<double> least_within(const Eigen::Vector3d& semi_axes_m, const Eig
     last = std::min(last, to_face + half);
   }
   if (!(first < last)) return std::nullopt;
+  first = std::clamp(nearest, first, last);
   return sign * camera[axis] + std::min(first * sign * sight[axis], last * sign * sight[axis]);
 }
 
@@ -43,6 +46,24 @@ const OutlineTouch* most_facing(const PointView& view, const Eigen::Vector3d& di
   return most != view.touches.end() && facing(*most) > kFacing ? &*most : nullptr;
 }
 
+// Where a line of sight at the rim may meet a body at the earliest: a convex one lies behind the surface that
+// is seen next to it, and behind the planes that touch that.
+double nearest_at(const PointView& view, const Eigen::Vector3d& sight) {
+  if (!view.normals || view.normals->cols() != view.points->cols() || view.points->cols() < kBeside) return 0;
+  const Eigen::Vector3d along = sight.normalized();
+  std::vector<std::pair<double, double>> beside;  // angle off the line, where its plane is met
+  for (Eigen::Index i = 0; i < view.points->cols(); ++i) {
+    const Eigen::Vector3d p = view.points->col(i), n = view.normals->col(i);
+    const double facing = n.dot(along);
+    beside.emplace_back((p.normalized() - along).squaredNorm(),
+                        facing < -kFacingSight ? n.dot(p) / facing : along.dot(p));
+  }
+  std::nth_element(beside.begin(), beside.begin() + kBeside, beside.end());
+  std::vector<double> met;
+  for (int i = 0; i < kBeside; ++i) met.push_back(beside[i].second);
+  return quantile(met, 0.5) / sight.norm();
+}
+
 std::optional<double> reach_of_view(const Shape& shape, const PointView& view, int axis, int sign) {
   const Pose shape_from_camera = shape.body_from_object.inverse() * view.body_from_camera;
   const Eigen::Matrix3d R = shape_from_camera.rotation.toRotationMatrix();
@@ -51,7 +72,9 @@ std::optional<double> reach_of_view(const Shape& shape, const PointView& view, i
   std::optional<double> least;
   for (int i = 0; i < kSights; ++i) {
     const Eigen::Vector3d sight = touch->from + (touch->to - touch->from) * i / (kSights - 1);
-    const auto end = least_within(shape.semi_axes_m, shape_from_camera.translation, R * sight, axis, sign);
+    if (!sight.allFinite()) continue;  // of two tangents that are parallel
+    const auto end = least_within(shape.semi_axes_m, shape_from_camera.translation, R * sight,
+                                  nearest_at(view, sight), axis, sign);
     if (end && (!least || *end < *least)) least = end;
   }
   return least;

@@ -20,6 +20,7 @@ constexpr double kBestViews = 0.5;                 // quantile of the views that
 constexpr double kRimSpacings = 0.75;              // between points, that they end inside the outline at most
 constexpr double kLeastRim =
     0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
+constexpr double kTipShort = 0.04;      // share by which an ellipse's furthest hundredth is short of it
 constexpr double kAgreeing = 0.03;      // radii, within which points and a fit agree: the fit has all of them
 constexpr double kMostAgreeing = 0.01;  // [m] of the same: what a pose or a cell is off by does not grow
 constexpr double kEndSigma = 0.003;     // [m] of an end read off points, at best
@@ -82,7 +83,14 @@ struct End {
   double at_m = 0, sigma_m = 0;
 };
 
-// `solved_m`: by the fit; `outlined_m`: at least, by outlines; `seen_share`: of an ellipsoid's semi-axis.
+// Share of a semi-axis by which the mean of the furthest points ends before it: of what a body's profile has
+// of an ellipse's.
+double tip_short(const SuperExponents& exponents, const Side& side) {
+  const double q = side.axis < 2 ? exponents.outline : side.sign > 0 ? exponents.upper : exponents.lower;
+  return kTipShort * std::clamp(q - 1, 0.0, 1.0);
+}
+
+// `solved_m`: by the fit; `outlined_m`: at least, by outlines; `seen_share`: of the semi-axis, by points.
 End end_of(const Side& side, double solved_m, std::optional<double> outlined_m, double seen_share,
            double spacing_m, double radius_m) {
   const auto fused = [&](double seen_m) {
@@ -117,7 +125,8 @@ Shape with_ends(Shape shape, const Shape& about, const std::vector<Side>& sides,
   const auto end_at = [&](const Side& side) {
     auto outlined_m = reach_by_outlines(about, views, side.axis, side.sign);
     if (outlined_m) *outlined_m += side.direction.dot(about.body_from_object.translation) - side.middle_m;
-    const double seen_share = visible_share(about, views, side.axis, side.sign);
+    const double seen_share =
+        visible_share(about, views, side.axis, side.sign) * (1 - tip_short(shape.exponents, side));
     return end_of(side, shape.semi_axes_m[side.axis], outlined_m, seen_share, spacing_m, radius_m);
   };
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();

@@ -105,6 +105,7 @@ TEST(OutlineReach, HoldsEndsThatFewPointsShow) {
                          Eigen::Vector3d(-2.25 + 4.5 * (i % 40) / 39.0, -0.6, -0.5 + (i / 40) / 9.0);
   PointView view = point_view(kCamera, seen);
   Shape solved = shape_of(kHalf);
+  solved.exponents = {1, 1, 1};
   solved.semi_axes_m.x() = 2.6;
   const Shape shape = with_seen_extents(solved, {view, view, view}, 1.2);
   EXPECT_NEAR(shape.semi_axes_m.x(), kHalf.x(), 0.01);
@@ -144,6 +145,70 @@ TEST(SurfaceSigma, LetsOutlinesSayWhereALargeBodyEnds) {
 
 TEST(SurfaceSigma, OfASmallBodyIsThatOfItsPoints) {
   EXPECT_EQ(surface_sigma_m({}, 0.3), LongWindowOptions{}.surface_sigma_m);
+}
+
+// An upright ellipsoid from 22 degrees above, whose lower tip is beyond its horizon.
+struct Egg {
+  const Eigen::Vector3d half{0.07, 0.15, 0.24};
+  Pose body_from_camera;
+  std::vector<Eigen::Vector3d> surface;
+  Eigen::Matrix3Xd points, normals;  // camera frame, of what is seen, without a rim of 18 mm below
+
+  Egg() {
+    const double above_rad = 22 * std::numbers::pi / 180;
+    body_from_camera.translation = 2.7 * Eigen::Vector3d(0, -std::cos(above_rad), std::sin(above_rad));
+    const Eigen::Vector3d forward = -body_from_camera.translation.normalized();
+    Eigen::Matrix3d axes;
+    axes << Eigen::Vector3d::UnitX(), forward.cross(Eigen::Vector3d::UnitX()), forward;
+    body_from_camera.rotation = Eigen::Quaterniond(axes);
+    const int count = 20000;
+    for (int i = 0; i < count; ++i) {  // evenly over a ball's surface
+      const double z = 1 - (2 * i + 1.0) / count, turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
+      const double r = std::sqrt(1 - z * z);
+      surface.push_back(half.cwiseProduct(Eigen::Vector3d(r * std::cos(turn), r * std::sin(turn), z)));
+    }
+    points.resize(3, count);
+    normals.resize(3, count);
+    Eigen::Index seen = 0;
+    for (std::size_t i = 0; i < surface.size(); i += 3) {
+      const Eigen::Vector3d& p = surface[i];
+      const Eigen::Vector3d n = p.cwiseQuotient(half.cwiseAbs2()).normalized();
+      if (n.dot(body_from_camera.translation - p) <= 0 || p.z() < -half.z() + 0.018) continue;
+      points.col(seen) = body_from_camera.inverse() * p;
+      normals.col(seen++) = body_from_camera.rotation.conjugate() * n;
+    }
+    points.conservativeResize(3, seen);
+    normals.conservativeResize(3, seen);
+  }
+
+  PointView view() const {
+    PointView view = view_of(surface, body_from_camera);
+    view.points = &points;
+    view.normals = &normals;
+    return view;
+  }
+};
+
+// Next to the tip its surface is seen, which the tip does not lie before.
+TEST(OutlineReach, OfARoundTipIsBehindTheSurfaceNextToIt) {
+  const Egg egg;
+  PointView view = egg.view();
+  const auto reach = reach_by_outlines(shape_of(egg.half), {view}, 2, -1);
+  ASSERT_TRUE(reach);
+  EXPECT_LE(*reach, egg.half.z() + kRight_m);
+  EXPECT_GT(*reach, egg.half.z() - 0.02);
+  view.normals = nullptr;
+  EXPECT_LT(*reach_by_outlines(shape_of(egg.half), {view}, 2, -1), egg.half.z() - 0.04);
+}
+
+// The furthest points of a tip end before it in the mean: a fit that has it right keeps it.
+TEST(SeenExtents, LeaveARoundTipThatIsBeyondTheHorizon) {
+  const Egg egg;
+  PointView view = egg.view();
+  view.touches.clear();
+  const Shape shape = with_seen_extents(shape_of(egg.half), {view, view, view}, 0.14);
+  EXPECT_NEAR(shape.semi_axes_m.z(), egg.half.z(), 0.004);
+  EXPECT_NEAR(shape.body_from_object.translation.z(), 0, 0.004);
 }
 
 }  // namespace
