@@ -39,7 +39,7 @@ SlowSegmenter perfect_segmenter(const std::vector<Sprite>& sprites, std::int64_t
     for (auto& id : cv::Mat_<std::uint16_t>(masks)) {
       if (id == 0) continue;
       const bool found = !finds || finds(input.frame.frame, id);
-      id = found ? static_cast<std::uint16_t>(1 + (id * 7 + input.frame.frame * 3) % 11) : 0;
+      id = static_cast<std::uint16_t>(found ? 1 + (id * 7 + input.frame.frame * 3) % 11 : 0);
     }
     return masks;
   };
