@@ -13,6 +13,7 @@ namespace {
 constexpr double kFacing = 0.866;     // cosine of a tangent's normal to the axis that it tells of: 30 degrees
 constexpr int kSights = 5;            // lines of sight that stand for all between which a tangent touches
 constexpr int kBeside = 8;            // points next to a line of sight that say where it meets the body
+constexpr double kNextTo = 0.2;       // share of the way to the body's middle that these are off at most
 constexpr double kFacingSight = 0.2;  // cosine of a normal to it from which on its plane says so
 constexpr double kBestViews = 0.9;  // quantile of the views: each says the least, some much less than others
 
@@ -58,7 +59,9 @@ double nearest_at(const PointView& view, const Eigen::Vector3d& sight) {
     beside.emplace_back((p.normalized() - along).squaredNorm(),
                         facing < -kFacingSight ? n.dot(p) / facing : along.dot(p));
   }
-  std::nth_element(beside.begin(), beside.begin() + kBeside, beside.end());
+  std::nth_element(beside.begin(), beside.begin() + kBeside - 1, beside.end());
+  const double reach2 = (view.points->rowwise().mean().normalized() - along).squaredNorm();
+  if (beside[kBeside - 1].first > kNextTo * kNextTo * reach2) return 0;  // a LiDAR's are far apart
   std::vector<double> met;
   for (int i = 0; i < kBeside; ++i) met.push_back(beside[i].second);
   return quantile(met, 0.5) / sight.norm();

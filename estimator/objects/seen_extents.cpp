@@ -84,9 +84,11 @@ struct End {
 };
 
 // Share of a semi-axis by which the mean of the furthest points ends before it: of what a body's profile has
-// of an ellipse's.
-double tip_short(const SuperExponents& exponents, const Side& side) {
-  const double q = side.axis < 2 ? exponents.outline : side.sign > 0 ? exponents.upper : exponents.lower;
+// of an ellipse's. Where it is less than the points are apart, as a LiDAR's, that is allowed for already.
+double tip_short(const Shape& shape, const Side& side, double spacing_m) {
+  if (spacing_m > kTipShort * shape.semi_axes_m[side.axis]) return 0;
+  const SuperExponents& e = shape.exponents;
+  const double q = side.axis < 2 ? e.outline : side.sign > 0 ? e.upper : e.lower;
   return kTipShort * std::clamp(q - 1, 0.0, 1.0);
 }
 
@@ -126,7 +128,7 @@ Shape with_ends(Shape shape, const Shape& about, const std::vector<Side>& sides,
     auto outlined_m = reach_by_outlines(about, views, side.axis, side.sign);
     if (outlined_m) *outlined_m += side.direction.dot(about.body_from_object.translation) - side.middle_m;
     const double seen_share =
-        visible_share(about, views, side.axis, side.sign) * (1 - tip_short(shape.exponents, side));
+        visible_share(about, views, side.axis, side.sign) * (1 - tip_short(shape, side, spacing_m));
     return end_of(side, shape.semi_axes_m[side.axis], outlined_m, seen_share, spacing_m, radius_m);
   };
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
