@@ -82,23 +82,19 @@ json semi_axes_errors(const ObjectEvaluation& object) {
 
 // Errors over the sigmas that were stated of them.
 json consistency(const ObjectEvaluation& object) {
-  const auto over_sigma = [](std::optional<double> error, std::optional<double> sigma) {
-    return error && sigma ? std::optional(*error / *sigma) : std::nullopt;
-  };
-  const auto of_part = [&](const auto& error_of, std::optional<double> StatedSigmas::*sigma) {
+  const auto of_part = [&](std::optional<double> StatedSigmas::*sigma, const auto& error_of) {
     return over_frames(object, [&](const ObjectFrame& frame) {
-      return frame.estimate ? over_sigma(error_of(frame), frame.stated.*sigma) : std::nullopt;
+      const std::optional<double> stated = frame.stated.*sigma;
+      return stated ? std::optional(error_of(frame) / *stated) : std::nullopt;
     });
   };
-  return {{"translation", of_part([](const ObjectFrame& frame) { return frame.ape->translation_m; },
-                                  &StatedSigmas::translation_m)},
-          {"rotation", of_part([](const ObjectFrame& frame) { return frame.ape->rotation_rad; },
-                               &StatedSigmas::rotation_rad)},
-          {"semi_axes", of_part(
-                            [](const ObjectFrame& frame) {
-                              return (frame.estimate->semi_axes_m - frame.true_semi_axes_m).norm();
-                            },
-                            &StatedSigmas::semi_axes_m)}};
+  return {{"translation", of_part(&StatedSigmas::translation_m,
+                                  [](const ObjectFrame& frame) { return frame.ape->translation_m; })},
+          {"rotation", of_part(&StatedSigmas::rotation_rad,
+                               [](const ObjectFrame& frame) { return frame.ape->rotation_rad; })},
+          {"semi_axes", of_part(&StatedSigmas::semi_axes_m, [](const ObjectFrame& frame) {
+             return (frame.estimate->semi_axes_m - frame.true_semi_axes_m).norm();
+           })}};
 }
 
 json to_json(const std::optional<SurfaceError>& surface) {

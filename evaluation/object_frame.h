@@ -28,7 +28,7 @@ struct ObjectFrame {
   std::optional<double> arc_deg;
   std::optional<Ellipsoid> estimate;  ///< axes renamed, body frame turned within the true shape's symmetry
   std::optional<PoseError> ape;       ///< of `estimate`
-  StatedSigmas stated;
+  StatedSigmas stated;                ///< of `estimate`: without one, of nothing
   std::optional<double> ape_rotation_naive_rad;  ///< of the estimate as it came
   std::optional<double> rotation_symmetric_rad;  ///< by the class of the true axes; empty for spheres
   std::optional<PoseError> rpe, motion;          ///< from the truth frame before, when both are estimated

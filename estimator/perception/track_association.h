@@ -18,7 +18,7 @@ struct AssociationOptions {
   double min_similarity = 0.6;    // of colours: a body that comes back shows other sides
   double sure_similarity = 0.85;  // of colours: no need to wait for more of the body to be seen
   double max_area_ratio = 3;      // of silhouettes in m^2, seen to known: more is another body
-  double reach_m = 0.5, reach_mps = 1;  // of a hidden body around where it would be at its last velocity
+  double reach_m = 0.5, reach_mps = 1;  // of a hidden body about the line of its last velocity
   double patience_s = 10;               // after that a hidden body is forgotten
   double hold_s = 0.5;  // how long a body that may be a hidden one is watched before it is called a new one
 };

@@ -53,7 +53,7 @@ struct CloudAlignment {
 /// and a predicted camera_from_body with its sigmas: iterated closest points, point to plane; the outline's
 /// tangents touch the model's points, or its shape where that agrees with them; one that only what was not
 /// seen reaches says nothing. `stale`: tries starts that are turned about the predicted one, and then the
-/// object's other sides. Nothing where it does not fit.
+/// object's other sides; of each lot the best by rough fits. Nothing where it does not fit.
 std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObservation& body,
                                              const SurfaceModel& model, const Pose& predicted,
                                              const PoseSigmas& sigmas, bool stale,
