@@ -118,7 +118,8 @@ void adjust_bundle(EgoMap& map, const Camera& camera, const std::vector<int>& mo
                              &loss, block_of.at(s.keyframe), point);
   }
   ceres::Solver::Options solver;
-  solver.linear_solver_type = moving.size() > 50 ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
+  // Where the camera stays in one room the Schur complement of many keyframes is full: it is not formed then.
+  solver.linear_solver_type = moving.size() > 50 ? ceres::ITERATIVE_SCHUR : ceres::DENSE_SCHUR;
   solver.linear_solver_ordering = ordering;
   solver.max_num_iterations = options.iterations;
   solver.num_threads = 1;

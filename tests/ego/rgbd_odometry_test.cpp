@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <numeric>
 
 namespace uniquadric {
 namespace {
@@ -118,6 +119,26 @@ TEST(RgbdOdometry, AFullCircleCloses) {
   const Pose estimate = relative_pose(trajectory.front().pose, trajectory.back().pose);
   const Pose truth = relative_pose(walk.world_from_camera(0), walk.world_from_camera(frames - 1));
   EXPECT_LT((estimate.translation - truth.translation).norm(), 0.004);
+}
+
+// More keyframes than a dense solver is asked for.
+TEST(AdjustBundle, ManyKeyframesComeToTheTruth) {
+  const Walk walk(5);
+  EgoMap map;
+  RandomStream random(5, "bundle");
+  for (int i = 0; i < 180; i += 3) {
+    const auto step = [&] { return Eigen::Vector3d(random.normal(), random.normal(), random.normal()); };
+    const Pose error{exp_so3(0.002 * step()), 0.005 * step()};
+    const Pose pose = walk.world_from_camera(i).inverse();
+    add_keyframe(map, walk.camera, {i, i == 0 ? pose : error * pose, walk.see(i).background});
+  }
+  std::vector<int> all(map.keyframes.size());
+  std::iota(all.begin(), all.end(), 0);
+  BundleOptions options;
+  options.iterations = 50;
+  adjust_bundle(map, walk.camera, all, options);
+  for (const Keyframe& keyframe : map.keyframes)
+    EXPECT_LT(log_se3(keyframe.camera_from_world * walk.world_from_camera(int(keyframe.frame))).norm(), 1e-4);
 }
 
 // The path is bent as if the odometry had drifted, a random step a keyframe: old points that come back
