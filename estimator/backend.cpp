@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 
+#include "estimator/factors/pose_jacobian.h"
 #include "estimator/shape/even_choice.h"
 
 namespace uniquadric {
@@ -21,20 +22,12 @@ const BodyObservation* find_body(const PerceivedFrame& frame, int id) {
   return nullptr;
 }
 
-Matrix6d turned(const Eigen::Quaterniond& rotation) {
-  Matrix6d result = Matrix6d::Zero();
-  result.topLeftCorner<3, 3>() = result.bottomRightCorner<3, 3>() = rotation.toRotationMatrix();
-  return result;
-}
-
-// Variances of the body's own frame and of the shape's place in it add up: first order, turned into the
-// object's axes.
+// The pose's, moved from the body's frame to the object's, and those of the shape's place in the body: first
+// order, along the object's axes.
 Vector9d variances_of(const BodyState& body) {
-  const Eigen::Matrix3d R = body.shape.body_from_object.rotation.toRotationMatrix();
-  const Matrix6d& covariance = body.covariance;
+  const Matrix6d moved = adjoint(body.shape.body_from_object.inverse());
   Vector9d variances = body.shape.variances;
-  variances.segment<3>(3) += (R.transpose() * covariance.topLeftCorner<3, 3>() * R).diagonal();
-  variances.segment<3>(6) += (R.transpose() * covariance.bottomRightCorner<3, 3>() * R).diagonal();
+  variances.tail<6>() += (moved * body.covariance * moved.transpose()).diagonal();
   return variances;
 }
 
@@ -54,9 +47,9 @@ ObjectState object_state(const BodyState& body) {
 
 // A state's pose of the object, whose place in the body is known by now.
 PoseSample sample_of(const BodyState& state, const Pose& body_from_object) {
-  const Matrix6d turn = turned(body_from_object.rotation.inverse());
+  const Matrix6d moved = adjoint(body_from_object.inverse());
   return {state.stamp_ns, state.world_from_body * body_from_object,
-          turn * state.covariance * turn.transpose(), state.evidence};
+          moved * state.covariance * moved.transpose(), state.evidence};
 }
 
 // The states of a body's life as they are known at the end: the last shape, the whole trajectory smoothed,

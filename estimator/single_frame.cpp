@@ -16,7 +16,8 @@ ObjectState state_of(const PerceivedFrame& frame, const ObbEstimate& obb) {
   state.ellipsoid = inscribed_ellipsoid(obb.box);
   state.ellipsoid.world_from_object = *frame.world_from_camera * state.ellipsoid.world_from_object;
   state.ellipsoid.world_from_object.rotation.normalize();
-  state.covariance_diagonal.head<3>() = obb.semi_axes_std_m.cwiseAbs2();
+  if (obb.semi_axes_std_m.minCoeff() > 0)  // of one accepted box there is none
+    state.covariance_diagonal.head<3>() = obb.semi_axes_std_m.cwiseAbs2();
   return state;
 }
 

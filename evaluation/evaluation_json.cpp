@@ -82,19 +82,12 @@ json semi_axes_errors(const ObjectEvaluation& object) {
 
 // Errors over the sigmas that were stated of them.
 json consistency(const ObjectEvaluation& object) {
-  const auto of_part = [&](std::optional<double> StatedSigmas::*sigma, const auto& error_of) {
-    return over_frames(object, [&](const ObjectFrame& frame) {
-      const std::optional<double> stated = frame.stated.*sigma;
-      return stated ? std::optional(error_of(frame) / *stated) : std::nullopt;
-    });
+  const auto of_part = [&](std::optional<double> ErrorsInSigmas::*part) {
+    return over_frames(object, [part](const ObjectFrame& frame) { return frame.in_sigmas.*part; });
   };
-  return {{"translation", of_part(&StatedSigmas::translation_m,
-                                  [](const ObjectFrame& frame) { return frame.ape->translation_m; })},
-          {"rotation", of_part(&StatedSigmas::rotation_rad,
-                               [](const ObjectFrame& frame) { return frame.ape->rotation_rad; })},
-          {"semi_axes", of_part(&StatedSigmas::semi_axes_m, [](const ObjectFrame& frame) {
-             return (frame.estimate->semi_axes_m - frame.true_semi_axes_m).norm();
-           })}};
+  return {{"translation", of_part(&ErrorsInSigmas::translation)},
+          {"rotation", of_part(&ErrorsInSigmas::rotation)},
+          {"semi_axes", of_part(&ErrorsInSigmas::semi_axes)}};
 }
 
 json to_json(const std::optional<SurfaceError>& surface) {

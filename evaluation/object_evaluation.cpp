@@ -49,6 +49,27 @@ StatedSigmas stated_sigmas(const Vector9d& variances) {
   return {sigma_of(3), sigma_of(6), sigma_of(0)};
 }
 
+// Along the axes of the estimate as it came, of which its variances are; `settled` differs by the names of
+// the axes and by turns that the shape's symmetry leaves open.
+ErrorsInSigmas errors_in_sigmas(const Ellipsoid& truth, const Ellipsoid& original, const Ellipsoid& settled,
+                                const Vector9d& variances) {
+  const auto in_sigmas = [&](Eigen::Index first, const Eigen::Vector3d& error) -> std::optional<double> {
+    const double mean = (error.array().square() / variances.segment<3>(first).array()).mean();
+    return std::isfinite(mean) ? std::optional(std::sqrt(mean)) : std::nullopt;
+  };
+  const Pose &t = truth.world_from_object, &o = original.world_from_object, &s = settled.world_from_object;
+  const Eigen::Matrix3d original_from_settled = (o.rotation.conjugate() * s.rotation).toRotationMatrix();
+  Eigen::Vector3d semi_axes;
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Index same = 0;
+    original_from_settled.row(i).cwiseAbs().maxCoeff(&same);
+    semi_axes[i] = settled.semi_axes_m[same] - truth.semi_axes_m[same];
+  }
+  return {in_sigmas(3, o.rotation.conjugate() * (s.translation - t.translation)),
+          in_sigmas(6, original_from_settled * log_so3(s.rotation.conjugate() * t.rotation)),
+          in_sigmas(0, semi_axes)};
+}
+
 void fill_single_frame(const Ellipsoid& truth, const Ellipsoid& original, const Ellipsoid& settled,
                        const ObjectContext& context, ObjectFrame& frame) {
   frame.estimate = settled;
@@ -147,6 +168,8 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
     const ObjectState& state = track->states[*matched_states[matched.frame[i]]];
     if (state.status == ObjectStatus::occluded) frame.occluded = true;
     frame.stated = stated_sigmas(state.covariance_diagonal);
+    frame.in_sigmas = errors_in_sigmas(matched.truth[i], matched.estimate[i], settled.estimate[i],
+                                       state.covariance_diagonal);
     fill_single_frame(matched.truth[i], matched.estimate[i], settled.estimate[i], context, frame);
     fill_image_overlap(matched.truth[i], matched.estimate[i], context, frame);
   }

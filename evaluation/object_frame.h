@@ -16,6 +16,13 @@ struct StatedSigmas {
   std::optional<double> translation_m, rotation_rad, semi_axes_m;
 };
 
+/// Root mean square, over the object's three axes, of the error along each over the sigma stated of it: its
+/// square is the normalised error of a diagonal covariance over its dimension. Empty where a sigma is not
+/// stated.
+struct ErrorsInSigmas {
+  std::optional<double> translation, rotation, semi_axes;
+};
+
 /// One object at one truth frame. Empty where there is no estimate, or no such figure of it.
 struct ObjectFrame {
   std::int64_t frame = 0, stamp_ns = 0;
@@ -29,6 +36,7 @@ struct ObjectFrame {
   std::optional<Ellipsoid> estimate;  ///< axes renamed, body frame turned within the true shape's symmetry
   std::optional<PoseError> ape;       ///< of `estimate`
   StatedSigmas stated;                ///< of `estimate`: without one, of nothing
+  ErrorsInSigmas in_sigmas;           ///< of the same
   std::optional<double> ape_rotation_naive_rad;  ///< of the estimate as it came
   std::optional<double> rotation_symmetric_rad;  ///< by the class of the true axes; empty for spheres
   std::optional<PoseError> rpe, motion;          ///< from the truth frame before, when both are estimated
