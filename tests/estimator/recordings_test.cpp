@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "core/import/tum.h"
 #include "core/sequence/tracks.h"
@@ -147,6 +148,13 @@ TEST(Recordings, ARoomIsFollowedWithinTwoCentimetres) {
     pairs.reference.push_back(reference.at(i).pose);
     ASSERT_EQ(estimated[i].stamp_ns, reference[i].stamp_ns);
   }
+  const double turn_deg = 180 / std::numbers::pi * maximum_drift(pairs).value().max_angle_rad;
+  RecordProperty("drift_deg", std::to_string(turn_deg));
+  // 5.2 of the 31.6 degrees that it turns, nearly all of it too little. The recording's 585 px are its depth
+  // camera's focal length; the colour camera, where features are followed, has about 527 px and stands 25 mm
+  // beside it. The depth not being registered, no odometry can be right here: the limit is the present error
+  // with a little room, so that a worse one is seen.
+  EXPECT_LT(turn_deg, 5.5);
   const Alignment alignment = align(AlignmentKind::se3, pairs.reference, pairs.estimate);
   for (Pose& pose : pairs.estimate) pose = alignment * pose;
   double squares = 0;
