@@ -34,7 +34,8 @@ std::vector<TimedPoint> LidarStream::take(std::int64_t until_ns) {
     const SequenceScan& scan = sequence_.scans[next_scan_++];
     for (const LidarPoint& p : read_lidar_points(sequence_.folder / scan.file)) {
       const Eigen::Vector3f point(p.x, p.y, p.z);
-      if (point.allFinite() && !point.isZero(0)) waiting_.push_back({scan.stamp_ns + p.offset_ns, point});
+      const double range_m = point.cast<double>().norm();
+      if (range_m > 0 && range_m <= kMostRange_m) waiting_.push_back({scan.stamp_ns + p.offset_ns, point});
     }
     std::stable_sort(waiting_.begin(), waiting_.end(),
                      [](const TimedPoint& a, const TimedPoint& b) { return a.stamp_ns < b.stamp_ns; });

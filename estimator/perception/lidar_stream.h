@@ -18,9 +18,11 @@ void require_scans(const Sequence& sequence);
 /// more than the camera's at one instant; it is taken off the scans' stamps.
 Sequence on_camera_clock(Sequence sequence, std::int64_t lidar_less_camera_ns);
 
+inline constexpr double kMostRange_m = 1000;  // ours: no LiDAR of a vehicle sees as far
+
 /// The points of a sequence's scans in the order of their own times, cut anew wherever the reader wants (soft
-/// synchronisation, SPEC 4): scans are files of a driver, not of the camera. Empty returns (0, 0, 0) and
-/// points that are not finite are passed over.
+/// synchronisation, SPEC 4): scans are files of a driver, not of the camera. Empty returns (0, 0, 0), points
+/// that are not finite and those farther off than kMostRange_m are passed over.
 class LidarStream {
  public:
   explicit LidarStream(const Sequence& sequence) : sequence_(sequence) {}

@@ -17,11 +17,16 @@ namespace {
 
 constexpr double kVoxelShare = 1.0 / 3;  // of the tolerance: points of one voxel hang together anyhow
 
+// The number of a cell along an axis. Of places that no integer counts, and of none, that of a far one.
+int cell_of(double place_m, double cell_m) {
+  constexpr double kFar = 1e9;
+  return static_cast<int>(std::fmax(-kFar, std::fmin(kFar, std::floor(place_m / cell_m))));
+}
+
 std::vector<Eigen::Vector3d> lowest_points(const Eigen::Matrix3Xd& points, double cell_m) {
   std::map<std::array<int, 2>, Eigen::Vector3d> lowest;
   for (const auto& p : points.colwise()) {
-    const std::array<int, 2> cell{static_cast<int>(std::floor(p.x() / cell_m)),
-                                  static_cast<int>(std::floor(p.y() / cell_m))};
+    const std::array<int, 2> cell{cell_of(p.x(), cell_m), cell_of(p.y(), cell_m)};
     const auto [at, is_new] = lowest.try_emplace(cell, p);
     if (!is_new && p.z() < at->second.z()) at->second = p;
   }
@@ -60,12 +65,11 @@ Voxels voxels_above(const Eigen::Matrix3Xd& points, const std::optional<GroundPl
   Voxels voxels;
   std::map<std::array<int, 3>, int> known;
   std::vector<int> counts;
+  const double voxel_m = kVoxelShare * options.tolerance_m;
   for (const auto& p : points.colwise()) {
     voxels.of_point.push_back(-1);
     if (ground && ground->height_of(p) < options.ground_m) continue;
-    const Eigen::Vector3d cell = (p / (kVoxelShare * options.tolerance_m)).array().floor();
-    const std::array<int, 3> key{static_cast<int>(cell.x()), static_cast<int>(cell.y()),
-                                 static_cast<int>(cell.z())};
+    const std::array<int, 3> key{cell_of(p.x(), voxel_m), cell_of(p.y(), voxel_m), cell_of(p.z(), voxel_m)};
     const auto [at, is_new] = known.try_emplace(key, static_cast<int>(counts.size()));
     if (is_new) {
       counts.push_back(0);

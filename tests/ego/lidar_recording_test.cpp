@@ -30,6 +30,14 @@ Variant lidar_only_variant() {
   return load_variant(fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/lidar_only.yaml");
 }
 
+// For bodies as large as a room allows.
+Variant mover_variant() {
+  Variant variant = lidar_only_variant();
+  variant.perception.scan_objects.clusters.tolerance_m = 0.3;
+  variant.perception.scan_objects.clusters.max_extent_m = 4;
+  return variant;
+}
+
 Tracks estimated(const fs::path& sequence, const Variant& variant, const fs::path& out) {
   EstimateOptions options;
   options.quiet = options.force = true;
@@ -49,6 +57,13 @@ class LidarRecording : public testing::Test {
   Tracks estimated(const Variant& variant) {
     write_recording(temp_.path() / "sequence", recording_);
     return uniquadric::estimated(temp_.path() / "sequence", variant, temp_.path() / "out");
+  }
+  // A body for mover_variant() that comes towards the sensor.
+  void add_mover() {
+    recording_.room.mover_half_m = {0.7, 0.5, 0.6};
+    recording_.room.mover_start_m = {5, -1.4, -1.88};
+    recording_.room.mover_velocity_mps = {-1.5, 0.3, 0};
+    recording_.room.vigour = 0.3;
   }
   std::string written() const {
     return read_text(temp_.path() / "out/camera.tum") + read_text(temp_.path() / "out/objects.csv");
@@ -83,16 +98,21 @@ TEST_F(LidarRecording, ClocksThatAreApartAreOneByTheOptions) {
   }
 }
 
-// What real drivers write: empty returns, numbers that are none, points in the order of rings, scans without
-// a point. The same poses come out as of the clean recording.
+// What real drivers write: empty returns, numbers that are none or that are no ranges, points in the order of
+// rings, scans without a point. The same poses and bodies come out as of the clean recording.
 TEST_F(LidarRecording, BadPointsOfDriversChangeNothing) {
-  const Tracks clean = estimated(lidar_only_variant());
+  add_mover();
+  const Tracks clean = estimated(mover_variant());
   const std::string expected = written();
   ASSERT_EQ(clean.camera.size(), 20u);
+  ASSERT_FALSE(clean.objects.empty());
   recording_.change = [](int scan, std::vector<LidarPoint>& points) {
     RandomStream random(9, "dirt", static_cast<std::uint64_t>(scan));
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-    for (const LidarPoint& bad : {LidarPoint{}, LidarPoint{.x = nan}, LidarPoint{.y = inf}})
+    for (const LidarPoint& bad :
+         {LidarPoint{}, LidarPoint{.x = nan}, LidarPoint{.y = inf},
+          LidarPoint{.x = 3e38f, .y = 3e38f, .z = 3e38f}, LidarPoint{.x = 5000, .y = 30, .z = 2},
+          LidarPoint{.x = 1200, .y = -60, .z = -20}})
       for (int i = 0; i < 300; ++i) {
         points.push_back(bad);
         points.back().offset_ns = random.below(100'000'000);
@@ -102,7 +122,7 @@ TEST_F(LidarRecording, BadPointsOfDriversChangeNothing) {
     for (std::size_t i = points.size(); i > 1; --i)
       std::swap(points[i - 1], points[random.below(static_cast<std::uint32_t>(i))]);
   };
-  estimated(lidar_only_variant());
+  estimated(mover_variant());
   EXPECT_EQ(written(), expected);
 }
 

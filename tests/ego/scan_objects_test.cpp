@@ -67,6 +67,24 @@ TEST(LidarClusters, BodiesApartFromWallsAndKerbs) {
   EXPECT_EQ(clusters_above(matrix_of(points), GroundPlane{{0, 0}, -0.5}, wide).size(), 1u);
 }
 
+// Places that no integer counts are cells like others.
+TEST(LidarClusters, PointsOfNoPlaceLeaveTheOthersAsTheyAre) {
+  std::vector<Vector3d> points;
+  add_grid({-20, -20, 0}, {20, 20, 0}, 0.5, points);
+  add_grid({0, 0, 0.3}, {0, 2, 1.5}, 0.2, points);
+  const auto good = std::ssize(points);
+  const auto body = [&] {
+    const Eigen::Matrix3Xd all = matrix_of(points);
+    return clusters_above(all, find_ground(all, {}, 3, 0), {});
+  };
+  const auto expected = body();
+  ASSERT_EQ(expected.size(), 1u);
+  for (const double far : {1e12, -1e12})  // their mean would be in the body's middle
+    points.insert(points.end(), 20, Vector3d(far, 0, 1));
+  EXPECT_EQ(body(), expected);
+  EXPECT_LT(expected[0].back(), good);
+}
+
 ClusterBox box_at(double x, double y, double length_m = 4, double width_m = 2) {
   return {{x - length_m / 2, y - width_m / 2, 0}, {x + length_m / 2, y + width_m / 2, 1.5}, {}};
 }
