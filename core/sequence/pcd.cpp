@@ -38,7 +38,9 @@ struct Header {
   std::int64_t number(const std::string& key, std::size_t i = 0) const {
     const auto& values = lines.at(key).values;
     const auto value = i < values.size() ? parse_integer(values[i]) : std::nullopt;
-    if (!value || *value < 0 || *value > kMaxPoints) fail(key, "expected a count");
+    if (!value || *value < 0) fail(key, "expected a count");
+    if (*value > kMaxPoints)
+      fail(key, fmt::format("{} is more than {}, the most that is read", *value, kMaxPoints));
     return *value;
   }
 };

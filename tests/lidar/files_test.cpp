@@ -66,6 +66,9 @@ TEST(Pcd, RefusesHeadersThatContradictTheirData) {
   const std::vector<std::array<std::string, 3>> cases = {
       {"POINTS 2", "POINTS 3", "p.pcd:10: POINTS: 3, but WIDTH 2 times HEIGHT 1 is 2"},
       {"WIDTH 2", "WIDTH x", "p.pcd:7: WIDTH: expected a count"},
+      {"POINTS 2", "POINTS -2", "p.pcd:10: POINTS: expected a count"},
+      {"POINTS 2", "POINTS 4000000000",
+       "p.pcd:10: POINTS: 4000000000 is more than 1000000000, the most that is read"},
       {"VERSION 0.7", "VERSION 0.6", "p.pcd:2: VERSION: expected 0.7"},
       {"SIZE 4 4", "SIZE 4", "p.pcd:4: SIZE: 8 values for 9 fields"},
       {"SIZE 4 4", "SIZE 4 8", "p.pcd: 62 bytes of data, 2 points of 35 bytes are 70"},
