@@ -134,10 +134,9 @@ Recording as_recording(const KittiRecording& kitti) {
   }
   add_holes(kitti.images, "image", recording);
   add_holes(kitti.scans, "scan", recording);
-  if (kitti.labels.empty()) return recording;
   if (!kitti.world_from_camera.empty())
     recording.truth = describe_truth(kitti);
-  else
+  else if (!kitti.labels.empty())
     recording.left_out.push_back(
         fmt::format("{}: left out, for neither poses nor oxts place its boxes in the world",
                     kitti.file("label_02").string()));

@@ -63,7 +63,7 @@ void add_kitti(CLI::App& app, Common& common) {
   static ImportKittiOptions options;
   layout(
       app, "kitti-tracking", "a recording of KITTI's tracking benchmark",
-      "folder with image_02/ or velodyne/, calib/, ...", "folder for sequence/ and, of labels, truth/",
+      "folder with image_02/ or velodyne/, calib/, ...", "folder for sequence/ and, of poses, truth/",
       options, common,
       [](const std::string& source, const std::string& out) { import_kitti_tracking(source, options, out); })
       ->add_option("--drive", options.drive, "which recording (0000); default: the only one");

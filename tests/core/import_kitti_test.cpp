@@ -226,6 +226,21 @@ TEST_F(ImportKitti, ScansAloneNeedNothingElse) {
   EXPECT_FALSE(fs::exists(out() / "truth"));
 }
 
+TEST_F(ImportKitti, PosesAloneAreATruthWithoutObjects) {
+  fs::remove_all(source_.folder / "label_02");
+  import();
+  const Tracks truth = read_tracks(out() / "truth");
+  EXPECT_TRUE(truth.objects.empty());
+  EXPECT_TRUE(truth.calibration);
+  const auto given = open_sequence(out() / "sequence").given_camera;
+  ASSERT_TRUE(given);
+  ASSERT_EQ(truth.camera.size(), std::size_t{kFrames});
+  for (int i = 0; i < kFrames; ++i) {
+    EXPECT_EQ(truth.camera[i].stamp_ns, (*given)[i].stamp_ns);
+    EXPECT_EQ(truth.camera[i].pose.matrix(), (*given)[i].pose.matrix());
+  }
+}
+
 TEST_F(ImportKitti, ScansThatServeSeveralImagesCountOnce) {
   for (const int frame : {1, 2}) source_.write_scan(frame, {5, 6, 7, 0});
   source_.write_scan(0, {5, 6, 7, 0});
