@@ -1,9 +1,13 @@
 #include "estimator/ego/lidar_odometry.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
+#include <numbers>
+#include <span>
 
 #include "estimator/ego/world_frame.h"
 
@@ -14,12 +18,16 @@ using Eigen::Vector3d;
 
 constexpr std::int64_t kMaskReach_ns = 50'000'000;  // half a frame at 10 Hz: later masks are others'
 constexpr std::int64_t kBeyondEnds_ns =
-    150'000'000;                                  // that the motion is trusted before and after the sweeps
-constexpr int kMaskMargin_px = 6;                 // outlines' error, and the motion since the mask
-constexpr double kLevelTime_s = 0.2;              // whose mean force tells up from down at first
-constexpr double kStampSlack_ns = 1e6;            // of sweeps that are a scan long but for rounding
-constexpr double kBentThickness = 6;              // over the noise of points
-constexpr double kShareGain = 0.1;                // a sweep's, in the running mean
+    150'000'000;                         // that the motion is trusted before and after the sweeps
+constexpr int kMaskMargin_px = 6;        // outlines' error, and the motion since the mask
+constexpr double kLevelTime_s = 0.2;     // whose mean force tells up from down at first
+constexpr double kStampSlack_ns = 1e6;   // of sweeps that are a scan long but for rounding
+constexpr double kBentThickness = 6;     // over the noise of points
+constexpr double kShareGain = 0.1;       // a sweep's, in the running mean
+constexpr int kMostPasses = 8;           // through the beginning, while its motion still changes
+constexpr std::size_t kTrialSweeps = 5;  // that a first velocity is tried on
+constexpr std::array kTrialSpeeds_mps{8.0, 16.0, 24.0};  // one is found from 4 m/s beside it
+constexpr int kTrialDirections = 8;
 constexpr double kAccelerometerSigma_mps2 = 0.1;  // of its bias before it is seen at work
 constexpr double kGravitySigma_mps2 = 0.5;        // across the first force: a vehicle's own acceleration
 constexpr double kMagnitudeSigma_mps2 = 0.01;     // gravity's, over the Earth's places
@@ -99,7 +107,9 @@ struct LidarOdometry::State {
   bool is_on_body(const TimedPoint& point) const;
   Sweep take_sweep(std::int64_t end_ns);
   void begin_at(const LidarState& start, bool is_guess);
-  LidarState first_guess() const;
+  LidarState first_guess(const Vector3d& velocity_mps) const;
+  double share_from(const Vector3d& velocity_mps) const;
+  Vector3d likely_velocity() const;
   LidarState run_back(LidarState state) const;
   LidarState better_start() const;
   bool is_last_whole() const;
@@ -149,9 +159,10 @@ Sweep LidarOdometry::State::take_sweep(std::int64_t end_ns) {
 }
 
 // At rest a mean force points up; a vehicle's own acceleration is in the error.
-LidarState LidarOdometry::State::first_guess() const {
+LidarState LidarOdometry::State::first_guess(const Vector3d& velocity_mps) const {
   LidarState state;
   state.stamp_ns = start_ns;
+  state.velocity_mps = velocity_mps;
   state.world_from_body = body_from_lidar.inverse();
   if (imu.empty()) return state;
   Vector3d force = Vector3d::Zero();
@@ -211,7 +222,7 @@ LidarState LidarOdometry::State::better_start() const {
   start.accelerometer_bias_mps2 = belief.state.accelerometer_bias_mps2;
   start.gravity_mps2 = belief.state.gravity_mps2;
   start = run_back(start);
-  LidarState result = first_guess();
+  LidarState result = first_guess(Vector3d::Zero());
   const Eigen::Quaterniond turn =
       result.world_from_body.rotation * start.world_from_body.rotation.conjugate();
   result.velocity_mps = turn * start.velocity_mps;
@@ -219,17 +230,49 @@ LidarState LidarOdometry::State::better_start() const {
   return result;
 }
 
+// Of the points of the first sweeps, those that lie on planes of the sweeps before, where the sensor begins
+// at this velocity.
+double LidarOdometry::State::share_from(const Vector3d& velocity_mps) const {
+  State trial = *this;
+  trial.sight.max_thickness = kBentThickness;
+  trial.begin_at(first_guess(velocity_mps), true);
+  double points = 0, on_planes = 0;
+  for (const Sweep& sweep : std::span(beginning).first(std::min(beginning.size(), kTrialSweeps))) {
+    trial.go_on(sweep);
+    points += trial.reports.back().points;
+    on_planes += trial.reports.back().on_planes;
+  }
+  const double velocity_sigma = std::sqrt(trial.belief.covariance.block<3, 3>(kVelocity, kVelocity).trace());
+  const bool is_told = velocity_sigma < options.first_velocity_mps / 2;
+  return points > 0 && (is_told || velocity_mps.isZero()) ? on_planes / points : 0;
+}
+
+// What stands still beside the sensor whatever its velocity, as rings on a road do, holds it to a start at
+// rest. At another velocity than the true one there is less that fits.
+Vector3d LidarOdometry::State::likely_velocity() const {
+  std::vector<Vector3d> tried{Vector3d::Zero()};
+  for (const double speed : kTrialSpeeds_mps)
+    for (int k = 0; k < kTrialDirections; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kTrialDirections;
+      tried.emplace_back(speed * std::cos(angle), speed * std::sin(angle), 0);
+    }
+  std::vector<double> shares(tried.size());
+  tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t i) { shares[i] = share_from(tried[i]); });
+  return tried[static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin())];
+}
+
 // The first cloud is bent by a motion that only the next ones tell; so the first sweeps are gone through
-// again with what was found.
+// again with what was found, until it changes no more.
 void LidarOdometry::State::begin() {
   has_begun = true;
-  begin_at(first_guess(), true);
+  begin_at(first_guess(likely_velocity()), true);
   for (int pass = 1;; ++pass) {
     // In a cloud bent by an unknown motion walls are thick.
     sight.max_thickness =
-        pass == 1 && pass < options.first_passes ? kBentThickness : options.sight.max_thickness;
+        pass < options.first_passes && pass == 1 ? kBentThickness : options.sight.max_thickness;
     for (const Sweep& sweep : beginning) go_on(sweep);
-    if (pass >= options.first_passes || pauses.size() < 3) break;
+    if (pauses.size() < 3 || pass >= kMostPasses) break;
+    if (pass >= options.first_passes && has_found_start()) break;
     begin_at(better_start(), false);
   }
   if (!has_found_start()) return wait_for_start();

@@ -30,8 +30,9 @@ struct LidarOdometryOptions {
   double lost_sigma_m = 1.0;  // of the place: beyond it the sensor is lost
   double found_share = 0.5;   // of the points that are usually on planes: fewer, and a sensor whose place is
                               // uncertain by half of lost_sigma_m is not believed to be found
-  double first_velocity_mps = 3;  // standard deviation, of a start that is thought to be at rest
-  int first_sweeps = 10;  // gone through first_passes times, for the first motion undoes the first cloud
+  double first_velocity_mps = 3;  // standard deviation, of the best of the first velocities that are tried
+  int first_sweeps =
+      10;  // gone through first_passes times at least, for the first motion undoes the first cloud
   int first_passes = 3;
   double first_sweep_s = 0.1;     // least length of those sweeps: shorter ones are joined
   double first_change_mps = 0.3;  // by the last pass, of the first velocity; more: it is not known, and the
