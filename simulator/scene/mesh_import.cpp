@@ -113,6 +113,8 @@ Mesh convert(const aiMesh& source, const fs::path& path) {
   }
   for (unsigned i = 0; i < source.mNumFaces; ++i) {
     const aiFace& face = source.mFaces[i];
+    // Faces of one vertex or two that come with triangles, as of a damaged file, pass assimp's sorting.
+    if (face.mNumIndices != 3) throw InputError(path, fmt::format("face {} has less than 3 vertices", i));
     mesh.triangles.push_back({face.mIndices[0], face.mIndices[1], face.mIndices[2]});
   }
   return mesh;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <string>
 #include <vector>
 
@@ -53,6 +55,9 @@ Header read_header(std::string_view bytes, const std::filesystem::path& path) {
 }  // namespace
 
 void check_ply_header(std::string_view bytes, const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (!is_ply(bytes) && extension == ".ply") throw InputError(path, 1, "does not begin with 'ply'");
   if (!is_ply(bytes)) return;
   const Header header = read_header(bytes, path);
   // The last line of a text need not end.
