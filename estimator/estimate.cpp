@@ -188,6 +188,7 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   if (options.perception_seed) text += fmt::format("perception_seed: {}\n", *options.perception_seed);
   text += fmt::format("prompts: {}\n", yaml_quoted(prompts));
   text += fmt::format("frames: {}\n", perception.frames().size());
+  if (sequence.frames.empty()) text += "frames_are: scans\n";
   text += fmt::format("frames_with_states: {}\n", with_states.size());
   text += fmt::format("frames_without_pose: {}\n",
                       count(perception.frames(), [](const auto& f) { return !f.world_from_camera; }));
@@ -250,11 +251,11 @@ void warn_of_the_calibration(const Sequence& sequence) {
     warn(fmt::format("{}: {}", (sequence.folder / "sequence.yaml").string(), fault));
 }
 
-void warn_of_the_camera(const Perception& perception) {
+void warn_of_the_camera(const Perception& perception, bool has_images) {
   const Gap gap = longest_gap(perception.frames());
   if (gap.duration_s > kLongGap_s)
-    warn(fmt::format("the camera has no pose for {:.1f} s (frames {} to {})", gap.duration_s, gap.first_frame,
-                     gap.last_frame));
+    warn(fmt::format("the {} has no pose for {:.1f} s ({} {} to {})", has_images ? "camera" : "LiDAR",
+                     gap.duration_s, has_images ? "frames" : "scans", gap.first_frame, gap.last_frame));
   if (const int restarts = perception.ego_restarts(); restarts > 0)
     warn(
         fmt::format("the camera lost its map {} times, and went on with a new one from the last known pose "
@@ -262,13 +263,18 @@ void warn_of_the_camera(const Perception& perception) {
                     restarts));
 }
 
-// A result with hardly anything in it is one, but should not be taken for a good one.
-void warn_of_little(const Perception& perception, const Tracks& tracks) {
+// A result with hardly anything in it is one, but should not be taken for a good one. A scan is lost for a
+// reason; an image may show nothing to follow.
+void warn_of_little(const Perception& perception, const Tracks& tracks, bool has_images) {
   const std::size_t frames = perception.frames().size(), lost = frames - tracks.camera.size();
-  if (2 * lost > frames)
+  if (!has_images && lost > 0)
+    warn(fmt::format("{} of {} scans have no pose (run.yaml: frames_without_pose)", lost, frames));
+  if (has_images && 2 * lost > frames)
     warn(fmt::format("{} of {} frames have no camera pose (run.yaml: frames_without_pose)", lost, frames));
-  warn_of_the_camera(perception);
-  if (tracks.objects.empty()) warn("no object has a state (run.yaml counts masks, depth and poses)");
+  warn_of_the_camera(perception, has_images);
+  if (tracks.objects.empty())
+    warn(fmt::format("no object has a state (run.yaml counts {})",
+                     has_images ? "masks, depth and poses" : "poses"));
 }
 
 }  // namespace
@@ -306,7 +312,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
              run_yaml(sequence, variant, options, perception, tracks, without_state));
   if (is_own) fs::remove_all(perceived);
   pending.commit();
-  warn_of_little(perception, tracks);
+  warn_of_little(perception, tracks, !sequence.frames.empty());
 }
 
 void keep_perception(const fs::path& sequence_folder, const Variant& variant,

@@ -43,8 +43,11 @@ std::string estimate_text(const std::filesystem::path& estimate) {
   std::vector<ObjectTrack> objects = read_tracks(estimate).objects;
   std::erase_if(objects, [](const ObjectTrack& track) { return track.states.empty(); });
   const ConfigNode run = ConfigNode::load(estimate / "run.yaml");
-  std::string frames = fmt::format("{} frames", run.get<int>("frames"));
-  for (const char* missing : {"pose", "depth", "masks"})
+  const bool has_images = run.get<std::string>("frames_are", "images") == "images";
+  std::string frames = fmt::format("{} {}", run.get<int>("frames"), has_images ? "frames" : "scans");
+  std::vector<std::string> kinds = {"pose"};
+  if (has_images) kinds.insert(kinds.end(), {"depth", "masks"});
+  for (const std::string& missing : kinds)
     frames +=
         fmt::format(", {} without {}", run.get<int>(fmt::format("frames_without_{}", missing)), missing);
   return objects_text(objects) + frames + "\n";

@@ -5,12 +5,16 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "core/base/error.h"
+#include "core/sequence/stamps.h"
 #include "estimator/perception/lidar_stream.h"
 
 namespace uniquadric {
 namespace {
+
+constexpr double kStill_m = 0.05, kStill_rad = 0.02;  // over a scan: no more than points' noise at 5 m
 
 const Sequence& with_scans(const Sequence& sequence) {
   if (!sequence.lidar)
@@ -50,7 +54,8 @@ std::vector<ImuSample> imu_of(const Sequence& sequence, const LidarEgoOptions& o
 LidarEgo::LidarEgo(const Sequence& sequence, const LidarEgoOptions& options)
     : sequence_(with_scans(sequence)),
       options_(options),
-      odometry_(rig_of(sequence_, options), imu_of(sequence_, options), options.odometry) {
+      odometry_(rig_of(sequence_, options), imu_of(sequence_, options), options.odometry),
+      watch_(options.odometry.sweep.min_range_m, options.odometry.sweep.max_range_m) {
   if (sequence.frames.empty()) options_.cut = SweepCut::scans;
 }
 
@@ -63,12 +68,15 @@ std::int64_t LidarEgo::scan_end_ns(std::size_t scan) const {
 void LidarEgo::take_scans(std::int64_t until_ns) {
   for (; next_scan_ < sequence_.scans.size() && sequence_.scans[next_scan_].stamp_ns <= until_ns;
        ++next_scan_) {
-    const std::filesystem::path path = sequence_.folder / sequence_.scans[next_scan_].file;
+    const SequenceScan& scan = sequence_.scans[next_scan_];
+    const std::filesystem::path path = sequence_.folder / scan.file;
+    std::vector<LidarPoint> points = read_lidar_points(path);
     try {
-      odometry_.add_scan(sequence_.scans[next_scan_].stamp_ns, read_lidar_points(path));
+      odometry_.add_scan(scan.stamp_ns, points);
     } catch (const std::invalid_argument& error) {
       throw InputError(path, error.what());
     }
+    watch_.look(scan, std::move(points));
   }
   if (options_.cut != SweepCut::scans) return;
   for (; next_end_ < next_scan_ && scan_end_ns(next_end_) <= until_ns; ++next_end_)
@@ -92,15 +100,40 @@ void LidarEgo::finish() {
   odometry_.finish();
 }
 
+std::vector<std::int64_t> LidarEgo::stamps_ns() const {
+  if (!sequence_.frames.empty()) return stamps_of(sequence_.frames);
+  std::vector<std::int64_t> ends_ns;
+  for (std::size_t i = 0; i < sequence_.scans.size(); ++i) ends_ns.push_back(scan_end_ns(i));
+  return ends_ns;
+}
+
 Trajectory LidarEgo::trajectory() const {
   Trajectory result;
-  const auto add = [&](std::int64_t stamp_ns) {
+  for (const std::int64_t stamp_ns : stamps_ns())
     if (const auto pose = odometry_.world_from_camera(stamp_ns)) result.push_back({stamp_ns, *pose});
-  };
-  for (const SequenceFrame& frame : sequence_.frames) add(frame.stamp_ns);
-  if (sequence_.frames.empty())
-    for (std::size_t i = 0; i < sequence_.scans.size(); ++i) add(scan_end_ns(i));
   return result;
+}
+
+bool LidarEgo::is_known_to_rest(std::size_t scan) const {
+  const auto from = odometry_.world_from_camera(sequence_.scans[scan].stamp_ns),
+             to = odometry_.world_from_camera(scan_end_ns(scan));
+  if (!from || !to) return false;
+  const Pose step = relative_pose(*from, *to);
+  return step.translation.norm() <= kStill_m && log_so3(step.rotation).norm() <= kStill_rad;
+}
+
+std::vector<std::string> LidarEgo::scan_faults() const {
+  std::vector<std::string> faults = watch_.faults();
+  const std::vector<bool>& is_of_an_instant = watch_.is_of_an_instant();
+  int bent = 0;
+  for (std::size_t i = 0; i < is_of_an_instant.size(); ++i)
+    bent += is_of_an_instant[i] && !is_known_to_rest(i);
+  if (bent > 0)
+    faults.push_back(
+        fmt::format("the points of {} of {} scans have no times (one each scan), and the sensor "
+                    "moves or is lost: its motion within a scan cannot be undone",
+                    bent, is_of_an_instant.size()));
+  return faults;
 }
 
 }  // namespace uniquadric

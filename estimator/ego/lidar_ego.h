@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
 
 #include "core/sequence/sequence.h"
 #include "estimator/ego/lidar_odometry.h"
+#include "estimator/perception/scan_watch.h"
 
 namespace uniquadric {
 
@@ -34,19 +37,25 @@ class LidarEgo {
   void track(const SequenceFrame& frame, const cv::Mat& masks);
   /// Takes what scans are left.
   void finish();
-  /// world_from_camera of the frames (of the scans' ends where the sequence has no frames), but those where
-  /// the sensor was lost.
+  /// Of the frames, or of the scans' ends where the sequence has no frames.
+  std::vector<std::int64_t> stamps_ns() const;
+  /// world_from_camera at these stamps, but those where the sensor was lost.
   Trajectory trajectory() const;
+  /// What is wrong with the scans (ScanWatch), and whether their points have no times although the sensor
+  /// moves: a sentence each. After finish().
+  std::vector<std::string> scan_faults() const;
 
   const LidarOdometry& odometry() const { return odometry_; }
 
  private:
   void take_scans(std::int64_t until_ns);
   std::int64_t scan_end_ns(std::size_t scan) const;
+  bool is_known_to_rest(std::size_t scan) const;
 
   const Sequence& sequence_;
   LidarEgoOptions options_;
   LidarOdometry odometry_;
+  ScanWatch watch_;
   std::size_t next_scan_ = 0, next_end_ = 0;
 };
 

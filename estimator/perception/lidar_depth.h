@@ -73,6 +73,9 @@ class LidarDepth {
   /// turn or stop. With MotionSource::points it does not count.
   void moved(int label, const Pose& world_motion, std::int64_t step_ns);
 
+  /// Of the scans that were read.
+  const ScanWatch& watch() const { return stream_.watch(); }
+
  private:
   struct Held {
     std::int64_t stamp_ns;

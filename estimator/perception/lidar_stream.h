@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/sequence/sequence.h"
+#include "estimator/perception/scan_watch.h"
 
 namespace uniquadric {
 
@@ -25,14 +26,18 @@ inline constexpr double kMostRange_m = 1000;  // ours: no LiDAR of a vehicle see
 /// that are not finite and those farther off than kMostRange_m are passed over.
 class LidarStream {
  public:
-  explicit LidarStream(const Sequence& sequence) : sequence_(sequence) {}
+  explicit LidarStream(const Sequence& sequence) : sequence_(sequence), watch_(0, kMostRange_m) {}
 
   /// All points not yet taken with stamps up to `until_ns`, in order of time. Throws InputError naming a file
   /// that cannot be read.
   std::vector<TimedPoint> take(std::int64_t until_ns);
 
+  /// Of the scans that were read.
+  const ScanWatch& watch() const { return watch_; }
+
  private:
   const Sequence& sequence_;
+  ScanWatch watch_;
   std::size_t next_scan_ = 0;
   std::deque<TimedPoint> waiting_;
 };

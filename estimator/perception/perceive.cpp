@@ -4,6 +4,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <deque>
 #include <memory>
@@ -16,6 +17,8 @@
 #include "estimator/perception/check_sequence.h"
 #include "estimator/perception/lidar_stream.h"
 #include "estimator/perception/point_colors.h"
+#include "estimator/perception/repeats.h"
+#include "estimator/perception/scan_watch.h"
 #include "estimator/stopwatch.h"
 
 namespace uniquadric {
@@ -177,6 +180,18 @@ void tell_motions(const TrackedFeatures& tracked, const Pose& world_from_camera,
     lidar.moved(label, world_from_camera * motion * world_from_last.inverse(), step_ns);
 }
 
+void warn_of_gap(const Sequence& sequence) {
+  if (const auto gap = scan_gap(sequence))
+    warn(fmt::format("{}: {}", (sequence.folder / "lidar.txt").string(), *gap));
+}
+
+bool is_same_image(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size() || a.type() != b.type()) return false;
+  for (int v = 0; v < a.rows; ++v)
+    if (!std::equal(a.ptr(v), a.ptr(v) + a.cols * a.elemSize(), b.ptr(v))) return false;
+  return true;
+}
+
 // When the frame after this one comes; after the last one as long as before it.
 std::int64_t next_stamp_ns(const Sequence& sequence, std::size_t index) {
   const auto& frames = sequence.frames;
@@ -193,16 +208,17 @@ Camera perception_camera(const Sequence& sequence, const PerceptionOptions& opti
 void perceive(const Sequence& recorded, const PerceptionOptions& options, const PerceiveOptions& run,
               PerceptionWriter& out, std::vector<StageTime>& times) {
   const Sequence sequence = on_camera_clock(recorded, options.lidar_time_offset_ns);
+  const bool by_lidar = options.ego == EgoSource::lidar;
   if (sequence.frames.empty()) {
-    if (options.ego != EgoSource::lidar)
+    if (!by_lidar)
       throw InputError(sequence.folder, "has no images: only `ego: {source: lidar}` can follow it");
+    warn_of_gap(recorded);
     return perceive_scans(sequence, options.lidar, options.scan_objects, options.silhouettes, run.seed,
                           run.quiet, out, times);
   }
   const bool is_given = options.ego == EgoSource::given;
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
   const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
-  const bool by_lidar = options.ego == EgoSource::lidar;
   check_sequence(sequence, segmenter, poses, by_lidar, options.depth == DepthSource::images);
   const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence;
   if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
@@ -216,6 +232,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     return lidar ? lidar->odometry().world_from_camera(stamp_ns) : pose_between(*poses, stamp_ns);
   };
   if (wants_lidar_depth(sequence, options)) lidar_depth.emplace(sequence, path, options.lidar_depth);
+  if (lidar || lidar_depth) warn_of_gap(recorded);
   std::deque<PerceivedFrame> waiting;  // for outlines that come late
   Progress progress("perceive", std::ssize(sequence.frames), run.quiet);
 
@@ -246,7 +263,11 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     ++unusable;
   };
   int images = 0, blank = 0;  // of depth
+  cv::Mat last_rgb;
+  Repeats repeats;
   const auto check = [&](std::shared_ptr<Work> work) {
+    repeats.add(work->result.frame, is_same_image(work->rgb, last_rgb));
+    last_rgb = work->rgb;
     if (work->depth.empty()) return work;
     ++images;
     if (cv::countNonZero(work->depth) == 0) {
@@ -352,10 +373,16 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     warn(fmt::format("{} depth images are no measurements: they have one value, or jump as a whole",
                      unusable.load()));
   if (blank > 0) warn(fmt::format("{} of {} depth images hold no depth at all", blank, images));
+  if (const auto runs = repeats.text())
+    warn(fmt::format("frames {} have the same colour image, as of a camera that froze", *runs));
   if (lidar) {
     lidar->finish();
     out.keep_map(lidar->odometry().map_points());
   }
+  const auto faults = lidar         ? lidar->scan_faults()
+                      : lidar_depth ? lidar_depth->watch().faults()
+                                    : std::vector<std::string>();
+  for (const std::string& fault : faults) warn(fault);
   for (const PerceivedFrame& frame : waiting) out.add(frame);
   out.finish(is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()),
              odometry.restarts());

@@ -67,7 +67,8 @@ Camera perception_camera(const Sequence& sequence, const PerceptionOptions& opti
 
 /// The perception stage: masks, outlines, feature tracks, depth points and the camera's poses of every frame,
 /// in their order, written as they are known. The same for any number of threads. `times` receives what each
-/// stage took. Throws InputError for sequences with nothing to work on (check_sequence).
+/// stage took. Warns of depth, images and scans that are no measurements. Throws InputError for sequences
+/// with nothing to work on (check_sequence).
 void perceive(const Sequence& sequence, const PerceptionOptions& options, const PerceiveOptions& run,
               PerceptionWriter& out, std::vector<StageTime>& times);
 

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/base/progress.h"
+#include "core/base/warning.h"
 #include "estimator/perception/lidar_stream.h"
 #include "estimator/shape/quantile.h"
 
@@ -270,28 +271,31 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
   LidarEgo lidar(sequence, ego);
   lidar.finish();
   out.keep_map(lidar.odometry().map_points());
-  const Trajectory trajectory = lidar.trajectory();
+  for (const std::string& fault : lidar.scan_faults()) warn(fault);
+  const std::vector<std::int64_t> stamps_ns = lidar.stamps_ns();
   LidarStream stream(sequence);
   ScanObjects objects(options, silhouettes, seed);
   const Camera camera = scan_camera(options);
-  Progress progress("perceive", std::ssize(trajectory), quiet);
+  Progress progress("perceive", std::ssize(stamps_ns), quiet);
   PerceivedFrame frame;
   std::map<std::int64_t, Pose> poses;
-  for (const auto& [stamp_ns, pose] : trajectory) {
+  for (const std::int64_t stamp_ns : stamps_ns) {
     Stopwatch watch(frame.frame, times);
+    const auto timed = options.enabled ? stream.take(stamp_ns) : std::vector<TimedPoint>();
+    const auto pose = lidar.odometry().world_from_camera(stamp_ns);
     frame.stamp_ns = stamp_ns;
     frame.bodies.clear();
-    if (options.enabled) {
-      const ScanPoints points = points_at(stream.take(stamp_ns), stamp_ns, lidar.odometry(),
-                                          sequence.lidar->camera_from_lidar, camera);
-      frame.bodies = objects.look(frame.frame, stamp_ns, pose, points);
-      frame.has_masks = true;
+    frame.has_masks = options.enabled && pose;
+    if (frame.has_masks) {
+      const ScanPoints points =
+          points_at(timed, stamp_ns, lidar.odometry(), sequence.lidar->camera_from_lidar, camera);
+      frame.bodies = objects.look(frame.frame, stamp_ns, *pose, points);
       std::sort(frame.bodies.begin(), frame.bodies.end(),
                 [](const auto& a, const auto& b) { return a.id < b.id; });
       watch.stop("clusters");
     }
     out.add(frame);
-    poses.emplace(stamp_ns, pose);
+    if (pose) poses.emplace(stamp_ns, *pose);
     ++frame.frame;
     progress.advance();
   }

@@ -30,8 +30,9 @@ struct ScanObjectOptions {
 /// The camera that scans are looked at with: at the place of the sequence's, with an image of its own.
 Camera scan_camera(const ScanObjectOptions& options);
 
-/// The perception of a sequence without images: a frame is a scan's end. The sensor is followed first
-/// (LidarEgo), then points of each scan, put where they are at its end, are clustered above the ground,
+/// The perception of a sequence without images: a frame is a scan's end, without a pose and bodies where the
+/// sensor was lost. Warns of what is wrong with the scans (LidarEgo::scan_faults). The sensor is followed
+/// first (LidarEgo), then points of each scan, put where they are at its end, are clustered above the ground,
 /// tracked, and those that move become bodies. A body's points are put on to the scan's end by its velocity
 /// along the ground (Eq. 4 without the turn); its outline is the convex hull of its points in scan_camera(),
 /// tangents that touch what is nearer or where the sensor's view ends are not free; it has no features.

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "core/base/config.h"
 #include "core/base/files.h"
 #include "core/base/random.h"
 #include "core/sequence/ply.h"
@@ -64,6 +65,21 @@ class LidarRecording : public testing::Test {
     recording_.room.mover_start_m = {5, -1.4, -1.88};
     recording_.room.mover_velocity_mps = {-1.5, 0.3, 0};
     recording_.room.vigour = 0.3;
+  }
+  // On stderr.
+  std::string said_of_files(const Variant& variant = lidar_only_variant()) const {
+    testing::internal::CaptureStderr();
+    uniquadric::estimated(temp_.path() / "sequence", variant, temp_.path() / "out");
+    return testing::internal::GetCapturedStderr();
+  }
+  std::string said(const Variant& variant = lidar_only_variant()) const {
+    write_recording(temp_.path() / "sequence", recording_);
+    return said_of_files(variant);
+  }
+  ConfigNode run() const { return ConfigNode::load(temp_.path() / "out/run.yaml"); }
+  std::string counts() const {
+    return fmt::format("{} {}, {} without pose", run().get<int>("frames"),
+                       run().get<std::string>("frames_are"), run().get<int>("frames_without_pose"));
   }
   std::string written() const {
     return read_text(temp_.path() / "out/camera.tum") + read_text(temp_.path() / "out/objects.csv");
@@ -135,6 +151,87 @@ TEST_F(LidarRecording, EmptyScansAreGoneThroughAndNothingButEmptyOnesHaveNoPose)
     for (LidarPoint& p : points) p.x = p.y = p.z = 0;
   };
   EXPECT_TRUE(estimated(lidar_only_variant()).camera.empty());
+}
+
+// What is said of a recording, and counted: the scans, and those without a pose.
+TEST_F(LidarRecording, ScansWithoutAPoseAreCountedAndTheReasonIsTold) {
+  const std::string none = "warning: no object has a state (run.yaml counts poses)\n";
+  EXPECT_EQ(said(), none);
+  EXPECT_EQ(counts(), "20 scans, 0 without pose");
+
+  recording_.change = [](int, std::vector<LidarPoint>& points) {
+    for (LidarPoint& p : points) p.x = p.y = p.z = 0;
+  };
+  EXPECT_EQ(said(),
+            "warning: 20 of 20 scans hold no point of use, the first lidar/0.pcd: none, or all are empty "
+            "returns (0, 0, 0), no numbers, or not from 0.5 to 120 m away\n"
+            "warning: 20 of 20 scans have no pose (run.yaml: frames_without_pose)\n"
+            "warning: the LiDAR has no pose for 1.9 s (scans 0 to 19)\n" +
+                none);
+  EXPECT_EQ(counts(), "20 scans, 20 without pose");
+
+  recording_.change = [](int scan, std::vector<LidarPoint>& points) {
+    if (scan < 7) points.clear();
+    if (scan == 4) points = {{.x = 0.2f}, {.y = 3000}, {.z = std::numeric_limits<float>::quiet_NaN()}};
+  };
+  const std::string text = said();
+  EXPECT_EQ(text.find("warning: 7 of 20 scans hold no point of use, the first lidar/0.pcd: "), 0u) << text;
+  const auto without_pose = static_cast<std::size_t>(run().get<int>("frames_without_pose"));
+  EXPECT_GE(without_pose, 5u);  // the motion is trusted for 0.15 s before the first points
+  EXPECT_NE(text.find(fmt::format("warning: {} of 20 scans have no pose ", without_pose)), std::string::npos);
+  EXPECT_EQ(read_tracks(temp_.path() / "out").camera.size(), 20 - without_pose);
+}
+
+TEST_F(LidarRecording, PointsWithoutTimesAreToldWhereTheSensorMoves) {
+  const std::string told = " of 20 scans have no times (one each scan), and the sensor moves or is lost: ";
+  recording_.change = [](int, std::vector<LidarPoint>& points) {
+    for (LidarPoint& p : points) p.offset_ns = 50'000'000;
+    points.push_back({.offset_ns = 7});  // an empty return
+  };
+  recording_.room.vigour = 0.1;
+  EXPECT_EQ(said().find("no times"), std::string::npos);
+  recording_.room.half_size_m.x() = 30;
+  recording_.room.velocity_mps = {8, 0, 0};
+  const std::string text = said();
+  EXPECT_NE(text.find("warning: the points of 20" + told), std::string::npos) << text;
+  recording_.change = nullptr;
+  EXPECT_EQ(said().find("no times"), std::string::npos);
+}
+
+TEST_F(LidarRecording, AGapInTheListOfScansIsToldWithItsTimeAndLength) {
+  write_recording(temp_.path() / "sequence", recording_);
+  const fs::path list = temp_.path() / "sequence/lidar.txt";
+  const auto without = [&](int first, int last) {
+    std::string text = read_text(list);
+    const auto at = [&](int scan) { return text.find(fmt::format("{:.9f} ", 20 + 0.1 * scan)); };
+    const std::size_t begin = at(first), end = at(last + 1);
+    ASSERT_LT(begin, end);
+    write_text(list, text.erase(begin, end - begin));
+  };
+  without(14, 15);  // as a driver may lose
+  EXPECT_EQ(said_of_files().find("lidar.txt"), std::string::npos);
+  without(4, 9);
+  const std::string told =
+      "warning: " + list.string() + ": no scan for 0.7 s after 20.300000000 s, where one comes every 0.1 s";
+  EXPECT_EQ(said_of_files().find(told + "\n"), 0u) << said_of_files();
+  without(16, 17);
+  EXPECT_EQ(said_of_files().find(told + " (the longest of 2 such gaps)\n"), 0u) << said_of_files();
+}
+
+TEST_F(LidarRecording, ADriverThatFroze) {
+  const auto at = [this](int scan) { return recording_.room.scan(scan); };
+  for (const bool has_images : {false, true}) {
+    recording_.has_images = recording_.has_imu = has_images;
+    recording_.change = [&](int scan, std::vector<LidarPoint>& points) {
+      if (scan >= 4 && scan <= 9) points = at(4);
+      if (scan == 15) points = at(14);
+      for (LidarPoint& p : points) p.intensity = static_cast<float>(scan);
+    };
+    const std::string told =
+        "warning: scans 4 to 9 (and 1 more such runs) hold the same points, as of a driver that froze\n";
+    const std::string text = said(has_images ? lidar_variant() : lidar_only_variant());
+    EXPECT_NE(text.find(told), std::string::npos) << text;
+  }
 }
 
 // Each is refused with the file and what is wrong with it, and nothing is left.

@@ -50,6 +50,26 @@ TEST(Robustness, DepthImagesWithoutDepthAreToldAndCounted) {
     }
 }
 
+// Equal images that come as time goes on; the same camera at rest has noise.
+TEST(Robustness, ACameraThatFrozeIsToldOf) {
+  for (const bool is_frozen : {false, true}) {
+    const TempFolder temp;
+    cv::Mat held;
+    write_drawn_sequence(temp.path(), {kRed}, 12, [&](DrawnFrame& drawn) {
+      if (drawn.frame.frame == 4) held = drawn.rgb.clone();
+      if (is_frozen && drawn.frame.frame > 4 && drawn.frame.frame < 9) held.copyTo(drawn.rgb);
+    });
+    testing::internal::CaptureStderr();
+    run(temp.path());
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(said.find("the same colour image") != std::string::npos, is_frozen) << said;
+    EXPECT_EQ(said.find("warning: frames 4 to 8 have the same colour image, as of a camera that froze\n") !=
+                  std::string::npos,
+              is_frozen)
+        << said;
+  }
+}
+
 // Without its list of masks another segmenter takes over, which nobody asked for.
 TEST(Robustness, MasksThatNoListNamesAreToldOf) {
   const TempFolder temp;

@@ -49,6 +49,10 @@ TEST(EstimateText, SaysWhatWasFoundAndWhatFramesLack) {
   write_estimate(temp.path(), tracks);
   EXPECT_EQ(text_with(0),
             "no object with states\n20 frames, 0 without pose, 2 without depth, 3 without masks\n");
+  write_text(temp.path() / "run.yaml",
+             "frames: 39\nframes_are: scans\nframes_without_pose: 13\nframes_without_depth: 0\n"
+             "frames_without_masks: 13\nvariant:\n  name: some\n");
+  EXPECT_EQ(estimate_text(temp.path()), "no object with states\n39 scans, 13 without pose\n");
 }
 
 }  // namespace

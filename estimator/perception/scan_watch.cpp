@@ -1,0 +1,80 @@
+#include "estimator/perception/scan_watch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/base/seconds.h"
+#include "core/sequence/stamps.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kGap = 3.5;  // times the usual: one or two scans may be lost on the way
+
+// Bit by bit, for returns that are no numbers are the same, too. Times are the driver's.
+bool is_same_place(const LidarPoint& a, const LidarPoint& b) {
+  const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
+  return bits(a.x) == bits(b.x) && bits(a.y) == bits(b.y) && bits(a.z) == bits(b.z);
+}
+
+}  // namespace
+
+bool ScanWatch::is_of_use(const LidarPoint& point) const {
+  const double range_m = std::hypot(double{point.x}, double{point.y}, double{point.z});
+  return range_m > 0 && range_m >= min_range_m_ && range_m <= max_range_m_;  // nor what is no number
+}
+
+void ScanWatch::look(const SequenceScan& scan, std::vector<LidarPoint> points) {
+  const auto next_of_use = [&](auto from) {
+    return std::find_if(from, points.end(), [&](const LidarPoint& p) { return is_of_use(p); });
+  };
+  const auto first = next_of_use(points.begin());
+  const bool has_points = first != points.end();
+  if (!has_points && ++without_points_ == 1) first_without_points_ = scan.file.string();
+  const bool is_of_an_instant = has_points && next_of_use(first + 1) != points.end() &&
+                                std::all_of(first, points.end(), [&](const LidarPoint& p) {
+                                  return p.offset_ns == first->offset_ns || !is_of_use(p);
+                                });
+  const bool is_same =
+      has_points && std::equal(points.begin(), points.end(), last_.begin(), last_.end(), is_same_place);
+  repeats_.add(std::ssize(is_of_an_instant_), is_same);
+  is_of_an_instant_.push_back(is_of_an_instant);
+  last_ = std::move(points);
+}
+
+std::vector<std::string> ScanWatch::faults() const {
+  std::vector<std::string> faults;
+  if (without_points_ > 0)
+    faults.push_back(fmt::format(
+        "{} of {} scans hold no point of use, the first {}: none, or all are empty "
+        "returns (0, 0, 0), no numbers, or not from {} to {} m away",
+        without_points_, is_of_an_instant_.size(), first_without_points_, min_range_m_, max_range_m_));
+  if (const auto runs = repeats_.text())
+    faults.push_back(fmt::format("scans {} hold the same points, as of a driver that froze", *runs));
+  return faults;
+}
+
+std::optional<std::string> scan_gap(const Sequence& sequence) {
+  const std::vector<std::int64_t> stamps_ns = stamps_of(sequence.scans);
+  std::vector<std::int64_t> steps_ns;
+  for (std::size_t i = 1; i < stamps_ns.size(); ++i) steps_ns.push_back(stamps_ns[i] - stamps_ns[i - 1]);
+  if (steps_ns.empty()) return std::nullopt;
+  const auto longest = std::max_element(steps_ns.begin(), steps_ns.end()) - steps_ns.begin();
+  const std::int64_t longest_ns = steps_ns[longest];
+  const auto middle = steps_ns.begin() + std::ssize(steps_ns) / 2;
+  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
+  const double usual_ns = static_cast<double>(*middle), most_ns = kGap * usual_ns;
+  const auto gaps = std::count_if(steps_ns.begin(), steps_ns.end(), [&](std::int64_t step_ns) {
+    return static_cast<double>(step_ns) > most_ns;
+  });
+  if (gaps == 0) return std::nullopt;
+  std::string text = fmt::format("no scan for {:.4g} s after {} s, where one comes every {:.4g} s",
+                                 seconds(0, longest_ns), format_stamp(stamps_ns[longest]), 1e-9 * usual_ns);
+  if (gaps > 1) text += fmt::format(" (the longest of {} such gaps)", gaps);
+  return text;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/sequence/sequence.h"
+#include "estimator/perception/repeats.h"
+
+namespace uniquadric {
+
+/// Looks at scans as they are read, for what is no measurement of a working driver.
+class ScanWatch {
+ public:
+  /// Points nearer or farther than these are of no use.
+  ScanWatch(double min_range_m, double max_range_m) : min_range_m_(min_range_m), max_range_m_(max_range_m) {}
+
+  /// The next scan of the sequence.
+  void look(const SequenceScan& scan, std::vector<LidarPoint> points);
+
+  /// Of each scan so far, whether all its points of use (two at least) have one time.
+  const std::vector<bool>& is_of_an_instant() const { return is_of_an_instant_; }
+
+  /// Scans without a point of use, and neighbours with the same points: a sentence each.
+  std::vector<std::string> faults() const;
+
+ private:
+  bool is_of_use(const LidarPoint& point) const;
+
+  double min_range_m_, max_range_m_;
+  std::vector<LidarPoint> last_;
+  std::vector<bool> is_of_an_instant_;
+  int without_points_ = 0;
+  std::string first_without_points_;
+  Repeats repeats_;
+};
+
+/// What is missing in lidar.txt: the longest time without a scan, where it is several times that between
+/// scans. A sentence; nothing where scans go on.
+std::optional<std::string> scan_gap(const Sequence& sequence);
+
+}  // namespace uniquadric
