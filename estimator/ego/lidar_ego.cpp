@@ -131,7 +131,7 @@ std::vector<std::string> LidarEgo::scan_faults() const {
   if (bent > 0)
     faults.push_back(
         fmt::format("the points of {} of {} scans have no times (one each scan), and the sensor "
-                    "moves or is lost: its motion within a scan cannot be undone",
+                    "moves or is lost: they are taken as if its motion within a scan had been undone before",
                     bent, is_of_an_instant.size()));
   return faults;
 }
