@@ -3,7 +3,7 @@ set(CMAKE_DISABLE_FIND_PACKAGE_VTK ON)  # PCL asks for it, nothing here does
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(OpenCV 4.6 REQUIRED CONFIG COMPONENTS core imgproc imgcodecs calib3d features2d video dnn)
 find_package(Ceres 2.1 REQUIRED CONFIG)
-find_package(PCL 1.13 REQUIRED CONFIG COMPONENTS common kdtree search)
+find_package(PCL 1.13 REQUIRED CONFIG COMPONENTS common kdtree octree search)
 find_package(Boost 1.74 REQUIRED)  # its header-only part
 find_package(assimp 5.2 REQUIRED CONFIG)
 find_package(yaml-cpp REQUIRED CONFIG)
