@@ -1,5 +1,7 @@
 #include "estimator/perception/point_planes.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -118,15 +120,18 @@ std::vector<PointPlane> point_planes(const std::vector<ImagePoint>& points,
   if (points.empty()) return {};
   const auto neighbours = static_cast<std::size_t>(options.neighbours);
   const PixelGrid grid(points, options.reach_px, neighbours);
-  std::vector<std::vector<std::size_t>> near;
-  for (const ImagePoint& point : points) near.push_back(grid.nearest(point.pixel, neighbours));
+  std::vector<std::vector<std::size_t>> near(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { near[i] = grid.nearest(points[i].pixel, neighbours); });
   std::vector<bool> keep(points.size(), true);
   if (options.one_body) keep = on_body(points, surfaces(points, near, options.max_jump));
+  std::vector<std::optional<PointPlane>> found(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    if (keep[i]) found[i] = plane_at(points, near[i], points[i], options);
+  });
   std::vector<PointPlane> planes;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!keep[i]) continue;
-    if (const auto plane = plane_at(points, near[i], points[i], options)) planes.push_back(*plane);
-  }
+  for (const auto& plane : found)
+    if (plane) planes.push_back(*plane);
   return planes;
 }
 
