@@ -33,7 +33,9 @@ bool is_ply(std::string_view bytes) {
 Element read_element(const std::vector<std::string_view>& fields, const std::filesystem::path& path,
                      int line) {
   const auto count = fields.size() == 3 ? parse_integer(fields[2]) : std::nullopt;
-  if (!count || *count < 0) throw InputError(path, line, "expected: element NAME COUNT");
+  // Figures at the start of a name are a count to assimp.
+  if (!count || *count < 0 || !std::isalpha(static_cast<unsigned char>(fields[1][0])))
+    throw InputError(path, line, "expected: element NAME COUNT");
   return {line, fields[1], *count};
 }
 
