@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,17 @@ Element read_element(const std::vector<std::string_view>& fields, const std::fil
   return {line, fields[1], *count};
 }
 
+// What is not understood assimp passes over, and takes what follows for something else.
+void check_property(const std::vector<std::string_view>& fields, const std::filesystem::path& path,
+                    int line) {
+  static const std::set<std::string_view> kTypes{"char",  "uchar",  "short",   "ushort", "int",   "uint",
+                                                 "float", "double", "int8",    "uint8",  "int16", "uint16",
+                                                 "int32", "uint32", "float32", "float64"};
+  const bool is_list = fields.size() == 5 && fields[1] == "list" && kTypes.contains(fields[3]);
+  if (!(is_list || fields.size() == 3) || !kTypes.contains(fields[is_list ? 2 : 1]))
+    throw InputError(path, line, "expected: property [list TYPE] TYPE NAME");
+}
+
 Header read_header(std::string_view bytes, const std::filesystem::path& path) {
   Header header;
   for (int line = 1; header.end < bytes.size(); ++line) {
@@ -48,8 +60,14 @@ Header read_header(std::string_view bytes, const std::filesystem::path& path) {
     header.end = stop + (bytes.substr(stop, 2) == "\r\n" ? 2 : 1);
     if (fields.empty()) continue;
     if (fields[0] == "end_header") return header;
-    if (fields[0] == "element") header.elements.push_back(read_element(fields, path, line));
-    if (fields[0] == "format") header.ascii = fields.size() > 1 && fields[1] == "ascii";
+    if (fields[0] == "element")
+      header.elements.push_back(read_element(fields, path, line));
+    else if (fields[0] == "property")
+      check_property(fields, path, line);
+    else if (fields[0] == "format")
+      header.ascii = fields.size() > 1 && fields[1] == "ascii";
+    else if (line > 1 && fields[0] != "comment" && fields[0] != "obj_info")
+      throw InputError(path, line, "expected: format, comment, obj_info, element, property or end_header");
   }
   throw InputError(path, "the header has no end_header");
 }
