@@ -18,12 +18,14 @@ struct Element {
   int line = 0;
   std::string_view name;
   long long count = 0;
+  std::vector<bool> is_list;  // of its properties
 };
 
 struct Header {
   bool ascii = false;
   std::vector<Element> elements;
   std::size_t end = 0;  ///< bytes up to the body
+  int lines = 0;        ///< up to there
 };
 
 bool is_ply(std::string_view bytes) {
@@ -37,18 +39,19 @@ Element read_element(const std::vector<std::string_view>& fields, const std::fil
   // Figures at the start of a name are a count to assimp.
   if (!count || *count < 0 || !std::isalpha(static_cast<unsigned char>(fields[1][0])))
     throw InputError(path, line, "expected: element NAME COUNT");
-  return {line, fields[1], *count};
+  return {line, fields[1], *count, {}};
 }
 
 // What is not understood assimp passes over, and takes what follows for something else.
-void check_property(const std::vector<std::string_view>& fields, const std::filesystem::path& path,
-                    int line) {
+bool is_list_property(const std::vector<std::string_view>& fields, const std::filesystem::path& path,
+                      int line) {
   static const std::set<std::string_view> kTypes{"char",  "uchar",  "short",   "ushort", "int",   "uint",
                                                  "float", "double", "int8",    "uint8",  "int16", "uint16",
                                                  "int32", "uint32", "float32", "float64"};
   const bool is_list = fields.size() == 5 && fields[1] == "list" && kTypes.contains(fields[3]);
   if (!(is_list || fields.size() == 3) || !kTypes.contains(fields[is_list ? 2 : 1]))
     throw InputError(path, line, "expected: property [list TYPE] TYPE NAME");
+  return is_list;
 }
 
 Header read_header(std::string_view bytes, const std::filesystem::path& path) {
@@ -59,17 +62,48 @@ Header read_header(std::string_view bytes, const std::filesystem::path& path) {
     if (stop == bytes.npos) break;
     header.end = stop + (bytes.substr(stop, 2) == "\r\n" ? 2 : 1);
     if (fields.empty()) continue;
+    header.lines = line;
     if (fields[0] == "end_header") return header;
     if (fields[0] == "element")
       header.elements.push_back(read_element(fields, path, line));
-    else if (fields[0] == "property")
-      check_property(fields, path, line);
+    else if (fields[0] == "property" && !header.elements.empty())
+      header.elements.back().is_list.push_back(is_list_property(fields, path, line));
     else if (fields[0] == "format")
       header.ascii = fields.size() > 1 && fields[1] == "ascii";
     else if (line > 1 && fields[0] != "comment" && fields[0] != "obj_info")
       throw InputError(path, line, "expected: format, comment, obj_info, element, property or end_header");
   }
   throw InputError(path, "the header has no end_header");
+}
+
+std::size_t figures_of(const std::vector<bool>& is_list, const std::vector<std::string_view>& fields) {
+  std::size_t count = 0;
+  for (const bool list : is_list) {
+    const auto members = list && count < fields.size() ? parse_integer(fields[count]) : 0;
+    if (!members || *members < 0 || *members > static_cast<long long>(fields.size())) return 0;
+    count += 1 + static_cast<std::size_t>(*members);
+  }
+  return count;
+}
+
+// A row a line. Assimp makes faces with indices from anywhere of what is none.
+void check_rows(std::string_view bytes, const Header& header, const std::filesystem::path& path) {
+  std::size_t at = header.end;
+  int line = header.lines;
+  for (const Element& element : header.elements)
+    for (long long row = 0; row < element.count;) {
+      if (at >= bytes.size())
+        throw InputError(path, element.line, fmt::format("announces more {} than there are", element.name));
+      const std::size_t stop = std::min(bytes.find_first_of("\r\n", at), bytes.size());
+      const auto fields = split(bytes.substr(at, stop - at));
+      at = stop + (bytes.substr(stop, 2) == "\r\n" ? 2 : 1);
+      ++line;
+      if (fields.empty()) continue;
+      ++row;
+      if (fields.size() != figures_of(element.is_list, fields) ||
+          !std::ranges::all_of(fields, [](std::string_view f) { return parse_double(f).has_value(); }))
+        throw InputError(path, line, fmt::format("expected the figures of a row of {}", element.name));
+    }
 }
 
 }  // namespace
@@ -90,6 +124,7 @@ void check_ply_header(std::string_view bytes, const std::filesystem::path& path)
           fmt::format("announces {} {}, for which the file is too short", element.count, element.name));
     left -= element.count * least_bytes;
   }
+  if (header.ascii) check_rows(bytes, header, path);
 }
 
 }  // namespace uniquadric
