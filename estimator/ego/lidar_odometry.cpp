@@ -230,8 +230,8 @@ LidarState LidarOdometry::State::better_start() const {
   return result;
 }
 
-// Of the points of the first sweeps, those that lie on planes of the sweeps before, where the sensor begins
-// at this velocity.
+// Share of the first sweeps' points that lie on planes of the sweeps before, where the sensor begins at this
+// velocity; 0 for another one than rest that they do not tell.
 double LidarOdometry::State::share_from(const Vector3d& velocity_mps) const {
   State trial = *this;
   trial.sight.max_thickness = kBentThickness;
@@ -248,7 +248,8 @@ double LidarOdometry::State::share_from(const Vector3d& velocity_mps) const {
 }
 
 // What stands still beside the sensor whatever its velocity, as rings on a road do, holds it to a start at
-// rest. At another velocity than the true one there is less that fits.
+// rest. At another velocity than the true one less fits, and where only such rings are seen, most at rest,
+// where they fall on themselves.
 Vector3d LidarOdometry::State::likely_velocity() const {
   std::vector<Vector3d> tried{Vector3d::Zero()};
   for (const double speed : kTrialSpeeds_mps)
