@@ -233,7 +233,7 @@ LidarState LidarOdometry::State::better_start() const {
 // Share of the first sweeps' points that lie on planes of the sweeps before, where the sensor begins at this
 // velocity; 0 for another one than rest that they do not tell.
 double LidarOdometry::State::share_from(const Vector3d& velocity_mps) const {
-  State trial = *this;
+  State trial(rig, imu, options);
   trial.sight.max_thickness = kBentThickness;
   trial.begin_at(first_guess(velocity_mps), true);
   double points = 0, on_planes = 0;
@@ -270,7 +270,7 @@ void LidarOdometry::State::begin() {
   for (int pass = 1;; ++pass) {
     // In a cloud bent by an unknown motion walls are thick.
     sight.max_thickness =
-        pass < options.first_passes && pass == 1 ? kBentThickness : options.sight.max_thickness;
+        pass == 1 && pass < options.first_passes ? kBentThickness : options.sight.max_thickness;
     for (const Sweep& sweep : beginning) go_on(sweep);
     if (pauses.size() < 3 || pass >= kMostPasses) break;
     if (pass >= options.first_passes && has_found_start()) break;

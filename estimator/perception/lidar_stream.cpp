@@ -34,11 +34,8 @@ std::vector<TimedPoint> LidarStream::take(std::int64_t until_ns) {
   while (next_scan_ < sequence_.scans.size() && sequence_.scans[next_scan_].stamp_ns <= until_ns) {
     const SequenceScan& scan = sequence_.scans[next_scan_++];
     std::vector<LidarPoint> points = read_lidar_points(sequence_.folder / scan.file);
-    for (const LidarPoint& p : points) {
-      const Eigen::Vector3f point(p.x, p.y, p.z);
-      const double range_m = point.cast<double>().norm();
-      if (range_m > 0 && range_m <= kMostRange_m) waiting_.push_back({scan.stamp_ns + p.offset_ns, point});
-    }
+    for (const LidarPoint& p : points)
+      if (watch_.is_of_use(p)) waiting_.push_back({scan.stamp_ns + p.offset_ns, {p.x, p.y, p.z}});
     watch_.look(scan, std::move(points));
     std::stable_sort(waiting_.begin(), waiting_.end(),
                      [](const TimedPoint& a, const TimedPoint& b) { return a.stamp_ns < b.stamp_ns; });

@@ -8,6 +8,7 @@
 
 #include "core/base/seconds.h"
 #include "core/sequence/stamps.h"
+#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -24,7 +25,7 @@ bool is_same_place(const LidarPoint& a, const LidarPoint& b) {
 
 bool ScanWatch::is_of_use(const LidarPoint& point) const {
   const double range_m = std::hypot(double{point.x}, double{point.y}, double{point.z});
-  return range_m > 0 && range_m >= min_range_m_ && range_m <= max_range_m_;  // nor what is no number
+  return range_m > 0 && range_m >= min_range_m_ && range_m <= max_range_m_;
 }
 
 void ScanWatch::look(const SequenceScan& scan, std::vector<LidarPoint> points) {
@@ -63,16 +64,14 @@ std::optional<std::string> scan_gap(const Sequence& sequence) {
   for (std::size_t i = 1; i < stamps_ns.size(); ++i) steps_ns.push_back(stamps_ns[i] - stamps_ns[i - 1]);
   if (steps_ns.empty()) return std::nullopt;
   const auto longest = std::max_element(steps_ns.begin(), steps_ns.end()) - steps_ns.begin();
-  const std::int64_t longest_ns = steps_ns[longest];
-  const auto middle = steps_ns.begin() + std::ssize(steps_ns) / 2;
-  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
-  const double usual_ns = static_cast<double>(*middle), most_ns = kGap * usual_ns;
+  const double usual_ns = static_cast<double>(upper_median(steps_ns)), most_ns = kGap * usual_ns;
   const auto gaps = std::count_if(steps_ns.begin(), steps_ns.end(), [&](std::int64_t step_ns) {
     return static_cast<double>(step_ns) > most_ns;
   });
   if (gaps == 0) return std::nullopt;
-  std::string text = fmt::format("no scan for {:.4g} s after {} s, where one comes every {:.4g} s",
-                                 seconds(0, longest_ns), format_stamp(stamps_ns[longest]), 1e-9 * usual_ns);
+  std::string text =
+      fmt::format("no scan for {:.4g} s after {} s, where one comes every {:.4g} s",
+                  seconds(0, steps_ns[longest]), format_stamp(stamps_ns[longest]), 1e-9 * usual_ns);
   if (gaps > 1) text += fmt::format(" (the longest of {} such gaps)", gaps);
   return text;
 }

@@ -16,6 +16,9 @@ class ScanWatch {
   /// Points nearer or farther than these are of no use.
   ScanWatch(double min_range_m, double max_range_m) : min_range_m_(min_range_m), max_range_m_(max_range_m) {}
 
+  /// Whether a point is a return, and of use; none that is no number is.
+  bool is_of_use(const LidarPoint& point) const;
+
   /// The next scan of the sequence.
   void look(const SequenceScan& scan, std::vector<LidarPoint> points);
 
@@ -26,8 +29,6 @@ class ScanWatch {
   std::vector<std::string> faults() const;
 
  private:
-  bool is_of_use(const LidarPoint& point) const;
-
   double min_range_m_, max_range_m_;
   std::vector<LidarPoint> last_;
   std::vector<bool> is_of_an_instant_;

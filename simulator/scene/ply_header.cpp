@@ -28,6 +28,14 @@ struct Header {
   int lines = 0;        ///< up to there
 };
 
+// Goes on to the next line, whichever way it ends: its words.
+std::vector<std::string_view> next_line(std::string_view bytes, std::size_t& at) {
+  const std::size_t stop = std::min(bytes.find_first_of("\r\n", at), bytes.size());
+  const auto fields = split(bytes.substr(at, stop - at));
+  at = std::min(bytes.size(), stop + (bytes.substr(stop, 2) == "\r\n" ? 2 : 1));
+  return fields;
+}
+
 bool is_ply(std::string_view bytes) {
   return bytes.size() >= 3 && (bytes[0] == 'p' || bytes[0] == 'P') && (bytes[1] == 'l' || bytes[1] == 'L') &&
          (bytes[2] == 'y' || bytes[2] == 'Y');
@@ -56,13 +64,10 @@ bool is_list_property(const std::vector<std::string_view>& fields, const std::fi
 
 Header read_header(std::string_view bytes, const std::filesystem::path& path) {
   Header header;
-  for (int line = 1; header.end < bytes.size(); ++line) {
-    const std::size_t stop = bytes.find_first_of("\r\n", header.end);
-    const auto fields = split(bytes.substr(header.end, stop - header.end));
-    if (stop == bytes.npos) break;
-    header.end = stop + (bytes.substr(stop, 2) == "\r\n" ? 2 : 1);
-    if (fields.empty()) continue;
+  for (int line = 1; bytes.find_first_of("\r\n", header.end) != bytes.npos; ++line) {
+    const auto fields = next_line(bytes, header.end);
     header.lines = line;
+    if (fields.empty()) continue;
     if (fields[0] == "end_header") return header;
     if (fields[0] == "element")
       header.elements.push_back(read_element(fields, path, line));
@@ -94,9 +99,7 @@ void check_rows(std::string_view bytes, const Header& header, const std::filesys
     for (long long row = 0; row < element.count;) {
       if (at >= bytes.size())
         throw InputError(path, element.line, fmt::format("announces more {} than there are", element.name));
-      const std::size_t stop = std::min(bytes.find_first_of("\r\n", at), bytes.size());
-      const auto fields = split(bytes.substr(at, stop - at));
-      at = stop + (bytes.substr(stop, 2) == "\r\n" ? 2 : 1);
+      const auto fields = next_line(bytes, at);
       ++line;
       if (fields.empty()) continue;
       ++row;
