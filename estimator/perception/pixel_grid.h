@@ -2,18 +2,16 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "estimator/perception/point_planes.h"
 
 namespace uniquadric {
 
-/// Finds the neighbours of pixels among points, which have to outlive this. Points are kept in squares that
-/// are small beside the reach, so that few are looked at for each neighbour. Of a crowd in one square (a wall
-/// seen from far off, returns of a beam that stands still) an even choice stands for all, so that the time
-/// does not grow with the square of their number.
+/// Finds the neighbours of pixels among points. Points are kept in squares that are small beside the reach,
+/// row by row, so that few are looked at for each neighbour. Of a crowd in one square (a wall seen from far
+/// off, returns of a beam that stands still) an even choice stands for all, so that the time does not grow
+/// with the square of their number.
 class PixelGrid {
  public:
   /// `neighbours`: the most that will be asked for; as many of a square are kept, and no fewer than 64.
@@ -24,13 +22,25 @@ class PixelGrid {
   std::vector<std::size_t> nearest(const Eigen::Vector2d& pixel, std::size_t k) const;
 
  private:
-  using Found = std::vector<std::pair<double, std::size_t>>;  // squared distance, point
-  void add(const Eigen::Vector2i& square, const Eigen::Vector2d& pixel, Found& found) const;
+  struct Member {
+    Eigen::Vector2d pixel;
+    std::size_t point;
+  };
+  class Nearest;
+  void fill(const std::vector<ImagePoint>& points);
+  void thin_out(std::size_t most);
+  void look(int row, int left, int right, Nearest& nearest) const;  // at squares left..right
+  std::size_t index(const Eigen::Vector2i& square) const {
+    return static_cast<std::size_t>(square.y()) * static_cast<std::size_t>(size_.x()) +
+           static_cast<std::size_t>(square.x());
+  }
   Eigen::Vector2i square_of(const Eigen::Vector2d& pixel) const;
 
-  const std::vector<ImagePoint>& points_;
   double reach_px_, side_px_;
-  std::unordered_map<std::int64_t, std::vector<std::size_t>> squares_;
+  Eigen::Vector2d corner_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2i size_ = Eigen::Vector2i::Ones();  // columns, rows
+  std::vector<Member> members_;                     // square by square
+  std::vector<std::uint32_t> begins_;               // of each square's members, and their end
 };
 
 }  // namespace uniquadric
