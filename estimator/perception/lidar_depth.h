@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -11,19 +10,12 @@
 #include "core/geometry/pose.h"
 #include "core/sequence/sequence.h"
 #include "estimator/perception/body_twist.h"
-#include "estimator/perception/lidar_stream.h"
+#include "estimator/perception/frame_points.h"
 #include "estimator/perception/perception.h"
 #include "estimator/perception/point_planes.h"
 #include "estimator/shape/object_points.h"
 
 namespace uniquadric {
-
-/// What is undone of the motion during a scan (the paper's Fig. on undistortion).
-enum class Undistortion {
-  none,    ///< nothing: points lie where the sensor saw them from where it is now
-  ego,     ///< the sensor's own motion (Eq. 2, 3)
-  object,  ///< and that of each body (Eq. 4)
-};
 
 /// Where the motion comes from that is undone of a body.
 enum class MotionSource {
@@ -49,6 +41,9 @@ struct LidarView {
   std::map<int, SurfacePoints> bodies;  ///< points of each mask, camera frame, at the frame's time
 };
 
+/// The part of the options that FramePointSource wants.
+FramePointOptions frame_point_options(const LidarDepthOptions& options);
+
 /// Makes depth for camera frames out of LiDAR points: of the last window_s, each where its surface is at the
 /// frame's time (motion-aware undistortion, Eq. 2 to 4), projected into the image; around each a plane
 /// through its nearest neighbours of the same body is laid, and neighbours across a jump in depth are left
@@ -57,13 +52,16 @@ struct LidarView {
 /// ours is p(t_frame) = T_world_object(t_frame) T_world_object(t)^-1 p(t).
 class LidarDepth {
  public:
-  using CameraPath = std::function<std::optional<Pose>(std::int64_t stamp_ns)>;  ///< world_from_camera
+  /// The sequence's camera and LiDAR.
+  LidarDepth(const Sequence& sequence, const LidarDepthOptions& options);
 
-  /// The sequence has to outlive this. Throws InputError as require_scans() does.
-  LidarDepth(const Sequence& sequence, CameraPath path, const LidarDepthOptions& options);
+  /// Of what is not on bodies: the first step, which may be taken for any frame at any time and on any
+  /// thread. `masks` CV_16UC1 labels, 0 background, or empty. Empty without a camera pose.
+  cv::Mat background(const FramePoints& points, const cv::Mat& masks) const;
 
-  /// Frames in their order. `masks` CV_16UC1 labels, 0 background, or empty. Nothing without a camera pose.
-  LidarView at(std::int64_t stamp_ns, std::int64_t next_stamp_ns, const cv::Mat& masks);
+  /// Frames in their order. `depth` is the background's, to which the bodies' is added. Nothing without a
+  /// camera pose.
+  LidarView at(const FramePoints& points, const cv::Mat& masks, cv::Mat depth);
 
   /// Features of the bodies in the last frame, of which motions are found (MotionSource::points).
   void saw(const std::map<int, std::vector<Feature>>& features);
@@ -73,29 +71,20 @@ class LidarDepth {
   /// turn or stop. With MotionSource::points it does not count.
   void moved(int label, const Pose& world_motion, std::int64_t step_ns);
 
-  /// Of the scans that were read.
-  const ScanWatch& watch() const { return stream_.watch(); }
-
  private:
   struct Held {
-    std::int64_t stamp_ns;
-    Eigen::Vector3d seen;      // world, where the point's surface was then
-    Eigen::Vector3d at_frame;  // and where it is at the last frame's time
-    Eigen::Vector3d in_lidar;
-    int label;
+    LabelledPoint point;
+    Eigen::Vector3d at_frame;  // world, where its surface is at the last frame's time
   };
   void advance(std::int64_t to_ns);
-  void receive(std::int64_t stamp_ns, std::int64_t until_ns, const Pose& world_from_camera,
-               const cv::Mat& masks);
+  std::map<int, std::vector<ImagePoint>> samples(const Pose& camera_from_world, const cv::Mat& masks) const;
   bool finds_motions() const;
   void find_motions(const Pose& camera_from_world);
   Pose told_motion(int label, double seconds) const;
 
   Camera camera_, ideal_;  // as it is, and without distortion
   Pose camera_from_lidar_;
-  CameraPath path_;
   LidarDepthOptions options_;
-  LidarStream stream_;
   std::vector<Held> held_;
   struct Told {
     Vector6d twist;  // of a body's world motion over one second
@@ -109,6 +98,7 @@ class LidarDepth {
   std::map<int, Found> twists_;                          // at the last frame
   std::map<std::int64_t, Eigen::Vector2d> last_pixels_;  // of feature tracks
   std::int64_t last_ns_ = 0, before_last_ns_ = 0;
+  std::optional<Pose> last_, before_last_;  // world_from_camera
 };
 
 }  // namespace uniquadric

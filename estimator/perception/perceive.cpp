@@ -36,7 +36,9 @@ struct LateOutlines {
 struct Work {
   std::size_t index = 0;
   cv::Mat rgb, depth, masks;
-  std::map<int, SurfacePoints> surfaces;  // of the bodies, where the depth is a LiDAR's
+  std::optional<Pose> world_from_camera;  // as it is known by now, but from features
+  FramePoints points;                     // of the LiDAR, where the depth is its
+  std::map<int, SurfacePoints> surfaces;  // of the bodies, by these
   std::vector<AotFrame::Arrived> arrived;
   PerceivedFrame result;
   std::vector<LateOutlines> late;
@@ -174,10 +176,10 @@ std::optional<Pose> pose_between(const std::map<std::int64_t, Pose>& poses, std:
 }
 
 // What the features say of how bodies moved goes to the LiDAR's depth of the next frame.
-void tell_motions(const TrackedFeatures& tracked, const Pose& world_from_camera, const Pose& world_from_last,
-                  std::int64_t step_ns, LidarDepth& lidar) {
+void tell_motions(const TrackedFeatures& tracked, const FramePoints& frame, LidarDepth& lidar) {
   for (const auto& [label, motion] : tracked.motions)
-    lidar.moved(label, world_from_camera * motion * world_from_last.inverse(), step_ns);
+    lidar.moved(label, *frame.world_from_camera * motion * frame.world_from_last->inverse(),
+                frame.stamp_ns - frame.last_stamp_ns);
 }
 
 void warn_of_gap(const Sequence& sequence) {
@@ -231,7 +233,11 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   const auto path = [&](std::int64_t stamp_ns) {
     return lidar ? lidar->odometry().world_from_camera(stamp_ns) : pose_between(*poses, stamp_ns);
   };
-  if (wants_lidar_depth(sequence, options)) lidar_depth.emplace(sequence, path, options.lidar_depth);
+  std::optional<FramePointSource> points;
+  if (wants_lidar_depth(sequence, options)) {
+    points.emplace(sequence, path, frame_point_options(options.lidar_depth));
+    lidar_depth.emplace(sequence, options.lidar_depth);
+  }
   if (lidar || lidar_depth) warn_of_gap(recorded);
   std::deque<PerceivedFrame> waiting;  // for outlines that come late
   Progress progress("perceive", std::ssize(sequence.frames), run.quiet);
@@ -298,15 +304,34 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     work->times.insert(work->times.end(), tracked.times.begin(), tracked.times.end());
     return work;
   };
-  const auto track = [&](std::shared_ptr<Work> work) {
+  const auto follow = [&](std::shared_ptr<Work> work) {
     const SequenceFrame& frame = sequence.frames[work->index];
     Stopwatch watch(frame.frame, work->times);
     if (lidar) {
       lidar->track(frame, work->masks);
       watch.stop("ego");
     }
+    work->world_from_camera = is_given ? pose_at(*poses, frame.stamp_ns)
+                              : lidar  ? path(frame.stamp_ns)
+                                       : std::nullopt;
+    if (points) {
+      work->points = points->take(frame.stamp_ns, next_stamp_ns(sequence, work->index), work->masks);
+      watch.stop("lidar_depth");
+    }
+    return work;
+  };
+  const auto look_behind = [&](std::shared_ptr<Work> work) {
+    if (!lidar_depth) return work;
+    Stopwatch watch(work->result.frame, work->times);
+    work->depth = lidar_depth->background(work->points, work->masks);
+    watch.stop("lidar_depth");
+    return work;
+  };
+  const auto track = [&](std::shared_ptr<Work> work) {
+    const SequenceFrame& frame = sequence.frames[work->index];
+    Stopwatch watch(frame.frame, work->times);
     if (lidar_depth) {
-      LidarView view = lidar_depth->at(frame.stamp_ns, next_stamp_ns(sequence, work->index), work->masks);
+      LidarView view = lidar_depth->at(work->points, work->masks, work->depth);
       work->depth = std::move(view.depth);
       work->surfaces = std::move(view.bodies);
       watch.stop("lidar_depth");
@@ -319,19 +344,15 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     add_features(tracked, work->result);
     watch.stop("features");
     if (lidar_depth) lidar_depth->saw(tracked.bodies);
-    if (lidar_depth && options.lidar_depth.motion == MotionSource::features && work->index > 0) {
-      const std::int64_t last_ns = sequence.frames[work->index - 1].stamp_ns;
-      const auto now = path(frame.stamp_ns), last = path(last_ns);
-      if (now && last) tell_motions(tracked, *now, *last, frame.stamp_ns - last_ns, *lidar_depth);
-    }
+    if (lidar_depth && work->points.world_from_camera && work->points.world_from_last)
+      tell_motions(tracked, work->points, *lidar_depth);
     if (options.ego == EgoSource::rgbd) {
       odometry.track(frame, tracked, work->depth, work->masks);
       watch.stop("ego");
     }
     if (run.feedback)
-      work->result.world_from_camera = is_given ? pose_at(*poses, frame.stamp_ns)
-                                       : lidar  ? path(frame.stamp_ns)
-                                                : odometry.pose();
+      work->result.world_from_camera =
+          options.ego == EgoSource::rgbd ? odometry.pose() : work->world_from_camera;
     return work;
   };
   const auto look = [&](std::shared_ptr<Work> work) {
@@ -365,6 +386,8 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, check) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, cut_out) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, carry) &
+                               tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, follow) &
+                               tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, look_behind) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::serial_in_order, track) &
                                tbb::make_filter<Handle, Handle>(tbb::filter_mode::parallel, look) &
                                tbb::make_filter<Handle, void>(tbb::filter_mode::serial_in_order, keep));
@@ -379,9 +402,9 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     lidar->finish();
     out.keep_map(lidar->odometry().map_points());
   }
-  const auto faults = lidar         ? lidar->scan_faults()
-                      : lidar_depth ? lidar_depth->watch().faults()
-                                    : std::vector<std::string>();
+  const auto faults = lidar    ? lidar->scan_faults()
+                      : points ? points->watch().faults()
+                               : std::vector<std::string>();
   for (const std::string& fault : faults) warn(fault);
   for (const PerceivedFrame& frame : waiting) out.add(frame);
   out.finish(is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()),
