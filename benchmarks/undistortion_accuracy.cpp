@@ -98,6 +98,7 @@ struct Run {
                      variant.perception.aot, 0),
       variant.perception.aot};
   FeatureTracker features{sequence.camera, variant.perception.features, 0};
+  std::vector<FramePointSource> points;  // and depths: of each way
   std::vector<LidarDepth> depths;
   std::vector<SurfaceDistance> surfaces;
   std::vector<BodyFigures> figures;
@@ -126,7 +127,8 @@ struct Run {
                              : way == ego ? Undistortion::ego
                                           : Undistortion::object;
       if (way == told_truth) options.motion = MotionSource::features;
-      depths.emplace_back(sequence, path, options);
+      points.emplace_back(sequence, path, frame_point_options(options));
+      depths.emplace_back(sequence, options);
     }
   }
 
@@ -236,7 +238,8 @@ struct Run {
     cv::Mat depth;
     for (std::size_t way = 0; way < depths.size(); ++way) {
       const double start = now_ms();
-      const LidarView view = depths[way].at(frame.stamp_ns, next_ns, masks);
+      const FramePoints placed = points[way].take(frame.stamp_ns, next_ns, masks);
+      const LidarView view = depths[way].at(placed, masks, depths[way].background(placed, masks));
       ms[way] += now_ms() - start;
       judge_points(frame.frame, view, now, objects, way);
       if (way == object) depth = view.depth;

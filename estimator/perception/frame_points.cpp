@@ -27,14 +27,7 @@ cv::Mat without_rims(const cv::Mat& masks, int px) {
   return result;
 }
 
-}  // namespace
-
-int label_at(const cv::Mat& masks, const Eigen::Vector2d& pixel) {
-  if (masks.empty()) return 0;
-  const cv::Point at = pixel_of(pixel);  // the image's outline itself rounds outwards
-  return cv::Rect({}, masks.size()).contains(at) ? masks.at<std::uint16_t>(at) : kNobody;
-}
-
+// The part of the image whose depth somebody asks for: bodies and what may hide them.
 cv::Rect around_bodies(const cv::Mat& masks, double margin_px) {
   std::vector<cv::Point> pixels;
   if (!masks.empty()) cv::findNonZero(masks != 0, pixels);
@@ -46,8 +39,12 @@ cv::Rect around_bodies(const cv::Mat& masks, double margin_px) {
   return rect & cv::Rect({}, masks.size());
 }
 
-bool is_in(const cv::Rect& part, const Eigen::Vector2d& pixel) {
-  return part.contains(pixel_of(pixel));
+}  // namespace
+
+int label_at(const cv::Mat& masks, const Eigen::Vector2d& pixel) {
+  if (masks.empty()) return 0;
+  const cv::Point at = pixel_of(pixel);  // the image's outline itself rounds outwards
+  return cv::Rect({}, masks.size()).contains(at) ? masks.at<std::uint16_t>(at) : kNobody;
 }
 
 FramePointSource::FramePointSource(const Sequence& sequence, CameraPath path,
@@ -87,7 +84,8 @@ void FramePointSource::keep_background(const cv::Mat& masks, FramePoints& frame)
   for (const LabelledPoint& p : background_) {
     const Eigen::Vector3d in_camera = raw ? camera_from_lidar_ * p.in_lidar : camera_from_world * p.seen;
     const auto pixel = camera_.project(in_camera);
-    if (pixel && camera_.contains(*pixel) && is_in(wanted, *pixel) && label_at(masks, *pixel) == 0)
+    if (pixel && camera_.contains(*pixel) && wanted.contains(pixel_of(*pixel)) &&
+        label_at(masks, *pixel) == 0)
       frame.background.push_back({*pixel, 1 / in_camera.z()});
   }
 }

@@ -79,10 +79,4 @@ class FramePointSource {
 /// The label of the masks at a pixel; 0 where there are no masks, nobody's outside of them.
 int label_at(const cv::Mat& masks, const Eigen::Vector2d& pixel);
 
-/// The part of the image whose depth somebody asks for: bodies and what may hide them.
-cv::Rect around_bodies(const cv::Mat& masks, double margin_px);
-
-/// Whether a pixel lies in a part of the image.
-bool is_in(const cv::Rect& part, const Eigen::Vector2d& pixel);
-
 }  // namespace uniquadric

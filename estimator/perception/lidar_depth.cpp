@@ -115,7 +115,6 @@ LidarView LidarDepth::at(const FramePoints& points, const cv::Mat& masks, cv::Ma
 // Points of the window where they are now, as the image shows them.
 std::map<int, std::vector<ImagePoint>> LidarDepth::samples(const Pose& camera_from_world,
                                                            const cv::Mat& masks) const {
-  const cv::Rect wanted = around_bodies(masks, options_.planes.reach_px);
   const bool raw = options_.undistortion == Undistortion::none;
   std::map<int, std::vector<ImagePoint>> result;
   for (const auto& [point, at_frame] : held_) {
@@ -123,7 +122,7 @@ std::map<int, std::vector<ImagePoint>> LidarDepth::samples(const Pose& camera_fr
     const Eigen::Vector3d in_camera =
         raw ? camera_from_lidar_ * point.in_lidar : camera_from_world * at_frame;
     const auto pixel = camera_.project(in_camera);
-    if (pixel && camera_.contains(*pixel) && is_in(wanted, *pixel) && label_at(masks, *pixel) == point.label)
+    if (pixel && camera_.contains(*pixel) && label_at(masks, *pixel) == point.label)
       result[point.label].push_back({*pixel, 1 / in_camera.z()});
   }
   return result;

@@ -73,44 +73,55 @@ struct Fit {
   int count = 0;
 };
 
-std::optional<Fit> fit(const std::vector<ImagePoint>& points, const std::vector<std::size_t>& near,
-                       const Eigen::Vector2d& pixel, const Eigen::Vector3d& about, double gate) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+// A neighbour, as the point in the middle sees it.
+struct Neighbour {
+  double x, y, inverse_depth;
+};
+
+std::optional<Fit> fit(const std::vector<Neighbour>& near, const Eigen::Vector3d& about, double gate) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, squares = 0;
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  double squares = 0;
-  int count = 0;
-  for (const std::size_t i : near) {
-    const Eigen::Vector2d d = points[i].pixel - pixel;
-    const Eigen::Vector3d row(1, d.x(), d.y());
-    const double off = points[i].inverse_depth - row.dot(about);
+  for (const Neighbour& p : near) {
+    const double off = p.inverse_depth - (about[0] + p.x * about[1] + p.y * about[2]);
     if (std::abs(off) > gate) continue;
-    normal += row * row.transpose();
-    right += off * row;
+    n += 1, x += p.x, y += p.y;
+    xx += p.x * p.x, xy += p.x * p.y, yy += p.y * p.y;
+    right += off * Eigen::Vector3d(1, p.x, p.y);
     squares += off * off;
-    ++count;
   }
-  if (count < 4) return std::nullopt;
-  Eigen::Matrix3d inverse;
+  if (n < 4) return std::nullopt;
+  Eigen::Matrix3d normal, inverse;
+  normal << n, x, y, x, xx, xy, y, xy, yy;
   bool invertible = false;
   normal.computeInverseWithCheck(inverse, invertible, 1e-9);
   if (!invertible) return std::nullopt;  // all in one line
   const Eigen::Vector3d change = inverse * right;
-  return Fit{about + change, std::sqrt(std::max(0.0, squares - change.dot(right)) / (count - 3)), count};
+  return Fit{about + change, std::sqrt(std::max(0.0, squares - change.dot(right)) / (n - 3)),
+             static_cast<int>(n)};
 }
 
-std::optional<PointPlane> plane_at(const std::vector<ImagePoint>& points,
-                                   const std::vector<std::size_t>& near, const ImagePoint& here,
+std::optional<PointPlane> plane_at(const ImagePoint& here, const std::vector<Neighbour>& near,
                                    const PointPlaneOptions& options) {
   Eigen::Vector3d about(here.inverse_depth, 0, 0);
   double gate = options.max_jump * here.inverse_depth;
   for (int round = 0; round < kRounds; ++round) {
-    const auto found = fit(points, near, here.pixel, about, gate);
+    const auto found = fit(near, about, gate);
     if (!found || found->count < options.min_neighbours) return std::nullopt;
     about = found->plane;
     gate = kOutlierSigmas * std::max(found->scatter, kLeastScatter * here.inverse_depth);
   }
   if (std::abs(about[0] - here.inverse_depth) > options.max_jump * here.inverse_depth) return std::nullopt;
   return PointPlane{here.pixel, about[0], about.tail<2>()};
+}
+
+std::vector<Neighbour> neighbours_of(const ImagePoint& here, const std::vector<ImagePoint>& points,
+                                     const std::vector<std::size_t>& near) {
+  std::vector<Neighbour> result;
+  result.reserve(near.size());
+  for (const std::size_t i : near)
+    result.push_back({points[i].pixel.x() - here.pixel.x(), points[i].pixel.y() - here.pixel.y(),
+                      points[i].inverse_depth});
+  return result;
 }
 
 }  // namespace
@@ -127,7 +138,7 @@ std::vector<PointPlane> point_planes(const std::vector<ImagePoint>& points,
   if (options.one_body) keep = on_body(points, surfaces(points, near, options.max_jump));
   std::vector<std::optional<PointPlane>> found(points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-    if (keep[i]) found[i] = plane_at(points, near[i], points[i], options);
+    if (keep[i]) found[i] = plane_at(points[i], neighbours_of(points[i], points, near[i]), options);
   });
   std::vector<PointPlane> planes;
   for (const auto& plane : found)

@@ -83,6 +83,22 @@ Sequence passing_board(
   return sequence;
 }
 
+// A sequence's frames one by one.
+struct ByFrames {
+  FramePointSource source;
+  LidarDepth depth;
+
+  explicit ByFrames(const Sequence& sequence, const LidarDepthOptions& options = {})
+      : source(
+            sequence, [](std::int64_t) { return Pose(); }, frame_point_options(options)),
+        depth(sequence, options) {}
+
+  LidarView at(std::int64_t stamp_ns, const cv::Mat& masks) {
+    const FramePoints points = source.take(stamp_ns, stamp_ns + kFrame, masks);
+    return depth.at(points, masks, depth.background(points, masks));
+  }
+};
+
 struct Seen {
   double left = 0, right = 0, depth_error = 0;  // of the board's points [m], less where they are
   int points = 0;
@@ -94,14 +110,13 @@ Seen look(Undistortion undistortion, bool told) {
   LidarDepthOptions options;
   options.undistortion = undistortion;
   options.motion = MotionSource::features;
-  LidarDepth depth(
-      sequence, [](std::int64_t) { return Pose(); }, options);
+  ByFrames frames(sequence, options);
   LidarView view;
   std::int64_t now = 0;
   for (int k = 0; k < 9; ++k) {
     now = k * kFrame;
-    view = depth.at(now, now + kFrame, mask_at(sequence.camera, now));
-    if (told) depth.moved(7, {Eigen::Quaterniond::Identity(), {kSpeed * 1e-9 * kFrame, 0, 0}}, kFrame);
+    view = frames.at(now, mask_at(sequence.camera, now));
+    if (told) frames.depth.moved(7, {Eigen::Quaterniond::Identity(), {kSpeed * 1e-9 * kFrame, 0, 0}}, kFrame);
   }
   Seen seen;
   const Eigen::Matrix3Xd& points = view.bodies.at(7).points;
@@ -129,11 +144,11 @@ TEST(LidarDepth, WithoutABodysMotionItsPointsTrailBehind) {
 TEST(LidarDepth, PointsThemselvesTellHowFastABodyComesNearer) {
   const TempFolder temp;
   const Sequence sequence = passing_board(temp.path(), on_near_board, near_depth);
-  LidarDepth depth(sequence, [](std::int64_t) { return Pose(); }, {});
+  ByFrames frames(sequence);
   int looked_at = 0;
   for (int k = 0; k < 12; ++k) {
     const std::int64_t now = k * kFrame;
-    const LidarView view = depth.at(now, now + kFrame, mask_at(sequence.camera, now, on_near_board));
+    const LidarView view = frames.at(now, mask_at(sequence.camera, now, on_near_board));
     if (k < 4) continue;  // the first points are of one time
     const Eigen::Matrix3Xd& points = view.bodies.at(7).points;
     EXPECT_GT(points.cols(), 300);
@@ -146,18 +161,18 @@ TEST(LidarDepth, PointsThemselvesTellHowFastABodyComesNearer) {
 TEST(LidarDepth, FeaturesTellHowFastABodyPasses) {
   const TempFolder temp;
   const Sequence sequence = passing_board(temp.path());
-  LidarDepth depth(sequence, [](std::int64_t) { return Pose(); }, {});
+  ByFrames frames(sequence);
   LidarView view;
   std::int64_t now = 0;
   for (int k = 0; k < 9; ++k) {
     now = k * kFrame;
-    view = depth.at(now, now + kFrame, mask_at(sequence.camera, now));
+    view = frames.at(now, mask_at(sequence.camera, now));
     std::map<int, std::vector<Feature>> features;
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector3d at(board_x(now) - 0.9 + 0.09 * i, 0.6 * std::sin(5.0 * i), kBoard);
       features[7].push_back({i, *sequence.camera.project(at), kBoard, 0.01});
     }
-    depth.saw(features);
+    frames.depth.saw(features);
   }
   const Eigen::Matrix3Xd& points = view.bodies.at(7).points;
   EXPECT_NEAR(points.row(0).minCoeff(), board_x(now) - 1, 0.12);
@@ -167,18 +182,17 @@ TEST(LidarDepth, FeaturesTellHowFastABodyPasses) {
 TEST(LidarDepth, AMotionToldLongAgoIsForgotten) {
   const TempFolder temp;
   const Sequence sequence = passing_board(temp.path());
-  const auto here = [](std::int64_t) { return Pose(); };
   LidarDepthOptions options;
   options.motion = MotionSource::features;
-  LidarDepth told(sequence, here, options), untold(sequence, here, options);
+  ByFrames told(sequence, options), untold(sequence, options);
   int differ = 0, agree = 0;
   for (int k = 0; k < 11; ++k) {
     const std::int64_t now = k * kFrame;
     const cv::Mat mask = mask_at(sequence.camera, now);
-    const auto points = [&](LidarDepth& depth) { return depth.at(now, now + kFrame, mask).bodies[7].points; };
+    const auto points = [&](ByFrames& frames) { return frames.at(now, mask).bodies[7].points; };
     const Eigen::Matrix3Xd with = points(told), without = points(untold);
     const bool same = with.cols() == without.cols() && with == without;
-    if (k == 2) told.moved(7, {Eigen::Quaterniond::Identity(), {0, 0, 0.1}}, kFrame);
+    if (k == 2) told.depth.moved(7, {Eigen::Quaterniond::Identity(), {0, 0, 0.1}}, kFrame);
     if (k == 3 || k == 4) differ += !same;  // it counts for two frames
     if (k >= 8) agree += same;              // when the points that it moved are out of the window
   }
@@ -189,12 +203,11 @@ TEST(LidarDepth, AMotionToldLongAgoIsForgotten) {
 TEST(LidarDepth, DepthIsThatOfThePlanesAlongTheLinesOfSight) {
   const TempFolder temp;
   const Sequence sequence = passing_board(temp.path());
-  LidarDepth depth(sequence, [](std::int64_t) { return Pose(); }, {});
+  ByFrames frames(sequence);
   const std::int64_t now = 6 * kFrame;
   const cv::Mat mask = mask_at(sequence.camera, now);
   LidarView view;
-  for (int k = 0; k <= 6; ++k)
-    view = depth.at(k * kFrame, (k + 1) * kFrame, mask_at(sequence.camera, k * kFrame));
+  for (int k = 0; k <= 6; ++k) view = frames.at(k * kFrame, mask_at(sequence.camera, k * kFrame));
   int known = 0, all = 0;
   for (int v = 0; v < mask.rows; ++v)
     for (int u = 0; u < mask.cols; ++u) {
