@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kLeastSights = 3;     // that a velocity is taken from
 constexpr double kLeastSide = 0.5;  // [m]: a sliver's box is given some width
+constexpr double kClearSigmas = 4;  // by which a single end moves
 
 double overlap(const ClusterBox& a, const ClusterBox& b) {
   double both = 1, first = 1, second = 1;
@@ -36,48 +37,90 @@ ClusterBox moved(ClusterBox box, const Eigen::Vector2d& shift) {
   return box;
 }
 
-// Slope of a line through (t, x); nothing of fewer than kLeastSights.
-std::optional<double> slope(const std::vector<Eigen::Vector2d>& samples) {
+struct Line {
+  double slope = 0, slope_sigma = 0;
+};
+
+// Through (t, x) by least squares, each x off by `sigma` at least; nothing of fewer than kLeastSights.
+std::optional<Line> line_through(const std::vector<Eigen::Vector2d>& samples, double sigma) {
+  const auto n = static_cast<double>(samples.size());
   if (std::ssize(samples) < kLeastSights) return std::nullopt;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const auto& s : samples) mean += s / static_cast<double>(samples.size());
-  double up = 0, down = 0;
+  for (const auto& s : samples) mean += s / n;
+  double up = 0, down = 0, squares = 0;
   for (const auto& s : samples) {
     up += (s.x() - mean.x()) * (s.y() - mean.y());
     down += (s.x() - mean.x()) * (s.x() - mean.x());
   }
-  return down > 0 ? std::optional(up / down) : std::nullopt;
+  if (!(down > 0)) return std::nullopt;
+  for (const auto& s : samples) squares += std::pow(s.y() - mean.y() - up / down * (s.x() - mean.x()), 2);
+  return Line{up / down, std::max(sigma, std::sqrt(squares / (n - 2))) / std::sqrt(down)};
+}
+
+// Along the ground, what has to be added to one box for the other's middle.
+double distance(const ClusterBox& a, const ClusterBox& b) {
+  return (a.low + a.high - b.low - b.high).head<2>().norm() / 2;
 }
 
 }  // namespace
 
-void ClusterTracker::add(Track& track, std::int64_t stamp_ns, const ClusterBox& box) {
+// The velocity along an axis; whether it is that of a body that moves.
+bool ClusterTracker::follow_ends(Track& track, int axis) const {
+  std::array<std::optional<Line>, 2> ends;
+  for (int side = 0; side < 2; ++side) {
+    std::vector<Eigen::Vector2d> samples;
+    for (const auto& [stamp_ns, box] : track.sights)
+      if (const int end = 2 * axis + side; !box.cut[end])
+        samples.emplace_back(seconds(track.sights.front().stamp_ns, stamp_ns) - box.ago_s[end],
+                             side ? box.high[axis] : box.low[axis]);
+    ends[side] = line_through(samples, options_.end_sigma_m);
+  }
+  const auto& hidden = track.sights.back().box.hidden;
+  const bool both = ends[0] && ends[1];
+  if (!ends[0] && !ends[1]) return false;
+  const int facing = hidden[2 * axis] && ends[1] ? 1 : hidden[2 * axis + 1] && ends[0] ? 0 : -1;
+  if (facing >= 0)
+    track.velocity_mps[axis] = ends[facing]->slope;
+  else
+    track.velocity_mps[axis] =
+        both ? (ends[0]->slope + ends[1]->slope) / 2 : (ends[0] ? *ends[0] : *ends[1]).slope;
+  if (both && std::abs(ends[0]->slope - ends[1]->slope) < options_.max_stretch_mps)
+    return std::min(std::abs(ends[0]->slope), std::abs(ends[1]->slope)) > options_.min_speed_mps;
+  return facing >= 0 && std::abs(ends[facing]->slope) >
+                            std::max(options_.min_speed_mps, kClearSigmas * ends[facing]->slope_sigma);
+}
+
+void ClusterTracker::add(Track& track, std::int64_t stamp_ns, const ClusterBox& box) const {
   ++track.seen;
   track.missed = 0;
   track.sights.push_back({stamp_ns, box});
   while (std::ssize(track.sights) > options_.window_scans) track.sights.pop_front();
-  bool moves = false;
-  for (int axis = 0; axis < 2; ++axis) {
-    std::array<std::optional<double>, 2> ends;
-    for (int side = 0; side < 2; ++side) {
-      std::vector<Eigen::Vector2d> samples;
-      for (const Sight& sight : track.sights)
-        if (!sight.box.cut[2 * axis + side])
-          samples.emplace_back(seconds(stamp_ns, sight.stamp_ns),
-                               side ? sight.box.high[axis] : sight.box.low[axis]);
-      ends[side] = slope(samples);
-    }
-    if (!ends[0] && !ends[1]) continue;
-    track.velocity_mps[axis] = ends[0] && ends[1] ? (*ends[0] + *ends[1]) / 2 : ends[0] ? *ends[0] : *ends[1];
-    moves |= ends[0] && ends[1] && std::abs(*ends[0] - *ends[1]) < options_.max_stretch_mps &&
-             std::min(std::abs(*ends[0]), std::abs(*ends[1])) > options_.min_speed_mps;
-  }
-  track.moving = moves ? track.moving + 1 : 0;
+  const bool along_x = follow_ends(track, 0), along_y = follow_ends(track, 1);
+  track.moving = along_x || along_y ? track.moving + 1 : 0;
   track.moved |= track.moving >= options_.moving_scans;
 }
 
-std::vector<TrackedCluster> ClusterTracker::track(std::int64_t stamp_ns,
-                                                  const std::vector<ClusterBox>& clusters) {
+// From two sights that are apart: their ends that face the sensor, else both, tell the speed.
+void ClusterTracker::start_moving(Track& track) {
+  const ClusterBox &first = track.sights.front().box, &last = track.sights.back().box;
+  const double step_s = seconds(track.sights.front().stamp_ns, track.sights.back().stamp_ns);
+  for (int axis = 0; axis < 2; ++axis) {
+    double sum_mps = 0;
+    int ends = 0;
+    for (int side = 0; side < 2; ++side) {
+      const int end = 2 * axis + side;
+      if (last.hidden[end]) continue;
+      const double way_m = side ? last.high[axis] - first.high[axis] : last.low[axis] - first.low[axis];
+      sum_mps += way_m / (step_s + first.ago_s[end] - last.ago_s[end]);
+      ++ends;
+    }
+    if (ends > 0) track.velocity_mps[axis] = sum_mps / ends;
+  }
+}
+
+// Of each cluster the track whose box, gone on, it overlaps most; -1 of none.
+std::vector<int> ClusterTracker::tracks_of(std::int64_t stamp_ns,
+                                           const std::vector<ClusterBox>& clusters) const {
   Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(std::ssize(clusters), std::ssize(tracks_));
   for (std::ptrdiff_t j = 0; j < weights.cols(); ++j) {
     const Track& track = tracks_[j];
@@ -88,14 +131,43 @@ std::vector<TrackedCluster> ClusterTracker::track(std::int64_t stamp_ns,
       if (const double share = overlap(widened(clusters[i]), predicted); share >= options_.min_overlap)
         weights(i, j) = share * (1 + std::min(track.seen, options_.confirm_scans));  // old tracks first
   }
-  const std::vector<int> columns = maximum_assignment(weights);
-  std::vector<TrackedCluster> result;
+  std::vector<int> tracks = maximum_assignment(weights);
+  for (std::size_t i = 0; i < tracks.size(); ++i)
+    if (tracks[i] >= 0 && !(weights(static_cast<int>(i), tracks[i]) > 0)) tracks[i] = -1;
+  return tracks;
+}
+
+// Clusters that nothing overlaps may be what was seen in the last scan for the first time and is fast.
+void ClusterTracker::catch_up(std::int64_t stamp_ns, const std::vector<ClusterBox>& clusters,
+                              std::vector<int>& tracks) const {
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(std::ssize(clusters), std::ssize(tracks_));
+  for (std::ptrdiff_t j = 0; j < weights.cols(); ++j) {
+    const Track& track = tracks_[j];
+    const bool is_new = track.seen == 1 && track.missed == 1;
+    if (!is_new || std::find(tracks.begin(), tracks.end(), static_cast<int>(j)) != tracks.end()) continue;
+    const double reach_m = options_.max_speed_mps * seconds(track.sights.back().stamp_ns, stamp_ns);
+    for (std::ptrdiff_t i = 0; i < weights.rows(); ++i)
+      if (const double off_m = distance(clusters[i], track.sights.back().box); tracks[i] < 0)
+        weights(i, j) = std::max(0.0, 1 - off_m / reach_m);
+  }
+  const std::vector<int> caught = maximum_assignment(weights);
+  for (std::size_t i = 0; i < tracks.size(); ++i)
+    if (caught[i] >= 0 && weights(static_cast<int>(i), caught[i]) > 0) tracks[i] = caught[i];
+}
+
+std::vector<TrackedCluster> ClusterTracker::track(std::int64_t stamp_ns,
+                                                  const std::vector<ClusterBox>& clusters) {
   for (Track& track : tracks_) ++track.missed;
+  std::vector<int> tracks = tracks_of(stamp_ns, clusters);
+  catch_up(stamp_ns, clusters, tracks);
+  std::vector<TrackedCluster> result;
   for (std::size_t i = 0; i < clusters.size(); ++i) {
-    const bool known = columns[i] >= 0 && weights(static_cast<int>(i), columns[i]) > 0;
+    const bool known = tracks[i] >= 0;
     if (!known) tracks_.push_back({++last_id_, 0, 0, 0, 0, false, {}, Eigen::Vector2d::Zero()});
-    Track& track = known ? tracks_[columns[i]] : tracks_.back();
+    Track& track = known ? tracks_[tracks[i]] : tracks_.back();
+    const bool was_caught = known && track.seen == 1;
     add(track, stamp_ns, clusters[i]);
+    if (was_caught) start_moving(track);
     if (track.seen >= options_.confirm_scans && (track.moved || !options_.moving_only)) ++track.seen_as_body;
     result.push_back({track.id, track.velocity_mps, track.seen_as_body});
   }

@@ -16,8 +16,12 @@ struct ClusterTrackerOptions {
   int moving_scans = 3;          // in a row that it has to be seen to move in, once
   double min_speed_mps = 0.7;    // and its speed then
   double max_stretch_mps = 0.7;  // by which its two ends may move apart then
-  double min_overlap = 0.3;      // of the smaller box along the ground, where the last one should be now
-  int patience_scans = 8;        // without a cluster, until a track ends
+  // of a scan's end that faces the sensor: what it has to move by beside the one that is hidden is four times
+  // what this makes its speed uncertain by
+  double end_sigma_m = 0.15;
+  double min_overlap = 0.3;   // of the smaller box along the ground, where the last one should be now
+  double max_speed_mps = 40;  // of what was seen once: how far away it may be when it is seen again
+  int patience_scans = 8;     // without a cluster, until a track ends
 };
 
 /// The box of a cluster along the world's axes.
@@ -25,6 +29,9 @@ struct ClusterBox {
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  ///< [m]
   /// Whether the ends at -x, +x, -y, +y are where the sensor's view ends, not the body.
   std::array<bool, 4> cut{};
+  /// Whether that end faces away from the sensor: what is seen of the body ends there, not the body.
+  std::array<bool, 4> hidden{};
+  std::array<double, 4> ago_s{};  ///< before the scan's stamp that those ends were seen
 };
 
 /// A cluster that belongs to a track.
@@ -35,7 +42,10 @@ struct TrackedCluster {
 };
 
 /// Clusters over time: boxes go on at constant velocity and take the clusters that they overlap most
-/// (Hungarian). The velocity is that of the ends in view, by least squares over the last scans.
+/// (Hungarian); what was seen once takes the nearest of the others that it may have become. The velocity is
+/// that of the ends in view, by least squares over the last scans: those that face the sensor or lie across
+/// the line of sight, and where there are none those that face away. A body is what moves with both its ends,
+/// or clearly with the one that faces the sensor where the other one is hidden.
 class ClusterTracker {
  public:
   explicit ClusterTracker(const ClusterTrackerOptions& options) : options_(options) {}
@@ -54,7 +64,12 @@ class ClusterTracker {
     std::deque<Sight> sights;
     Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
   };
-  void add(Track& track, std::int64_t stamp_ns, const ClusterBox& box);
+  void add(Track& track, std::int64_t stamp_ns, const ClusterBox& box) const;
+  bool follow_ends(Track& track, int axis) const;
+  static void start_moving(Track& track);
+  std::vector<int> tracks_of(std::int64_t stamp_ns, const std::vector<ClusterBox>& clusters) const;
+  void catch_up(std::int64_t stamp_ns, const std::vector<ClusterBox>& clusters,
+                std::vector<int>& tracks) const;
 
   ClusterTrackerOptions options_;
   std::vector<Track> tracks_;

@@ -90,6 +90,7 @@ void visit(Io& io, ScanObjectOptions& o) {
   io.number("ground_samples", o.clusters.ground_samples, 1, kMostIterations);
   io.positive("ground_m", o.clusters.ground_m);
   io.positive("tolerance_m", o.clusters.tolerance_m);
+  io.positive("max_rise_m", o.clusters.max_rise_m);
   io.number("min_points", o.clusters.min_points, 4, 1'000'000);
   io.positive("min_height_m", o.clusters.min_height_m);
   io.positive("max_extent_m", o.clusters.max_extent_m);
@@ -99,7 +100,9 @@ void visit(Io& io, ScanObjectOptions& o) {
   io.number("moving_scans", o.tracker.moving_scans, 1, 1000);
   io.positive("min_speed_mps", o.tracker.min_speed_mps);
   io.positive("max_stretch_mps", o.tracker.max_stretch_mps);
+  io.positive("end_sigma_m", o.tracker.end_sigma_m);
   io.number("min_overlap", o.tracker.min_overlap, 0.0, 1.0);
+  io.positive("max_speed_mps", o.tracker.max_speed_mps);
   io.number("patience_scans", o.tracker.patience_scans, 0, 1000);
   io.number("width_deg", o.width_deg, 1.0, 160.0);
   io.number("height_deg", o.height_deg, 1.0, 160.0);

@@ -17,15 +17,16 @@ namespace {
 
 constexpr double kNearest = 0.5;  // [m] before the camera
 constexpr std::uint16_t kNobody = 0xffff;
-constexpr double kEnd = 0.3;          // [m] from a cluster's end that its last points are within
-constexpr float kNearer = 2;          // [m] than a body is what may hide a part of it
-constexpr double kFarOutside = 4000;  // [px]
+constexpr double kEnd = 0.3;         // [m] from a cluster's end that its last points are within
+constexpr float kNearer = 2;         // [m] than a body is what may hide a part of it
+constexpr float kFarOutside = 4000;  // [px]
 
 struct ScanPoints {
   Eigen::Matrix3Xd world;           // where the sensor saw them
   std::vector<double> ago_s;        // before the scan's end
   std::vector<cv::Point2f> pixels;  // kFarOutside where the camera cannot see them
   std::vector<float> depths_m;      // z of the camera then
+  std::vector<double> rises_m;      // between the sensor's rows there
 };
 
 cv::Point2f pixel_or_far(const Camera& camera, const Eigen::Vector3d& in_camera) {
@@ -35,34 +36,58 @@ cv::Point2f pixel_or_far(const Camera& camera, const Eigen::Vector3d& in_camera)
   return {static_cast<float>(p.x()), static_cast<float>(p.y())};
 }
 
+constexpr int kNoCluster = -1;
+
 // The nearest of what stands on the ground, in coarse cells of the image.
 class NearestDepth {
  public:
   NearestDepth(const ScanPoints& points, const std::optional<GroundPlane>& ground, double ground_m,
-               const Camera& camera, double cell_px)
+               const std::vector<std::vector<int>>& clusters, const Camera& camera, double cell_px)
       : cell_px_(std::max(1.0, cell_px)),
-        depths_m_(cell(camera.height) + 1, cell(camera.width) + 1, CV_32FC1, cv::Scalar(kFarOutside)) {
+        size_(cell(camera.width) + 1, cell(camera.height) + 1),
+        cells_(static_cast<std::size_t>(size_.area())) {
+    std::vector<int> cluster_of(points.pixels.size(), kNoCluster);
+    for (std::size_t k = 0; k < clusters.size(); ++k)
+      for (const int i : clusters[k]) cluster_of[i] = static_cast<int>(k);
     for (std::size_t i = 0; i < points.pixels.size(); ++i) {
       if (ground && ground->height_of(points.world.col(static_cast<Eigen::Index>(i))) < ground_m) continue;
       const cv::Point at(cell(points.pixels[i].x), cell(points.pixels[i].y));
-      if (!cv::Rect({}, depths_m_.size()).contains(at)) continue;
-      float& depth_m = depths_m_.at<float>(at);
-      depth_m = std::min(depth_m, points.depths_m[i]);
+      if (cv::Rect({}, size_).contains(at))
+        cells_[at.y * size_.width + at.x].add({points.depths_m[i], cluster_of[i]});
     }
   }
-  /// In the cells around a pixel.
-  double around(const cv::Point2f& pixel) const {
-    const cv::Rect part =
-        cv::Rect(cell(pixel.x) - 1, cell(pixel.y) - 1, 3, 3) & cv::Rect({}, depths_m_.size());
-    double least = kFarOutside;
-    if (!part.empty()) cv::minMaxLoc(depths_m_(part), &least);
+  /// In the cells around a pixel, of what is not of a cluster: its own near side hides nothing of a body that
+  /// is not hidden from everywhere.
+  double around(const cv::Point2f& pixel, int but) const {
+    const cv::Rect part = cv::Rect(cell(pixel.x) - 1, cell(pixel.y) - 1, 3, 3) & cv::Rect({}, size_);
+    float least = kFarOutside;
+    for (int y = part.y; y < part.y + part.height; ++y)
+      for (int x = part.x; x < part.x + part.width; ++x)
+        for (const Entry& entry : cells_[y * size_.width + x].two)
+          if (entry.cluster != but) least = std::min(least, entry.depth_m);
     return least;
   }
 
  private:
+  struct Entry {
+    float depth_m = kFarOutside;
+    int cluster = kNoCluster;
+  };
+  struct Cell {
+    std::array<Entry, 2> two;  // the nearest, and the nearest of another cluster
+    void add(const Entry& entry) {
+      if (entry.cluster == two[0].cluster)
+        two[0].depth_m = std::min(two[0].depth_m, entry.depth_m);
+      else if (entry.depth_m < two[0].depth_m)
+        two = {entry, two[0]};
+      else if (entry.depth_m < two[1].depth_m)
+        two[1] = entry;
+    }
+  };
   int cell(double pixel) const { return static_cast<int>(std::floor(pixel / cell_px_)); }
   double cell_px_;
-  cv::Mat depths_m_;
+  cv::Size size_;
+  std::vector<Cell> cells_;
 };
 
 // Where in the image the sensor looks, by what it has seen so far. Far outside the rows of a spinning one
@@ -88,10 +113,12 @@ class ScanObjects {
                                     const ScanPoints& points) {
     widen(points.pixels, camera_, view_);
     const auto ground = find_ground(points.world, options_.clusters, seed_, frame);
-    const auto clusters = clusters_above(points.world, ground, options_.clusters);
-    const NearestDepth nearest(points, ground, options_.clusters.ground_m, camera_, options_.rim_px);
+    const auto clusters = clusters_above(points.world, ground, options_.clusters, points.rises_m);
+    const NearestDepth nearest(points, ground, options_.clusters.ground_m, clusters, camera_,
+                               options_.rim_px);
     std::vector<ClusterBox> boxes;
-    for (const auto& cluster : clusters) boxes.push_back(box_of(points, cluster, nearest));
+    for (std::size_t k = 0; k < clusters.size(); ++k)
+      boxes.push_back(box_of(points, clusters, k, nearest, world_from_camera.translation));
     const std::vector<TrackedCluster> tracked = tracker_.track(stamp_ns, boxes);
     std::vector<Seen> seen;
     for (std::size_t i = 0; i < clusters.size(); ++i)
@@ -119,12 +146,14 @@ class ScanObjects {
   }
 
   // Whether a body may go on beyond a point of it: the view ends there, or something nearer begins.
-  bool is_cut(const ScanPoints& points, int i, const NearestDepth& nearest) const {
-    return at_rim(points.pixels[i]) || nearest.around(points.pixels[i]) < points.depths_m[i] - kNearer;
+  bool is_cut(const ScanPoints& points, int i, const NearestDepth& nearest, int cluster) const {
+    return at_rim(points.pixels[i]) ||
+           nearest.around(points.pixels[i], cluster) < points.depths_m[i] - kNearer;
   }
 
-  ClusterBox box_of(const ScanPoints& points, const std::vector<int>& cluster,
-                    const NearestDepth& nearest) const {
+  ClusterBox box_of(const ScanPoints& points, const std::vector<std::vector<int>>& clusters, std::size_t k,
+                    const NearestDepth& nearest, const Eigen::Vector3d& sensor) const {
+    const std::vector<int>& cluster = clusters[k];
     ClusterBox box;
     box.low = box.high = points.world.col(cluster.front());
     for (const int i : cluster) {
@@ -132,14 +161,21 @@ class ScanObjects {
       box.high = box.high.cwiseMax(points.world.col(i));
     }
     std::array<int, 4> last{}, cut{};
+    std::array<double, 4> ago_s{};
     for (const int i : cluster)
       for (int side = 0; side < 4; ++side) {
         const double x = points.world(side / 2, i);
         if (side % 2 ? x < box.high[side / 2] - kEnd : x > box.low[side / 2] + kEnd) continue;
         ++last[side];
-        cut[side] += is_cut(points, i, nearest);
+        cut[side] += is_cut(points, i, nearest, static_cast<int>(k));
+        ago_s[side] += points.ago_s[i];
       }
-    for (int side = 0; side < 4; ++side) box.cut[side] = 2 * cut[side] > last[side];
+    for (int side = 0; side < 4; ++side) {
+      const int axis = side / 2;
+      box.cut[side] = 2 * cut[side] > last[side];
+      box.ago_s[side] = ago_s[side] / last[side];
+      box.hidden[side] = side % 2 ? sensor[axis] < box.low[axis] : sensor[axis] > box.high[axis];
+    }
     return box;
   }
 
@@ -238,6 +274,7 @@ ScanPoints points_at(const std::vector<TimedPoint>& timed, std::int64_t end_ns, 
                      const Pose& camera_from_lidar, const Camera& camera) {
   ScanPoints points;
   std::vector<Eigen::Vector3d> world;
+  std::vector<double> elevations_rad, ranges_m;
   for (const TimedPoint& p : timed) {
     const auto pose = path.world_from_camera(p.stamp_ns);
     if (!pose) continue;
@@ -246,7 +283,11 @@ ScanPoints points_at(const std::vector<TimedPoint>& timed, std::int64_t end_ns, 
     points.ago_s.push_back(1e-9 * static_cast<double>(end_ns - p.stamp_ns));
     points.pixels.push_back(pixel_or_far(camera, in_camera));
     points.depths_m.push_back(static_cast<float>(in_camera.z()));
+    ranges_m.push_back(p.lidar.cast<double>().norm());
+    elevations_rad.push_back(std::atan2(p.lidar.z(), p.lidar.head<2>().norm()));
   }
+  points.rises_m = row_gaps(elevations_rad);
+  for (std::size_t i = 0; i < ranges_m.size(); ++i) points.rises_m[i] *= ranges_m[i];
   points.world.resize(3, std::ssize(world));
   for (std::size_t i = 0; i < world.size(); ++i) points.world.col(static_cast<Eigen::Index>(i)) = world[i];
   return points;

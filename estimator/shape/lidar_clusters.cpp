@@ -16,6 +16,9 @@ namespace uniquadric {
 namespace {
 
 constexpr double kVoxelShare = 1.0 / 3;  // of the tolerance: points of one voxel hang together anyhow
+constexpr double kRowSlack = 1.2;        // times the distance of two rows: a sensor sways, a body leans
+constexpr double kElevationBin = 0.1 * std::numbers::pi / 180;  // [rad]: rows are wider apart
+constexpr double kRowShare = 0.1;  // of the points in a bin of elevation on average: fewer are no row
 
 // The number of a cell along an axis. Of places that no integer counts, and of none, that of a far one.
 int cell_of(double place_m, double cell_m) {
@@ -58,15 +61,17 @@ int root(std::vector<int>& parent, int i) {
 struct Voxels {
   std::vector<int> of_point;  // -1: of the ground
   std::vector<Eigen::Vector3d> means;
+  std::vector<double> rises_m;
 };
 
 Voxels voxels_above(const Eigen::Matrix3Xd& points, const std::optional<GroundPlane>& ground,
-                    const LidarClusterOptions& options) {
+                    const LidarClusterOptions& options, const std::vector<double>& rises_m) {
   Voxels voxels;
   std::map<std::array<int, 3>, int> known;
   std::vector<int> counts;
   const double voxel_m = kVoxelShare * options.tolerance_m;
-  for (const auto& p : points.colwise()) {
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const auto p = points.col(i);
     voxels.of_point.push_back(-1);
     if (ground && ground->height_of(p) < options.ground_m) continue;
     const std::array<int, 3> key{cell_of(p.x(), voxel_m), cell_of(p.y(), voxel_m), cell_of(p.z(), voxel_m)};
@@ -74,6 +79,8 @@ Voxels voxels_above(const Eigen::Matrix3Xd& points, const std::optional<GroundPl
     if (is_new) {
       counts.push_back(0);
       voxels.means.emplace_back(Eigen::Vector3d::Zero());
+      const double rise_m = rises_m.empty() ? 0 : kRowSlack * rises_m[static_cast<std::size_t>(i)];
+      voxels.rises_m.push_back(std::min(rise_m, options.max_rise_m));
     }
     voxels.of_point.back() = at->second;
     voxels.means[at->second] += p;
@@ -84,7 +91,8 @@ Voxels voxels_above(const Eigen::Matrix3Xd& points, const std::optional<GroundPl
 }
 
 // Which voxels hang together: the number of each one's part.
-std::vector<int> parts_of(const std::vector<Eigen::Vector3d>& means, double tolerance_m) {
+std::vector<int> parts_of(const Voxels& voxels, double tolerance_m) {
+  const auto& means = voxels.means;
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   for (const auto& p : means)
     cloud->push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
@@ -95,8 +103,11 @@ std::vector<int> parts_of(const std::vector<Eigen::Vector3d>& means, double tole
   pcl::Indices near;
   std::vector<float> squares;
   for (std::size_t i = 0; i < means.size(); ++i) {
-    tree.radiusSearch((*cloud)[i], tolerance_m, near, squares);
-    for (const int j : near) {
+    tree.radiusSearch((*cloud)[i], std::max(tolerance_m, voxels.rises_m[i]), near, squares);
+    for (std::size_t k = 0; k < near.size(); ++k) {
+      const int j = near[k];
+      const bool is_near = squares[k] <= tolerance_m * tolerance_m;
+      if (!is_near && (means[i] - means[j]).head<2>().norm() > tolerance_m) continue;
       const int a = root(parent, static_cast<int>(i)), b = root(parent, j);
       parent[std::max(a, b)] = std::min(a, b);
     }
@@ -139,12 +150,43 @@ std::optional<GroundPlane> find_ground(const Eigen::Matrix3Xd& points, const Lid
   return best;
 }
 
+std::vector<double> row_gaps(const std::vector<double>& elevations_rad) {
+  const auto bin_of = [](double elevation) { return cell_of(elevation, kElevationBin); };
+  std::map<int, int> counts;
+  for (const double elevation : elevations_rad) ++counts[bin_of(elevation)];
+  if (counts.empty()) return {};
+  const double least =
+      kRowShare * static_cast<double>(elevations_rad.size()) / static_cast<double>(counts.size());
+  struct Row {
+    int first, last;
+    double middle() const { return kElevationBin * (first + last + 1) / 2; }
+  };
+  std::vector<Row> rows;  // bins without a gap
+  for (const auto& [bin, count] : counts) {
+    if (count < least) continue;
+    if (rows.empty() || bin > rows.back().last + 1) rows.push_back({bin, bin});
+    rows.back().last = bin;
+  }
+  std::vector<double> gaps;
+  for (const double elevation : elevations_rad) {
+    const auto next =
+        std::find_if(rows.begin(), rows.end(), [&](const Row& row) { return row.last >= bin_of(elevation); });
+    const auto row = next == rows.end() ? std::prev(rows.end()) : next;
+    double gap = 0;
+    if (row != rows.begin()) gap = row->middle() - std::prev(row)->middle();
+    if (std::next(row) != rows.end()) gap = std::max(gap, std::next(row)->middle() - row->middle());
+    gaps.push_back(gap);
+  }
+  return gaps;
+}
+
 std::vector<std::vector<int>> clusters_above(const Eigen::Matrix3Xd& points,
                                              const std::optional<GroundPlane>& ground,
-                                             const LidarClusterOptions& options) {
-  const Voxels voxels = voxels_above(points, ground, options);
+                                             const LidarClusterOptions& options,
+                                             const std::vector<double>& rises_m) {
+  const Voxels voxels = voxels_above(points, ground, options, rises_m);
   if (voxels.means.empty()) return {};
-  const std::vector<int> parts = parts_of(voxels.means, options.tolerance_m);
+  const std::vector<int> parts = parts_of(voxels, options.tolerance_m);
   std::map<int, std::vector<int>> by_part;  // parts are named by their first voxel, voxels in points' order
   for (std::size_t i = 0; i < voxels.of_point.size(); ++i)
     if (voxels.of_point[i] >= 0) by_part[parts[voxels.of_point[i]]].push_back(static_cast<int>(i));

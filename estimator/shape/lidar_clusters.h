@@ -14,6 +14,7 @@ struct LidarClusterOptions {
   int ground_samples = 200;    // planes that are tried
   double ground_m = 0.2;       // what is no higher above the ground is the ground
   double tolerance_m = 0.7;    // between points of one body
+  double max_rise_m = 2;       // between rows of a spinning LiDAR one above the other on it, at most
   int min_points = 30;         // of a body
   double min_height_m = 0.5;   // kerbs and rails are lower
   double max_extent_m = 24;    // along the ground: what is longer is a wall
@@ -34,10 +35,16 @@ struct GroundPlane {
 std::optional<GroundPlane> find_ground(const Eigen::Matrix3Xd& points, const LidarClusterOptions& options,
                                        std::uint64_t seed, std::int64_t scan);
 
+/// The angle from each point's row to the further one of the rows beside it [rad]; 0 where the points are in
+/// no rows, as those of a rosette. `elevations_rad`: of the points over the sensor's own level.
+std::vector<double> row_gaps(const std::vector<double>& elevations_rad);
+
 /// Points that hang together above the ground: their numbers, in increasing order; clusters in the order of
-/// their first points. Too small, too low and too large ones are left out.
+/// their first points. Too small, too low and too large ones are left out. `rises_m`: between rows at each
+/// point, over which points hang together that are one above the other; none: 0.
 std::vector<std::vector<int>> clusters_above(const Eigen::Matrix3Xd& points,
                                              const std::optional<GroundPlane>& ground,
-                                             const LidarClusterOptions& options);
+                                             const LidarClusterOptions& options,
+                                             const std::vector<double>& rises_m = {});
 
 }  // namespace uniquadric

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "core/base/random.h"
@@ -65,6 +66,32 @@ TEST(LidarClusters, BodiesApartFromWallsAndKerbs) {
   LidarClusterOptions wide;
   wide.tolerance_m = 1.8;
   EXPECT_EQ(clusters_above(matrix_of(points), GroundPlane{{0, 0}, -0.5}, wide).size(), 1u);
+}
+
+// 2 degrees apart, as a VLP-16's: 1.4 m at 40 m.
+TEST(LidarClusters, RowsOfASpinningLidarHangTogetherOnABody) {
+  const double gap_rad = 2 * std::numbers::pi / 180;
+  RandomStream random(1, "test");
+  std::vector<Vector3d> points;
+  std::vector<double> elevations_rad, rises_m;
+  for (int row = -8; row < 8; ++row)
+    for (int i = 0; i < 400; ++i) {
+      elevations_rad.push_back(gap_rad * (row + 0.025 * random.normal()));
+      const double range_m = 40, across_m = 0.14 * (i % 15), up_m = range_m * elevations_rad.back();
+      points.emplace_back(range_m, (i % 2 ? 0 : 5) + across_m, up_m);  // two of them, 3 m apart
+    }
+  const std::vector<double> gaps = row_gaps(elevations_rad);
+  for (const double gap : gaps) {
+    EXPECT_NEAR(gap, gap_rad, 0.1 * gap_rad);
+    rises_m.push_back(40 * gap);
+  }
+  LidarClusterOptions options;
+  EXPECT_EQ(clusters_above(matrix_of(points), {}, options).size(), 0u);  // each row is too low
+  EXPECT_EQ(clusters_above(matrix_of(points), {}, options, rises_m).size(), 2u);
+  options.max_rise_m = 1;
+  EXPECT_EQ(clusters_above(matrix_of(points), {}, options, rises_m).size(), 0u);
+  for (double& elevation : elevations_rad) elevation = random.uniform(-0.5, 0.5);  // a rosette
+  for (const double gap : row_gaps(elevations_rad)) EXPECT_EQ(gap, 0);
 }
 
 // Places that no integer counts are cells like others.
@@ -134,6 +161,65 @@ TEST(ClusterTracker, WhatIsUncoveredOrStandsIsNoBody) {
   ClusterTracker any{all};
   for (int i = 0; i < 6; ++i)
     EXPECT_EQ(any.track(stamp(i), {box_at(40, 0)})[0].seen_as_body, std::max(0, i - 3));
+}
+
+// Of a car that is overtaken the far end is where the rows of the LiDAR last met its roof.
+TEST(ClusterTracker, WhatShowsOneEndMovesWithIt) {
+  ClusterTracker tracker{{}};
+  RandomStream random(2, "test");
+  int first_body = 0;
+  for (int i = 0; i < 20; ++i) {
+    ClusterBox box = box_at(20 + 0.8 * i, 0);
+    box.high.x() = box.low.x() + random.uniform(0.5, 4);
+    box.hidden[1] = true;
+    ClusterBox still = box_at(20, 10);
+    still.high.x() = still.low.x() + random.uniform(0.5, 4);
+    still.low.x() += 0.1 * random.normal();
+    still.hidden[1] = true;
+    const auto tracked = tracker.track(stamp(i), {box, still});
+    if (tracked[0].seen_as_body > 0 && first_body == 0) first_body = i;
+    EXPECT_EQ(tracked[1].seen_as_body, 0) << i;
+    if (i >= 2) {
+      EXPECT_NEAR(tracked[0].velocity_mps.x(), 8, 1e-9) << i;
+    }
+  }
+  EXPECT_GE(first_body, 4);
+  EXPECT_LE(first_body, 8);
+}
+
+// Ends that were seen early and late in a scan by turns.
+TEST(ClusterTracker, EndsAreWhereTheyWereAtTheirOwnTime) {
+  ClusterTracker tracker{{}};
+  for (int i = 0; i < 10; ++i) {
+    const double ago_s = i % 2 ? 0.1 : 0;
+    ClusterBox box = box_at(5 + 8 * (0.1 * i - ago_s), 0);
+    box.ago_s = {ago_s, ago_s, ago_s, ago_s};
+    const auto tracked = tracker.track(stamp(i), {box});
+    if (i >= 2) {
+      EXPECT_NEAR(tracked[0].velocity_mps.x(), 8, 1e-9) << i;
+    }
+  }
+}
+
+// The front of a car alone, 2.5 m nearer with each scan, among others that stand.
+TEST(ClusterTracker, WhatIsFasterThanItIsLongIsFollowed) {
+  ClusterTracker tracker{{}};
+  const auto boxes = [](int i) {
+    ClusterBox front = box_at(60 - 2.5 * i, 0, 0.4, 1.8);
+    front.hidden[1] = true;
+    return std::vector{box_at(60, 4), front, box_at(50, -4), box_at(40, 5)};
+  };
+  int id = 0;
+  for (int i = 0; i < 12; ++i) {
+    const auto tracked = tracker.track(stamp(i), boxes(i));
+    if (i == 0) id = tracked[1].id;
+    EXPECT_EQ(tracked[1].id, id) << i;
+    EXPECT_EQ(tracked[1].seen_as_body > 0, i >= 4) << i;
+    if (i > 0) {
+      EXPECT_NEAR(tracked[1].velocity_mps.x(), -25, 1e-9) << i;
+    }
+    for (const int other : {0, 2, 3}) EXPECT_EQ(tracked[other].seen_as_body, 0);
+  }
 }
 
 // A box comes through a room towards a swaying LiDAR, which has no camera.
