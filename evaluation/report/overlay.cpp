@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth_px = 640;
 constexpr int kTrue_px = 5, kEstimated_px = 2;  // of outlines: the estimated one on the true one shows both
+constexpr int kWithin_px = 3;                   // of the ellipsoid within a true body
 constexpr double kNoteHeight_px = 18;
 const cv::Scalar kTrueColor(80, 220, 60), kEstimatedColor(0, 140, 255), kBoxColor(60, 220, 255),
     kTextColor(255, 255, 255);
@@ -46,7 +47,9 @@ void draw_object(Canvas& canvas, const ObjectTrack& track, const ObjectState& st
   const Eigen::Vector3d& semi_axes_m = state.ellipsoid.semi_axes_m;
   const bool is_truth = whose == Whose::truth;
   const cv::Scalar& color = is_truth ? kTrueColor : kEstimatedColor;
-  if (!is_truth) draw_box(canvas, camera_from_object, semi_axes_m, kBoxColor, 1);
+  const bool is_box = state.exponents == SuperExponents{1, 1, 1};
+  if (!is_truth || is_box)
+    draw_box(canvas, camera_from_object, semi_axes_m, is_truth ? kTrueColor : kBoxColor, 1);
   const auto outline = superellipsoid_outline(canvas.camera, camera_from_object,
                                               {semi_axes_m, state.exponents, state.profile_axis});
   if (outline.empty()) return;
@@ -73,23 +76,36 @@ bool has_superellipsoids(const Tracks& tracks) {
   return false;
 }
 
+// What has no formula, as a car or a mesh, is shown as its tight box.
 SuperExponents exponents_of(const std::string& shape) {
-  if (shape == "box" || shape == "rounded_box") return {1, 1, 1};
+  if (shape == "ball" || shape == "ellipsoid") return {};
   if (shape == "cylinder") return {2, 1, 1};
-  return {};
+  return {1, 1, 1};
 }
 
-// Beside superellipsoids boxes and cylinders are shown as such; ellipsoids are compared with the ellipsoid
-// within.
-Tracks read_truth(const fs::path& folder, const Tracks& estimate) {
+Tracks read_truth(const fs::path& folder) {
   if (folder.empty()) return {};
   Tracks truth = read_tracks(folder);
-  if (!fs::exists(folder / "objects.yaml") || !has_superellipsoids(estimate)) return truth;
+  if (!fs::exists(folder / "objects.yaml")) return truth;
   for (const ObjectDescription& object : read_objects_yaml(folder / "objects.yaml"))
     for (ObjectTrack& track : truth.objects)
       if (track.id == object.id)
         for (ObjectState& state : track.states) state.exponents = exponents_of(object.shape);
   return truth;
+}
+
+// Beside estimated ellipsoids the ones within the true bodies, which they are compared with.
+void draw_ellipsoids_within(Canvas& canvas, const Tracks& truth, std::int64_t stamp_ns) {
+  const Pose* camera = camera_pose_at(truth.camera, stamp_ns);
+  if (!camera) return;
+  for (const ObjectTrack& track : truth.objects) {
+    const ObjectState* state = state_at(track, stamp_ns);
+    if (!state || state->exponents == SuperExponents{}) continue;
+    const auto outline =
+        superellipsoid_outline(canvas.camera, camera->inverse() * state->ellipsoid.world_from_object,
+                               {state->ellipsoid.semi_axes_m, {}, 2});
+    if (!outline.empty()) draw_polygon(canvas, outline, kTrueColor, kWithin_px);
+  }
 }
 
 // One below the other in the upper left corner.
@@ -133,7 +149,8 @@ void write_overlays(const fs::path& sequence_folder, const fs::path& truth_folde
   const Sequence sequence = open_sequence(sequence_folder);
   require_same_scene(sequence, truth_folder, estimate_folder);
   const Tracks estimate = read_tracks(estimate_folder);
-  const Tracks truth = read_truth(truth_folder, estimate);
+  const Tracks truth = read_truth(truth_folder);
+  const bool ellipsoids_alone = !has_superellipsoids(estimate);
   const fs::path visibility_file = truth_folder / "instances/visibility.csv";
   const VisibilityTable visibility = !truth_folder.empty() && fs::exists(visibility_file)
                                          ? read_visibility(visibility_file)
@@ -146,6 +163,7 @@ void write_overlays(const fs::path& sequence_folder, const fs::path& truth_folde
     const cv::Mat masks = find_masks(sequence, frame, estimate_folder);
     if (!masks.empty()) tint_masks(canvas, masks);
     draw_tracks(canvas, truth, frame.stamp_ns, Whose::truth);
+    if (ellipsoids_alone) draw_ellipsoids_within(canvas, truth, frame.stamp_ns);
     draw_tracks(canvas, estimate, frame.stamp_ns, Whose::estimate);
     std::vector<std::string> notes =
         absence_notes(estimate, masks, frame.frame, frame.stamp_ns, truth, visibility);

@@ -11,9 +11,9 @@ namespace uniquadric {
 void add_overlay(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "overlay", "frames with masks and outlines drawn in", common);
   sub->footer(
-      "green: outlines of the true ellipsoids within the bodies' boxes (of boxes and cylinders their own,\n"
-      "where superellipsoids were estimated); orange: of the estimated bodies, ellipsoids with their\n"
-      "rotated rectangle; yellow: edges of the estimated boxes; tinted: masks");
+      "green: the true bodies, ellipsoids and cylinders by their outlines, all others by their tight boxes,\n"
+      "and the ellipsoids within where ellipsoids alone were estimated; orange: outlines of the estimated\n"
+      "bodies, ellipsoids with their rotated rectangle; yellow: edges of the estimated boxes; tinted: masks");
   static std::string sequence, estimate_folder, out, truth;
   static int count = 16;
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();

@@ -157,24 +157,26 @@ TEST(Overlay, TheEstimatedSuperellipsoidHasItsOwnOutline) {
   EXPECT_TRUE(is_orange(at_diagonal(1.2)));
 }
 
-// Ellipsoids are compared with the ellipsoid in the true box, superellipsoids with the box.
-TEST(Overlay, ATrueBoxIsDrawnAsTheEstimatesBodiesAre) {
+// Beside ellipsoids the one within it is drawn too.
+TEST(Overlay, ATrueBoxIsDrawnAsABox) {
   const GreyRecording recording(4, 2.6);  // no line of which is near those of the truth
   const auto objects = recording.truth / "objects.yaml";
-  write_objects_yaml(objects, {{1, "box", Eigen::Vector3d::Constant(0.5), "rounded_box", ""}});
-  const auto at = [&](double exponent, double side_px, double down_px) {
-    Tracks tracks = read_tracks(recording.estimate);
-    for (auto& state : tracks.objects[0].states) state.exponents = {exponent, exponent, exponent};
-    write_estimate(recording.estimate, tracks);
-    write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
-    return recording.first().at<cv::Vec3b>(static_cast<int>(std::lround(239.5 + down_px)),
-                                           static_cast<int>(std::lround(319.5 + side_px)));
-  };
-  const double face_px = 525 * 0.5 / 3.5, circle_px = 525 * 0.5 / std::sqrt(16 - 0.25);
-  EXPECT_TRUE(is_green(at(2, circle_px, 0)));
-  EXPECT_FALSE(is_green(at(2, -face_px, 30)));
-  EXPECT_TRUE(is_green(at(1.2, -face_px, 30)));
-  EXPECT_FALSE(is_green(at(1.2, circle_px, 0)));
+  for (const std::string shape : {"box", "rounded_box", "car", ""}) {
+    write_objects_yaml(objects, {{1, "box", Eigen::Vector3d::Constant(0.5), shape, ""}});
+    const auto at = [&](double exponent, double side_px, double down_px) {
+      Tracks tracks = read_tracks(recording.estimate);
+      for (auto& state : tracks.objects[0].states) state.exponents = {exponent, exponent, exponent};
+      write_estimate(recording.estimate, tracks);
+      write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, true);
+      return recording.first().at<cv::Vec3b>(static_cast<int>(std::lround(239.5 + down_px)),
+                                             static_cast<int>(std::lround(319.5 + side_px)));
+    };
+    const double face_px = 525 * 0.5 / 3.5, circle_px = 525 * 0.5 / std::sqrt(16 - 0.25);
+    EXPECT_TRUE(is_green(at(2, circle_px, 0)));
+    EXPECT_TRUE(is_green(at(2, -face_px, 30))) << shape;
+    EXPECT_TRUE(is_green(at(1.2, -face_px, 30))) << shape;
+    EXPECT_FALSE(is_green(at(1.2, circle_px, 0))) << shape;
+  }
 }
 
 // Along the optical axis: a cylinder's silhouette is its near rim, wider than the ellipsoid's.
@@ -193,7 +195,8 @@ TEST(Overlay, ATrueCylinderIsDrawnAsOne) {
   };
   const double rim_px = 525 * 0.5 / 3.5;
   EXPECT_TRUE(is_green(at(1.2, rim_px)));
-  EXPECT_FALSE(is_green(at(2, rim_px)));
+  EXPECT_TRUE(is_green(at(2, rim_px)));
+  EXPECT_FALSE(is_green(at(2, rim_px + 12)));  // a box's corner is
 }
 
 TEST(Overlay, TheEstimatesWorldDoesNotMatter) {
