@@ -44,6 +44,14 @@ void split_at_blanks(std::vector<std::string_view>& fields, std::string_view lin
   }
 }
 
+// What some editors and spreadsheets begin a text file with says how it is encoded, and is no part of it.
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
+void require_utf8_mark(std::string_view text, const std::filesystem::path& path) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    throw InputError(path, 1, "begins with the byte order mark of UTF-16, expected UTF-8");
+}
+
 // As split(), in a list that has its memory already: of reading a table of numbers a fifth of the time.
 void split_into(std::vector<std::string_view>& fields, std::string_view line, char separator) {
   fields.clear();
@@ -116,9 +124,11 @@ void for_each_line(const std::filesystem::path& path,
                    const std::function<void(int, const std::vector<std::string_view>&)>& visit,
                    char separator) {
   const std::string text = read_text(path);
+  require_utf8_mark(text, path);
   std::vector<std::string_view> fields;
   int line = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
+  for (std::size_t begin = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
+       begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string_view content = trim(std::string_view(text).substr(begin, end - begin));
     ++line;

@@ -29,7 +29,8 @@ bool is_plain_name(std::string_view text);
 std::vector<std::string_view> split(std::string_view line, char separator = ' ');
 
 /// Calls `visit(line number from 1, fields)` for each line of a text file that is neither blank nor a comment
-/// (#). Throws InputError for a line of more than 1 MiB.
+/// (#); a byte order mark of UTF-8 at the start is no part of the text. Throws InputError for a line of more
+/// than 1 MiB, and for a byte order mark of UTF-16.
 void for_each_line(const std::filesystem::path& path,
                    const std::function<void(int, const std::vector<std::string_view>&)>& visit,
                    char separator = ' ');

@@ -69,13 +69,46 @@ std::optional<double> parse_value(const Line& line, const Fields& fields, bool l
   return value;
 }
 
-void add_line(const Line& line, const Fields& fields, ScoreTable& table) {
+const char* name_of(bool lower) {
+  return lower ? "lower" : "higher";
+}
+
+// Which lines say of a metric that lower is better, and which that higher is.
+struct Directions {
+  struct Side {
+    int lines = 0, first = 0;
+  } higher, lower;
+};
+using MetricDirections = std::map<std::string, Directions>;
+
+// Of a metric of ours each line is judged by itself, of another by what most lines say.
+void note_direction(const Line& line, const std::string& name, bool lower, MetricDirections& directions) {
+  const Metric* const metric = metric_of_name(name);
+  if (metric && metric->lower_is_better != lower)
+    line.fail("better '{}' of {}, of which {} is better", name_of(lower), name, name_of(!lower));
+  Directions::Side& side = lower ? directions[name].lower : directions[name].higher;
+  if (side.lines++ == 0) side.first = line.number;
+}
+
+// Where as many lines say one as the other, the one that comes later is told.
+void settle_directions(const MetricDirections& directions, ScoreTable& table) {
+  for (const auto& [metric, d] : directions) {
+    const auto rank = [](const Directions::Side& side) { return std::pair(side.lines, -side.first); };
+    const bool lower = rank(d.lower) > rank(d.higher);
+    const Directions::Side &most = lower ? d.lower : d.higher, &few = lower ? d.higher : d.lower;
+    if (few.lines > 0)
+      Line{table.file, few.first}.fail("better '{}' of {} differs from {} of its {} lines", name_of(!lower),
+                                       metric, most.lines, most.lines + few.lines);
+    table.lower_is_better.emplace(metric, lower);
+  }
+}
+
+void add_line(const Line& line, const Fields& fields, ScoreTable& table, MetricDirections& directions) {
   if (fields.size() != kColumns)
     line.fail("expected {} columns ({}), found {}", int{kColumns}, kHeader, fields.size());
   const ScoreKey key = parse_key(line, fields);
   const bool lower = parse_lower(line, fields[kBetter]);
-  if (table.lower_is_better.try_emplace(key.metric, lower).first->second != lower)
-    line.fail("better '{}' of {} differs from an earlier line's", fields[kBetter], key.metric);
+  note_direction(line, key.metric, lower, directions);
   if (!table.cells.emplace(key, parse_value(line, fields, lower)).second)
     line.fail("this sequence, object, variant, seed and metric stand twice");
 }
@@ -111,14 +144,16 @@ ScoreTable read_score_table(const fs::path& path, const ScoreSelection& selectio
   if (fs::is_directory(path) && !fs::exists(table.file))
     throw InputError(path, "is no results folder: it has no scores.csv");
   bool header = true;
+  MetricDirections directions;
   for_each_line(
       table.file,
       [&](int number, const Fields& fields) {
         const Line line{table.file, number};
-        if (!std::exchange(header, false)) return add_line(line, fields, table);
+        if (!std::exchange(header, false)) return add_line(line, fields, table, directions);
         if (fields != split(kHeader, ',')) line.fail("expected the header {}", kHeader);
       },
       ',');
+  settle_directions(directions, table);
   if (fs::is_directory(path) && fs::exists(path / "cells.csv"))
     for (const Cell& cell : read_cells(path / "cells.csv"))
       if (cell.status == CellStatus::missing) table.not_run.insert({cell.variant, cell.scene, cell.seed});

@@ -41,9 +41,10 @@ struct ScoreSelection {
 
 /// Reads scores.csv, or that of a results folder of `bench`, with the runs that its cells.csv calls missing.
 /// Throws InputError with file and line: header, number of columns, an empty name, a seed or value that is no
-/// number, a value beyond 1e100, an error below 0, `better` that is neither lower nor higher or not always
-/// the same, a `status` that is neither ok nor failed or does not fit the value, a cell that stands twice; no
-/// rows; a variant or metric of the selection that is not there.
+/// number, a value beyond 1e100, an error below 0, `better` that is neither lower nor higher, or
+/// not what it is of that metric of ours or on most lines of another's, a `status` that is neither ok nor
+/// failed or does not fit the value, a cell that stands twice; no rows; a variant or metric of the selection
+/// that is not there.
 ScoreTable read_score_table(const std::filesystem::path& path, const ScoreSelection& selection = {});
 
 }  // namespace uniquadric

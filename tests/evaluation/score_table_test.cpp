@@ -1,5 +1,6 @@
 #include "evaluation/comparison/score_table.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
@@ -74,10 +75,39 @@ TEST_F(ScoreFile, RefusesByLine) {
   expect_third("s,all,v,2,mota,1.5,higher,ok", "value of mota: 1.5 is more than 1");
   read(kHeader + "s,all,v,2,mota,-1.5,higher,ok\ns,all,v,2,another_score,7,higher,ok\n");
   expect_third("s,cube,v,2,iou3d_mean,0.5,up,ok", "better 'up' is neither lower nor higher");
-  expect_third("s,cube,v,2,iou3d_mean,0.5,lower,ok", "better 'lower' of iou3d_mean differs");
+  expect_third("s,cube,v,2,iou3d_mean,0.5,lower,ok",
+               "better 'lower' of iou3d_mean, of which higher is better");
   expect_third("s,cube,v,2,iou3d_mean,0.5,higher,lost", "status 'lost' is neither ok nor failed");
   expect_third("s,cube,v,1,iou3d_mean,0.6,higher,ok",
                "this sequence, object, variant, seed and metric stand");
+}
+
+TEST_F(ScoreFile, ADirectionThatIsTheOtherWayRoundIsToldWhereItStands) {
+  const auto row = [](int seed, const char* metric, const char* better) {
+    return fmt::format("s,cube,v,{},{},0.5,{},ok\n", seed, metric, better);
+  };
+  expect_refusal(kHeader + row(1, "iou3d_mean", "lower") + row(2, "iou3d_mean", "higher"),
+                 "scores.csv:2: better 'lower' of iou3d_mean, of which higher is better");
+  // of another program's metric most lines count
+  const auto of = [&](const std::vector<const char*>& directions) {
+    std::string text = kHeader;
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      text += row(static_cast<int>(i), "crispness", directions[i]);
+    return text;
+  };
+  expect_refusal(of({"lower", "higher", "higher"}),
+                 "scores.csv:2: better 'lower' of crispness differs from 2 of its 3 lines");
+  expect_refusal(of({"lower", "lower", "higher", "lower"}),
+                 "scores.csv:4: better 'higher' of crispness differs from 3 of its 4 lines");
+  expect_refusal(of({"lower", "higher"}),
+                 "scores.csv:3: better 'higher' of crispness differs from 1 of its 2 lines");
+  EXPECT_TRUE(read(of({"lower", "lower"})).lower_is_better.at("crispness"));
+}
+
+TEST_F(ScoreFile, BeginsWithAByteOrderMarkOrNot) {
+  EXPECT_EQ(read("\xef\xbb\xbf" + kHeader + kRow).cells.size(), 1u);
+  const std::string_view utf16("\xff\xfes\0", 4);
+  expect_refusal(std::string(utf16), "scores.csv:1: begins with the byte order mark of UTF-16");
 }
 
 TEST_F(ScoreFile, Selects) {
@@ -135,8 +165,8 @@ TEST_F(ScoreFile, PairsOrSaysWhyNot) {
 }
 
 TEST_F(ScoreFile, DirectionsOfBothSidesAreTheSame) {
-  const ScoreTable a = read(kHeader + kRow);
-  const ScoreTable b = read(kHeader + "s,cube,v,1,iou3d_mean,0.5,lower,ok\n");
+  const ScoreTable a = read(kHeader + "s,cube,v,1,crispness,0.5,higher,ok\n");
+  const ScoreTable b = read(kHeader + "s,cube,v,1,crispness,0.5,lower,ok\n");
   EXPECT_THROW(pair_scores(a, b), InputError);
 }
 
