@@ -128,6 +128,7 @@ int run_metric(const std::string& kind, const MetricOptions& options, std::istre
       result = answer(input);
     } catch (const InputError& e) {
       result = {{"error", e.what()}, {"line", number}};
+      if (id.is_null()) id = json::parse(stated_id_json(line));
       exit_code = 2;
     }
     result["id"] = id;

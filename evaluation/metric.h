@@ -13,9 +13,10 @@ struct MetricOptions {
 };
 
 /// Answers each JSON line of `in` with one JSON line on `out`, as it comes. `kind` is iou3d, iou2d, project
-/// or pose. A bad line is answered with its id, `error` and `line` (its number, blank ones counted), the
-/// others go on. Returns the exit code: 0, or 2 when any line was bad. Throws InputError for an unknown kind,
-/// method or number of samples, std::runtime_error where `out` takes no more.
+/// or pose. A bad line is answered with its id (where it is told, whatever else is wrong), `error` and
+/// `line` (its number, blank ones counted), the others go on. Returns the exit code: 0, or 2 when any line
+/// was bad. Throws InputError for an unknown kind, method or number of samples, std::runtime_error where
+/// `out` takes no more.
 int run_metric(const std::string& kind, const MetricOptions& options, std::istream& in, std::ostream& out);
 
 }  // namespace uniquadric

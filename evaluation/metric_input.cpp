@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -59,6 +60,14 @@ const json& member(const json& object, const std::string& path, const char* key)
   return *found;
 }
 
+// What stands where a number is due: what it is, and a short one itself.
+std::string shown(const json& value) {
+  constexpr std::size_t kMostShown = 40;
+  const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  return text.size() > kMostShown ? std::string(value.type_name())
+                                  : fmt::format("{} {}", value.type_name(), text);
+}
+
 template <std::size_t N>
 std::array<double, N> numbers(const json& object, const std::string& path, const char* key) {
   const json& list = member(object, path, key);
@@ -66,7 +75,10 @@ std::array<double, N> numbers(const json& object, const std::string& path, const
   if (!list.is_array() || list.size() != N) throw InputError(fmt::format("{}: expected {} numbers", name, N));
   std::array<double, N> values{};
   for (std::size_t i = 0; i < N; ++i) {
-    if (!list[i].is_number() || !std::isfinite(list[i].get<double>()))
+    // null is what NaN and Infinity were read as
+    if (!list[i].is_number() && !list[i].is_null())
+      throw InputError(fmt::format("{}[{}]: expected a number, found {}", name, i, shown(list[i])));
+    if (list[i].is_null() || !std::isfinite(list[i].get<double>()))
       throw InputError(fmt::format("{}[{}] is not a finite number", name, i));
     values[i] = list[i].get<double>();
   }
@@ -99,6 +111,32 @@ Eigen::Quaterniond unit_quaternion(const json& object, const std::string& path, 
   return q;
 }
 
+constexpr const char* kBlanks = " \t\r\n";
+
+// The place of the quote that ends the string begun at `begin`, or of the line's last character.
+std::size_t end_of_string(std::string_view line, std::size_t begin) {
+  std::size_t i = begin + 1;
+  while (i < line.size() && line[i] != '"') i += line[i] == '\\' ? 2 : 1;
+  return std::min(i, line.size() - 1);
+}
+
+// The string or number at `begin`, "null" unless something stands behind it that says that it is whole.
+std::string whole_scalar(std::string_view line, std::size_t begin) {
+  if (begin == line.npos) return "null";
+  const bool quoted = line[begin] == '"';
+  const std::size_t end =
+      quoted ? end_of_string(line, begin) + 1 : std::min(line.find_first_of(",}", begin), line.size());
+  const std::size_t behind = line.find_first_not_of(kBlanks, end);
+  if (behind == line.npos || (line[behind] != ',' && line[behind] != '}')) return "null";
+  try {
+    const json object = parse_strict_json(fmt::format("{{\"id\":{}}}", line.substr(begin, end - begin)), 1);
+    const json& id = object.at("id");
+    return id.is_string() || id.is_number() ? id.dump() : "null";
+  } catch (const JsonFault&) {
+    return "null";
+  }
+}
+
 int image_side(const json& camera, const char* key) {
   constexpr double kMaxSide = 1e6;  // px: more is a mistake
   const json& value = member(camera, "camera", key);
@@ -109,6 +147,24 @@ int image_side(const json& camera, const char* key) {
 }
 
 }  // namespace
+
+std::string stated_id_json(std::string_view line) {
+  std::string id = "null";
+  int depth = 0, found = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '{' || line[i] == '[') ++depth;
+    if (line[i] == '}' || line[i] == ']') --depth;
+    if (line[i] != '"') continue;
+    const std::size_t begin = i;
+    i = end_of_string(line, begin);
+    if (depth != 1 || line.substr(begin, i + 1 - begin) != "\"id\"") continue;
+    const std::size_t colon = line.find_first_not_of(kBlanks, i + 1);
+    if (colon == line.npos || line[colon] != ':') continue;  // a value
+    id = whole_scalar(line, line.find_first_not_of(kBlanks, colon + 1));
+    ++found;
+  }
+  return found == 1 ? id : "null";
+}
 
 struct MetricLine::Json {
   json value;

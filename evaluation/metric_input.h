@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "core/geometry/camera.h"
 #include "core/geometry/ellipsoid.h"
@@ -12,6 +13,11 @@ struct PosedCamera {
   Camera camera;
   Pose world_from_camera;
 };
+
+/// The value of "id" in the outermost object of a line that may be no JSON, as JSON text: what an answer to a
+/// line that cannot be read is told apart by. "null" where there is none that is whole, a string or a number,
+/// or more than one.
+std::string stated_id_json(std::string_view line);
 
 /// One JSON line of `metric`. NaN and Infinity, which JSON does not know but other programs write, are read
 /// as null, so that the field that holds them can be named.

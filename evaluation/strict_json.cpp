@@ -59,7 +59,9 @@ class StrictParser {
     } catch (const json::parse_error&) {
       throw JsonFault("is not valid JSON", line(), true);
     } catch (const json::out_of_range&) {
-      throw JsonFault("holds a number that no double can", line(), false);
+      const std::string where = path();
+      throw JsonFault((where.empty() ? "" : where + " ") + "holds a number that no double can", line(),
+                      false);
     }
   }
 
@@ -69,6 +71,14 @@ class StrictParser {
     std::string key;  // whose value comes next
     int key_line = 1;
   };
+
+  // Of the value that is being read, as "gt.c": the keys around it.
+  std::string path() const {
+    std::string path;
+    for (const Object& object : open_)
+      if (!object.key.empty()) path += (path.empty() ? "" : ".") + object.key;
+    return path;
+  }
 
   // That of the last character taken.
   int line() const { return 1 + static_cast<int>(std::count(text_.data(), told_, '\n')); }

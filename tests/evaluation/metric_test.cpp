@@ -182,6 +182,52 @@ TEST(Metric, IdsBeyondADoubleAndKeysThatStandTwiceAreNamed) {
   EXPECT_EQ(answers.lines.at(0)["id"].dump(), "9007199254740991");
 }
 
+TEST(Metric, LinesThatCannotBeReadKeepTheirIds) {
+  const std::string good = ellipsoid("[0,0,0]", "[1,1,1]");
+  const std::string rest = R"(,"gt":)" + good + R"(,"est":)" + good;
+  const std::string huge = R"("gt":)" + ellipsoid("[0,1e400,0]", "[1,1,1]") + R"(,"est":)" + good;
+  const std::array<std::array<std::string, 3>, 15> cases = {
+      {{R"({"id":7,)" + huge + "}", "7", "gt.c holds a number that no double can"},
+       {"{" + huge + R"(, "id" : "a\"b" })", R"("a\"b")", "gt.c holds a number that no double can"},
+       {R"({"id":"x")" + rest + R"(,"gt":)" + good + "}", R"("x")", "key \"gt\" stands twice"},
+       {R"({"n":{"b":1,"b":2},"id":-3.5)" + rest + "}", "-3.5", "key \"b\" stands twice"},
+       {R"({"id":7)" + rest, "7", "is not valid JSON"},
+       {R"({"gt":{"id":9},"x":"id","id":8,)", "8", "is not valid JSON"},
+       {R"({"id":7,"note":)" + std::string(20, '[') + std::string(20, ']') + "}", "7",
+        "is nested more than 8 levels deep"},
+       {R"({"id":7)", "null", "is not valid JSON"},  // may be the first figure of more
+       {R"({"id":"x)", "null", "is not valid JSON"},
+       {R"({"id":7,"id":7)" + rest + "}", "null", "key \"id\" stands twice"},
+       {R"({"id":1e400)" + rest + "}", "null", "id holds a number that no double can"},
+       {R"({"id":[7],"x":)", "null", "is not valid JSON"},
+       {R"({"x":{"id":7},)", "null", "is not valid JSON"},
+       {R"({"id")", "null", "is not valid JSON"},
+       {R"(["id",7])", "null", "expected a JSON object"}}};
+  std::string lines;
+  for (const auto& line : cases) lines += line[0] + "\n";
+  const Answers answers = ask("iou3d", lines);
+  EXPECT_EQ(answers.exit_code, 2);
+  ASSERT_EQ(answers.lines.size(), cases.size());
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    EXPECT_EQ(answers.lines[i]["id"].dump(), cases[i][1]) << cases[i][0];
+    EXPECT_EQ(answers.lines[i]["error"], cases[i][2]) << cases[i][0];
+    EXPECT_EQ(answers.lines[i]["line"], i + 1);
+  }
+}
+
+TEST(Metric, WhatIsNoNumberIsCalledSo) {
+  const std::string good = ellipsoid("[0,0,0]", "[1,1,1]");
+  const std::array<std::array<std::string, 2>, 6> cases = {
+      {{R"(["0",0,0])", "est.c[0]: expected a number, found string \"0\""},
+       {"[0,true,0]", "est.c[1]: expected a number, found boolean true"},
+       {"[0,0,[0]]", "est.c[2]: expected a number, found array [0]"},
+       {"[0,0,\"" + std::string(100, 'x') + "\"]", "est.c[2]: expected a number, found string"},
+       {"[NaN,0,0]", "est.c[0] is not a finite number"},
+       {"[0,0,-Infinity]", "est.c[2] is not a finite number"}}};
+  for (const auto& [c, error] : cases)
+    EXPECT_EQ(ask("iou3d", pair(good, ellipsoid(c, "[1,1,1]"))).lines.at(0)["error"], error);
+}
+
 TEST(Metric, ALineWithoutEndIsAnsweredAndTheNextGoesOn) {
   const std::string good = pair(ellipsoid("[1,2,3]", "[1,1,1]"), ellipsoid("[1,2,3]", "[1,1,1]"));
   const Answers answers = ask("iou3d", std::string(3 << 20, '[') + "\n" + good);

@@ -37,7 +37,7 @@ const BadFile kBadFiles[] = {
     {"inputs.csv", "kind,name,hash\nscene,a\n", "inputs.csv:2: expected the columns kind,name,hash"},
     {kEvaluation, "{\n\"schema\": 1,\n oops}", "evaluation.json:3: is not valid JSON"},
     {kEvaluation, "[]", "evaluation.json: expected an object"},
-    {kEvaluation, "{\n\"schema\": 1e999\n}", "evaluation.json:2: holds a number"},
+    {kEvaluation, "{\n\"schema\": 1e999\n}", "evaluation.json:2: schema holds a number"},
     {kEvaluation, "{\"schema\": 1,\n\"objects\": [{\"id\": 1,\n\"id\": 2}]}",
      "evaluation.json:3: key \"id\" stands twice"},
     {kEvaluation, "{\"schema\": 1,\n\n\"objects\": [{\"id\": 9007199254740993}]}",
@@ -110,6 +110,17 @@ TEST(ReportInput, FolderThatIsNoResultsFolder) {
             std::string::npos);
   EXPECT_NE(input_error([&] { write_report(folder.path() / "none"); }).find("is not a folder"),
             std::string::npos);
+}
+
+TEST(ReportInput, AFolderInTheWayOfTheReportIsFoundBeforeAnyFileIsWritten) {
+  const TempFolder folder;
+  write_small_results(folder.path());
+  fs::create_directory(folder.path() / "report.html");
+  EXPECT_NE(input_error([&] { write_report(folder.path()); }).find("report.html: is a folder, in the way of"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(folder.path() / "scores.csv"));
+  fs::remove(folder.path() / "report.html");
+  write_report(folder.path());
 }
 
 TEST(ReportInput, GoodRunWithoutItsEvaluation) {
