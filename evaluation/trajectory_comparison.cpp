@@ -138,6 +138,8 @@ TrajectoryComparison compare_trajectories(const fs::path& reference_file, const 
                     kMinPairs));
   try {
     align_estimate(options, result);
+  } catch (const OpenAlignment& e) {
+    throw InputError(e.of_reference ? reference_file : estimate_file, e.what());
   } catch (const InputError& e) {
     throw InputError(estimate_file, e.what());
   }

@@ -1,8 +1,12 @@
 #include "evaluation/align/alignment.h"
 
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <cassert>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "core/base/error.h"
@@ -10,6 +14,7 @@
 namespace uniquadric {
 namespace {
 
+constexpr double kMeanRounding = 1e-12;   // of the mean's size: rounding of its sum
 constexpr double kRankTolerance = 1e-12;  // of the largest singular value: rounding of the sums
 
 Eigen::Matrix3Xd positions(const std::vector<Pose>& poses) {
@@ -22,8 +27,10 @@ Eigen::Matrix3Xd positions(const std::vector<Pose>& poses) {
 // Sums of the centred positions, from which every least-squares fit follows.
 struct Moments {
   Eigen::Vector3d reference_mean, estimate_mean;
-  Eigen::Matrix3d covariance;  // reference * estimate^T / n
+  Eigen::Matrix3d covariance;                           // reference * estimate^T / n
+  Eigen::Matrix3d reference_scatter, estimate_scatter;  // x * x^T / n
   double estimate_variance;
+  std::size_t pairs;
 
   Moments(const std::vector<Pose>& reference, const std::vector<Pose>& estimate) {
     if (reference.size() < 3) throw InputError("alignment needs at least 3 pairs of poses");
@@ -34,22 +41,61 @@ struct Moments {
     y.colwise() -= reference_mean;
     const double n = static_cast<double>(x.cols());
     covariance = y * x.transpose() / n;
+    reference_scatter = y * y.transpose() / n;
+    estimate_scatter = x * x.transpose() / n;
     estimate_variance = x.squaredNorm() / n;
+    pairs = reference.size();
   }
 };
 
-Alignment umeyama(const Moments& m, bool with_scale) {
+bool is_point(const Eigen::Matrix3d& scatter, const Eigen::Vector3d& mean) {
+  return !(scatter.trace() > std::pow(kMeanRounding * mean.norm(), 2));
+}
+
+// Where positions lie that leave a turn open; null for others. Of `dimensions` 2 the plane of x and y alone.
+const char* narrow_place(const Eigen::Matrix3d& scatter, const Eigen::Vector3d& mean, int dimensions) {
+  const Eigen::VectorXd squares = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
+                                      scatter.topLeftCorner(dimensions, dimensions), Eigen::EigenvaluesOnly)
+                                      .eigenvalues()
+                                      .reverse();
+  if (is_point(scatter, mean)) return "in one point";
+  if (dimensions == 2) return squares[0] > kRankTolerance * scatter.trace() ? nullptr : "on a vertical line";
+  return squares[1] > kRankTolerance * squares[0] ? nullptr : "on a line";
+}
+
+// Says which positions leave `what` open.
+[[noreturn]] void refuse(AlignmentKind kind, const Moments& m, int dimensions, const std::string& what) {
+  const char* const of_reference = narrow_place(m.reference_scatter, m.reference_mean, dimensions);
+  const char* const of_estimate = narrow_place(m.estimate_scatter, m.estimate_mean, dimensions);
+  const std::string where = of_reference ? of_reference : of_estimate ? of_estimate : "";
+  if (where.empty())
+    throw OpenAlignment(
+        fmt::format("alignment {}: the {} positions of reference and estimate have nothing in "
+                    "common that would tell {}",
+                    to_string(kind), m.pairs, what),
+        false);
+  throw OpenAlignment(
+      fmt::format("alignment {}: the {} positions{} lie {}, which leaves {} open", to_string(kind), m.pairs,
+                  of_reference && of_estimate ? ""
+                  : of_reference              ? " of the reference"
+                                              : " of the estimate",
+                  where, what),
+      of_reference != nullptr && of_estimate == nullptr);
+}
+
+Alignment umeyama(AlignmentKind kind, const Moments& m) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(m.covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d singular = svd.singularValues();
   if (!(singular[1] > kRankTolerance * singular[0]))
-    throw InputError("alignment: the positions lie on a line or in a point, which leaves the rotation open");
+    refuse(kind, m, 3,
+           kind == AlignmentKind::scale ? "the rotation of sim3, whose scale this is," : "the rotation");
   const Eigen::Matrix3d U = svd.matrixU(), V = svd.matrixV();
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
   if (U.determinant() * V.determinant() < 0) signs.z() = -1;
   Alignment result;
   const Eigen::Matrix3d R = U * signs.asDiagonal() * V.transpose();
   result.reference_from_estimate.rotation = Eigen::Quaterniond(R).normalized();
-  if (with_scale) result.scale = singular.dot(signs) / m.estimate_variance;
+  if (kind != AlignmentKind::se3) result.scale = singular.dot(signs) / m.estimate_variance;
   result.reference_from_estimate.translation = m.reference_mean - result.scale * (R * m.estimate_mean);
   return result;
 }
@@ -74,8 +120,9 @@ Alignment fit_poses(const std::vector<Pose>& reference, const std::vector<Pose>&
 Alignment yaw_and_position(const Moments& m) {
   const double sine = m.covariance(1, 0) - m.covariance(0, 1);
   const double cosine = m.covariance(0, 0) + m.covariance(1, 1);
-  if (!(std::hypot(sine, cosine) > kRankTolerance * m.covariance.norm()))
-    throw InputError("alignment: the positions lie on a vertical line, which leaves the yaw open");
+  if (is_point(m.reference_scatter, m.reference_mean) || is_point(m.estimate_scatter, m.estimate_mean) ||
+      !(std::hypot(sine, cosine) > kRankTolerance * m.covariance.norm()))
+    refuse(AlignmentKind::posyaw, m, 2, "the yaw");
   Alignment result;
   auto& pose = result.reference_from_estimate;
   pose.rotation = Eigen::AngleAxisd(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ());
@@ -117,11 +164,10 @@ Alignment align(AlignmentKind kind, const std::vector<Pose>& reference, const st
       if (reference.empty()) throw InputError("alignment needs at least one pair of poses");
       return {1, reference.front() * estimate.front().inverse()};
     case AlignmentKind::se3:
-      return umeyama(Moments(reference, estimate), false);
     case AlignmentKind::sim3:
-      return umeyama(Moments(reference, estimate), true);
+      return umeyama(kind, Moments(reference, estimate));
     case AlignmentKind::scale:
-      return {umeyama(Moments(reference, estimate), true).scale, {}};
+      return {umeyama(kind, Moments(reference, estimate)).scale, {}};
     case AlignmentKind::posyaw:
       return yaw_and_position(Moments(reference, estimate));
     case AlignmentKind::poses:

@@ -42,6 +42,11 @@ std::string (*picture_writer(const std::string& file))(const Picture&) {
 
 // An option that would change nothing is taken for a mistake.
 void require_used(const CLI::App& sub, const std::string& align, const std::string& relation) {
+  const bool evo = sub.count("--compat") > 0;
+  if (evo && (align == "poses" || align == "posyaw"))
+    throw InputError(fmt::format("--align: evo has no {}, as --compat evo asks for", align));
+  if (evo && sub.count("--association") > 0 && sub["--association"]->as<std::string>() == "one_to_one")
+    throw InputError("--association: evo has no one_to_one, as --compat evo asks for");
   if (sub.count("--align-n") > 0 && (align == "none" || align == "first"))
     throw InputError(fmt::format("--align-n: --align {} is not fitted on poses", align));
   for (const char* name : {"--delta", "--all-pairs", "--pairs-from"})

@@ -235,6 +235,58 @@ TEST(Alignment, RefusesWhatLeavesItOpen) {
     EXPECT_THROW(align(kind, {}, {}), InputError);
 }
 
+TEST(Alignment, SaysWhichPositionsLeaveItOpen) {
+  std::vector<Pose> line, level, point, curve;
+  for (int i = 0; i < 6; ++i) {
+    const auto add = [](std::vector<Pose>& poses, double x, double y, double z) {
+      poses.push_back({Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, y, z)});
+    };
+    add(line, 0.1, 0.7, i);
+    add(level, 0.1 * i, 0.7 * i, 3);
+    add(point, 4e5 + 0.1, 5e6 + 0.7, -0.3);  // whose mean is off by rounding
+    add(curve, std::cos(i), std::sin(i), 0.1 * i);
+  }
+  const auto refusal = [](AlignmentKind kind, const auto& reference, const auto& estimate) {
+    try {
+      align(kind, reference, estimate);
+    } catch (const OpenAlignment& e) {
+      return std::string(e.of_reference ? "reference: " : "") + e.what();
+    }
+    return std::string("none");
+  };
+  using enum AlignmentKind;
+  EXPECT_EQ(refusal(se3, line, line),
+            "alignment se3: the 6 positions lie on a line, which leaves the rotation open");
+  EXPECT_EQ(refusal(scale, level, level),
+            "alignment scale: the 6 positions lie on a line, which leaves the rotation of sim3, whose scale "
+            "this is, open");
+  EXPECT_EQ(refusal(sim3, curve, line),
+            "alignment sim3: the 6 positions of the estimate lie on a line, which leaves the rotation open");
+  EXPECT_EQ(refusal(sim3, level, curve),
+            "reference: alignment sim3: the 6 positions of the reference lie on a line, which leaves the "
+            "rotation open");
+  EXPECT_EQ(
+      refusal(sim3, curve, point),
+      "alignment sim3: the 6 positions of the estimate lie in one point, which leaves the rotation open");
+  EXPECT_EQ(
+      refusal(posyaw, point, curve),
+      "reference: alignment posyaw: the 6 positions of the reference lie in one point, which leaves the "
+      "yaw open");
+  EXPECT_EQ(refusal(posyaw, line, line),
+            "alignment posyaw: the 6 positions lie on a vertical line, which leaves the yaw open");
+  EXPECT_EQ(refusal(posyaw, level, level), "none");
+  // a whole turn, seen the other way round: every yaw is as good
+  std::vector<Pose> square, turned;
+  for (const auto& [x, y] : {std::pair{1, 0}, {0, 1}, {-1, 0}, {0, -1}}) {
+    square.push_back({Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, y, 0)});
+    turned.push_back({Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, -y, 0)});
+  }
+  EXPECT_EQ(
+      refusal(posyaw, square, turned),
+      "alignment posyaw: the 4 positions of reference and estimate have nothing in common that would tell "
+      "the yaw");
+}
+
 TEST(Symmetry, RenamedAxesAreUndone) {
   RandomStream random(7, "names");
   const Ellipsoid truth = body(random_rotation(random), {0.3, 0.2, 0.1});

@@ -154,6 +154,18 @@ TEST_F(TrajectoryCommand, RefusesOptionsWithoutEffect) {
   }
 }
 
+TEST_F(TrajectoryCommand, RefusesOfEvoWhatItHasNot) {
+  for (const std::string align : {"poses", "posyaw"}) {
+    expect_refused(run({"--align", align, "--compat", "evo"}),
+                   "--align: evo has no " + align + ", as --compat evo asks for");
+    EXPECT_EQ(run({"--align", align}).exit_code, 0);
+  }
+  expect_refused(run({"--association", "one_to_one", "--compat", "evo"}),
+                 "--association: evo has no one_to_one, as --compat evo asks for");
+  for (const std::string align : {"none", "first", "se3", "sim3", "scale"})
+    EXPECT_EQ(run({"--align", align, "--compat", "evo", "--association", "nearest"}).exit_code, 0) << align;
+}
+
 TEST_F(TrajectoryCommand, RefusesBadInputByNameAndLine) {
   expect_refused(run({"--align", "yaw"}), "--align");
   expect_refused(run({"--align-n", "0"}), "--align-n");
