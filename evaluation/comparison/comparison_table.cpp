@@ -40,8 +40,12 @@ std::string format_change(const MetricChange& change) {
   return format_change(change.rule, change.loss);
 }
 
+// A p of 0 is none: below this neither the draws nor the t test's assumption tells sizes apart.
+constexpr double kLeastShownP = 1e-4;
+
 std::string format_p(double p) {
-  return p >= 0.001 ? fmt::format("{:.3f}", p) : p == 0 ? "0" : fmt::format("{:.0e}", p);
+  if (p < kLeastShownP) return fmt::format("< {:.4f}", kLeastShownP);
+  return fmt::format("{:.{}f}", p, p < 0.001 ? 4 : 3);
 }
 
 std::string significance(const MetricChange& change) {
