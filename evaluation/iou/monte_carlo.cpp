@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/random.h"
+#include "evaluation/iou/count_inside_parts.h"
 #include "evaluation/iou/whitened_pair.h"
 
 namespace uniquadric {
@@ -23,6 +24,10 @@ Eigen::Vector3d ball_point(const Eigen::Vector3d& unit_cube) {
   return radius * Eigen::Vector3d(ring * std::cos(angle), ring * std::sin(angle), z);
 }
 
+// Mean square of Student's t of as many degrees of freedom as the replicates leave.
+constexpr double kFewReplicates = (BallSamples::kReplicates - 1.0) / (BallSamples::kReplicates - 3.0);
+constexpr double kSamplesBeside = 2;  // Agresti and Coull: at 95 %
+
 // d IoU / d share, with IoU = share v / (1 + v - share v) and v the volume ratio.
 double iou_slope(double share, double ratio) {
   const double all = 1 + ratio - share * ratio;
@@ -35,13 +40,15 @@ BallSamples::BallSamples(int samples, std::uint64_t seed) {
   assert(samples > 0);
   const int each = (samples + kReplicates - 1) / kReplicates;
   const Eigen::Array3d step(1 / kGolden3, 1 / (kGolden3 * kGolden3), 1 / (kGolden3 * kGolden3 * kGolden3));
-  points_.reserve(static_cast<std::size_t>(each) * kReplicates);
+  for (Eigen::VectorXd& column : columns_) column.resize(Eigen::Index{each} * kReplicates);
+  Eigen::Index n = 0;
   for (int replicate = 0; replicate < kReplicates; ++replicate) {
     RandomStream random(seed, "iou3d", static_cast<std::uint64_t>(replicate));
     const double x = random.uniform(), y = random.uniform(), z = random.uniform();
-    for (int i = 0; i < each; ++i) {
+    for (int i = 0; i < each; ++i, ++n) {
       const Eigen::Array3d u = Eigen::Array3d(x, y, z) + i * step;
-      points_.push_back(ball_point((u - u.floor()).matrix()));
+      const Eigen::Vector3d point = ball_point((u - u.floor()).matrix());
+      for (int k = 0; k < 3; ++k) columns_[static_cast<std::size_t>(k)][n] = point[k];
     }
   }
 }
@@ -50,23 +57,23 @@ MonteCarloIou ellipsoid_iou_monte_carlo(const Ellipsoid& a, const Ellipsoid& b, 
   const WhitenedPair pair = whiten(a, b);
   if (pair.identical) return {1, 0};
   const double ratio = pair.volume_ratio();
-  const double each = samples.per_replicate();
+  static const CountInside best = count_inside_avx2();
+  const CountInside count = best ? best : count_inside_baseline;
+  const int each = samples.per_replicate();
   double sum = 0, squares = 0;
-  auto point = samples.points().begin();
-  for (int replicate = 0; replicate < BallSamples::kReplicates; ++replicate) {
-    int inside = 0;
-    for (int i = 0; i < samples.per_replicate(); ++i, ++point)
-      inside += (pair.center + pair.semi_axes.cwiseProduct(*point)).squaredNorm() <= 1 ? 1 : 0;
-    const double share = inside / each;
+  for (Eigen::Index begin = 0; begin < samples.size(); begin += each) {
+    const double share = static_cast<double>(count(samples.x().data() + begin, samples.y().data() + begin,
+                                                   samples.z().data() + begin, each, pair.center.data(),
+                                                   pair.semi_axes.data())) /
+                         each;
     sum += share;
     squares += share * share;
   }
   constexpr double n = BallSamples::kReplicates;
   const double share = sum / n;
   const double variance = std::max(0.0, squares / n - share * share) / (n - 1);
-  // No replicate may have seen a common part that is smaller than a sample: the error is never below one
-  // sample.
-  const double error = std::max(std::sqrt(variance), 1 / (n * each));
+  const double sample = 1 / (n * each);
+  const double error = std::sqrt(kFewReplicates * variance + kSamplesBeside * sample * sample);
   return {share * ratio / (1 + ratio - share * ratio), error * iou_slope(share, ratio)};
 }
 

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "evaluation/iou/count_inside_parts.h"
 #include "evaluation/iou/disc_ellipse.h"
 #include "evaluation/iou/ellipsoid_iou.h"
 #include "evaluation/iou/monte_carlo.h"
@@ -218,19 +220,81 @@ TEST(MonteCarloIou, LiesWithinFiveStandardErrors) {
   EXPECT_EQ(ellipsoid_iou_monte_carlo(e, e, samples).iou, 1);
 }
 
+// Two balls of which so little is in common, or so little is not, that a few of the samples tell: those that
+// happen to see less of it state a smaller error, too.
+TEST(MonteCarloIou, StatesItsErrorWhereAFewSamplesDecide) {
+  constexpr int kSeeds = 200, kSamples = 6400;
+  // how far a ball of radius 10 is: dips into the unit ball or leaves a part of it out by as much; of the
+  // samples this is 2, 5, 10 and 90
+  const std::array<double, 8> distances = {11 - 0.02, 11 - 0.035, 11 - 0.05, 11 - 0.15,
+                                           9 + 0.02,  9 + 0.035,  9 + 0.05,  9 + 0.15};
+  std::array<double, 8> squares{};
+  int beyond_3 = 0, few = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const BallSamples samples(kSamples, static_cast<std::uint64_t>(seed));
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      const auto [iou, error] = ellipsoid_iou_monte_carlo(ball(1), ball(10, {distances[i], 0, 0}), samples);
+      const double z = (iou - balls_iou(10, 1, distances[i])) / error;
+      EXPECT_LT(std::abs(z), 5) << "pair " << i << " seed " << seed;
+      squares[i] += z * z / kSeeds;
+      beyond_3 += std::abs(z) > 3;
+      few += 1;
+    }
+  }
+  EXPECT_EQ(few, 1600);
+  EXPECT_LT(beyond_3, 0.01 * few);  // 0.0027 of normal errors
+  for (const double square : squares) EXPECT_LT(square, 1.3);
+  EXPECT_GT(squares[3], 0.7);  // and no larger than needed where some hundred samples are seen
+  EXPECT_GT(squares[7], 0.7);
+}
+
+TEST(MonteCarloIou, CountsTheSameByAnyInstructions) {
+  const CountInside by_four = count_inside_avx2();
+  if (!by_four) GTEST_SKIP() << "this machine has no AVX2";
+  const BallSamples samples(10'000, 5);
+  RandomStream random(8, "instructions");
+  std::int64_t inside = 0;
+  for (int i = 0; i < 300; ++i) {
+    Eigen::Vector3d center, axes;
+    for (int k = 0; k < 3; ++k) {
+      center[k] = random.uniform(-0.8, 0.8);
+      axes[k] = random.uniform(0.01, 1);
+    }
+    const int n = samples.size() - i;  // ends that are no multiple of four
+    const auto count = [&](CountInside function) {
+      return function(samples.x().data(), samples.y().data(), samples.z().data(), n, center.data(),
+                      axes.data());
+    };
+    ASSERT_EQ(count(by_four), count(count_inside_baseline)) << i;
+    inside += count(by_four);
+  }
+  EXPECT_GT(inside, 300'000);
+  EXPECT_LT(inside, 2'700'000);
+  // points on the very edge: the last bit decides, and is the same
+  const std::array<double, 5> x = {1, std::nextafter(1, 2), std::nextafter(1, 0), 0.6, 0.6},
+                              y = {0, 0, 0, 0.8, 0.8}, z = {0, 0, 0, 0, 1e-9};
+  const std::array<double, 3> none = {0, 0, 0}, unit = {1, 1, 1};
+  for (const CountInside function : {by_four, CountInside(count_inside_baseline)})
+    for (std::int64_t n = 0; n <= 5; ++n)
+      EXPECT_EQ(function(x.data(), y.data(), z.data(), n, none.data(), unit.data()),
+                (std::array<std::int64_t, 6>{0, 1, 1, 2, 3, 4}[static_cast<std::size_t>(n)]));
+}
+
 TEST(BallSamples, FillTheBallEvenlyAndRepeat) {
   const BallSamples samples(10'000, 3), again(10'000, 3), other(10'000, 4);
-  EXPECT_GE(samples.points().size(), 10'000u);
-  EXPECT_EQ(samples.points(), again.points());
-  EXPECT_NE(samples.points(), other.points());
+  EXPECT_GE(samples.size(), 10'000);
+  EXPECT_EQ(samples.x(), again.x());
+  EXPECT_EQ(samples.z(), again.z());
+  EXPECT_NE(samples.x(), other.x());
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double square = 0;
-  for (const auto& p : samples.points()) {
+  for (int i = 0; i < samples.size(); ++i) {
+    const Eigen::Vector3d p = samples.point(i);
     ASSERT_LE(p.norm(), 1 + 1e-12);
     mean += p;
     square += p.squaredNorm();
   }
-  const double n = static_cast<double>(samples.points().size());
+  const double n = static_cast<double>(samples.size());
   constexpr double kSpread = 5e-3;  // a hundredth of what one point could add by chance, times sqrt(n)
   EXPECT_LT((mean / n).norm(), kSpread);
   EXPECT_NEAR(square / n, 0.6, kSpread);  // E |x|^2 = 3/5 in the unit ball
