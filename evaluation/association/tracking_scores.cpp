@@ -31,6 +31,11 @@ Eigen::VectorXd detections(const std::vector<std::vector<std::optional<std::size
   return counts;
 }
 
+bool any_at(const std::vector<std::vector<std::optional<std::size_t>>>& presence, std::size_t frame) {
+  return std::any_of(presence.begin(), presence.end(),
+                     [&](const auto& states) { return states[frame].has_value(); });
+}
+
 struct ClearCounts {
   std::vector<int> switches;  // of each truth object
   int true_positives = 0;
@@ -38,8 +43,10 @@ struct ClearCounts {
 ClearCounts clear_counts(const ObjectOverlaps& overlaps, double threshold) {
   ClearCounts counts{std::vector<int>(overlaps.truth.size()), 0};
   std::vector<int> last(overlaps.truth.size(), -1);      // track that last matched the object
-  std::vector<int> previous(overlaps.truth.size(), -1);  // ... in the frame before
+  std::vector<int> previous(overlaps.truth.size(), -1);  // ... in the last frame with objects and tracks
   for (std::size_t frame = 0; frame < overlaps.stamps_ns.size(); ++frame) {
+    // as in TrackEval, what was matched before a frame without any object or any track is matched after it
+    if (!any_at(overlaps.truth, frame) || !any_at(overlaps.estimate, frame)) continue;
     Eigen::MatrixXd score = similarity_at(overlaps, frame);
     for (Eigen::Index g = 0; g < score.rows(); ++g)
       for (Eigen::Index e = 0; e < score.cols(); ++e) {
@@ -48,8 +55,7 @@ ClearCounts clear_counts(const ObjectOverlaps& overlaps, double threshold) {
         else if (previous[static_cast<std::size_t>(g)] == e)
           score(g, e) += kKeepTrack;
       }
-    const std::vector<int> match =
-        score.size() > 0 ? maximum_assignment(score) : std::vector<int>(last.size(), -1);
+    const std::vector<int> match = maximum_assignment(score);
     for (std::size_t g = 0; g < match.size(); ++g) {
       const bool matched = match[g] >= 0 && score(static_cast<Eigen::Index>(g), match[g]) > 0;
       previous[g] = matched ? match[g] : -1;

@@ -7,7 +7,9 @@
 
 namespace uniquadric {
 
-/// Scores of multi-object tracking with the 3D IoU as similarity, defined as in TrackEval (J. Luiten, 2020).
+/// Scores of multi-object tracking with the 3D IoU as similarity, defined as in TrackEval (J. Luiten, 2020):
+/// its HOTA assigns once, steered by how well pairs fit over all time, where the paper prints an assignment
+/// for each threshold.
 struct TrackingScores {
   double hota = 0;  ///< mean over the thresholds 0.05, 0.10, ..., 0.95 (Luiten et al., HOTA, IJCV 2021)
   double mota = 0;  ///< at kClearThreshold (Bernardin and Stiefelhagen, 2008); may be negative
