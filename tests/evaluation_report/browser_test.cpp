@@ -281,6 +281,14 @@ TEST_F(Browser, FitsAPhoneInTheDark) {
   EXPECT_EQ(expect_painted(phone.at("space").at("early"), motion, "cube_cuboid"), 4);
 }
 
+TEST_F(Browser, NoColumnIsCutOffInWindowsFrom800Pixels) {
+  for (const int width_px : {800, 1400, 1920}) {
+    const json crowded = open(width_px, 900, false).at("crowded");
+    EXPECT_EQ(crowded.at("columns"), 13) << width_px;
+    EXPECT_EQ(crowded.at("cut"), json::array()) << width_px;
+  }
+}
+
 // Or the tests above would be glad of a page that does nothing.
 TEST_F(Browser, ErrorsOfAPageAreSeen) {
   write_text(folder_.path() / "bad.html",

@@ -68,6 +68,9 @@ function figure_cell(row, metric) {
   return el("td", { class: "number", title }, spread.best ? el("b", { class: "best" }, text) : text, range);
 }
 
+// A name that may go on in the next line after an underscore.
+const breakable = (name) => name.split(/(?<=_)/).flatMap((part) => [part, el("wbr")]);
+
 function table_row(row, columns) {
   const plots = series_of(row.scene, row.object).length > 0;
   const object = plots && !row.paper ? el("a", { href: object_hash(row.scene, row.object) }, row.object) : row.object;
@@ -76,7 +79,7 @@ function table_row(row, columns) {
   const repeated = !first && !summary_state.sort; // said once a group, there for readers of the screen
   const name = (text) => el("td", { class: repeated ? "repeated" : null }, text);
   return el("tr", { class: [row.paper ? "paper" : "", first ? "first" : ""].join(" ").trim() || null },
-    name(row.scene), name(object), el("td", {}, row.variant, el("small", { class: "where" }, `${row.scene} / ${row.object}`)),
+    name(row.scene), name(object), el("td", {}, ...breakable(row.variant), el("small", { class: "where" }, `${row.scene} / ${row.object}`)),
     el("td", { class: row.good < row.runs ? "number few" : "number" }, runs),
     ...columns.map((metric) => figure_cell(row, metric)));
 }
