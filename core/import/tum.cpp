@@ -29,6 +29,17 @@ std::vector<ListedFile> read_list(const fs::path& recording, const std::string& 
   return files;
 }
 
+// What hardly ever lies beside the other list is of another clock or in another unit.
+void require_common_clock(const fs::path& file, std::size_t depth, const std::vector<SequenceFrame>& frames) {
+  constexpr std::size_t kLeastShare = 10;  // ours: one in ten
+  const auto both = static_cast<std::size_t>(
+      std::count_if(frames.begin(), frames.end(), [](const SequenceFrame& f) { return !f.depth.empty(); }));
+  if (both * kLeastShare < std::min(depth, frames.size()))
+    throw InputError(file, fmt::format("{} of {} depth images lie within 0.02 s of one of the {} of rgb.txt: "
+                                       "stamps of both are in seconds, of one clock",
+                                       both, depth, frames.size()));
+}
+
 Recording read_recording(const fs::path& folder, const ImportTumOptions& options) {
   Recording recording;
   recording.is_sequence_alone = true;
@@ -38,6 +49,7 @@ Recording read_recording(const fs::path& folder, const ImportTumOptions& options
   if (rgb.empty()) throw InputError(folder / "rgb.txt", "names no image");
   for (const ListedFile& entry : rgb) add_frame(sequence, entry.stamp_ns, entry.file);
   associate_depth(sequence.frames, depth);
+  require_common_clock(folder / "depth.txt", depth.size(), sequence.frames);
   for (const SequenceFrame& frame : sequence.frames) {
     recording.images.push_back({folder / frame.rgb, frame.rgb, ImageKind::color});
     if (!frame.depth.empty())

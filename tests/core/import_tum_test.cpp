@@ -104,6 +104,10 @@ TEST(ImportTum, BadRecordingsAreRefusedAndLeaveNothing) {
        [](const auto& r) { append(r / "rgb.txt", "2 rgb/no.png\n"); }},
       {"leads out of the recording",
        [](const auto& r) { append(r / "rgb.txt", "2 ../recording/rgb/1.200000.png\n"); }},
+      {"depth.txt: 0 of 2 depth images lie within 0.02 s of one of the 4 of rgb.txt",
+       [](const auto& r) {
+         write_text(r / "depth.txt", "1100 depth/1.110000.png\n1200 depth/1.110000.png\n");
+       }},
       {"groundtruth.txt:7: 'nan' is not a finite number",
        [](const auto& r) { append(r / "groundtruth.txt", "2 nan 0 0 0 0 0 1\n"); }},
       {"1.200000.png: is a truncated image",
@@ -136,7 +140,7 @@ TEST(ImportTum, BadRecordingsAreRefusedAndLeaveNothing) {
     EXPECT_FALSE(fs::exists(out));
     EXPECT_FALSE(fs::exists(out.string() + ".partial"));
   }
-  EXPECT_EQ(refused, 12);
+  EXPECT_EQ(refused, 13);
 }
 
 }  // namespace
