@@ -73,7 +73,12 @@ void write_text(const fs::path& path, std::string_view text) {
       throw_unwritable(path);
     }
   }
-  fs::rename(aside, path);
+  std::error_code error, ignored;
+  fs::rename(aside, path, error);  // fails where a folder has the name
+  if (!error) return;
+  fs::remove(aside, ignored);
+  errno = error.value();
+  throw_unwritable(path);
 }
 
 void duplicate_file(const fs::path& from, const fs::path& to) {

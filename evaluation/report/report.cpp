@@ -1,5 +1,6 @@
 #include "evaluation/report/report.h"
 
+#include "core/base/error.h"
 #include "core/base/files.h"
 #include "evaluation/report/arc_curves.h"
 #include "evaluation/report/page.h"
@@ -8,6 +9,9 @@
 namespace uniquadric {
 
 void write_report(const std::filesystem::path& folder) {
+  for (const char* name : {"iou3d_by_arc.svg", "scores.csv", "report.md", "report.html"})
+    if (std::filesystem::is_directory(folder / name))
+      throw InputError(folder / name, "is a folder, in the way of the file of that name");
   const Results results = read_results(folder);
   const std::vector<SummaryRow> summary = summarize(results);
   const std::string html = page_html(results, summary);  // all made before the first is written

@@ -180,6 +180,10 @@ TEST(Files, WhatCannotBeWrittenSaysWhy) {
   const fs::path file = temp.path() / "file", nowhere = temp.path() / "no/such/file";
   EXPECT_EQ(error_of([&] { write_text(nowhere, "x"); }),
             nowhere.string() + ": cannot be written: No such file or directory");
+  fs::create_directory(temp.path() / "folder");
+  EXPECT_EQ(error_of([&] { write_text(temp.path() / "folder", "x"); }),
+            (temp.path() / "folder").string() + ": cannot be written: Is a directory");
+  EXPECT_FALSE(fs::exists(temp.path() / "folder.partial"));
   write_text(file, "before");
   EXPECT_EQ(error_of([&] { duplicate_file(file, nowhere); }),
             nowhere.string() + ": cannot be written: No such file or directory");
