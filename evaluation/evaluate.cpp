@@ -30,13 +30,15 @@ std::map<int, ObjectDescription> read_descriptions(const fs::path& truth) {
   return descriptions;
 }
 
-// For each truth state the index of the track's state in the same frame.
-std::vector<std::optional<std::size_t>> states_of_match(const ObjectOverlaps& overlaps, std::size_t object,
-                                                        std::size_t states,
-                                                        std::optional<std::size_t> track) {
-  std::vector<std::optional<std::size_t>> matched(states);
+// For each truth state the track's state in the same frame.
+std::vector<std::optional<MatchedState>> states_of_match(const ObjectOverlaps& overlaps, std::size_t object,
+                                                         std::size_t states,
+                                                         std::optional<std::size_t> track) {
+  std::vector<std::optional<MatchedState>> matched(states);
   for (std::size_t frame = 0; track && frame < overlaps.stamps_ns.size(); ++frame)
-    if (const auto state = overlaps.truth[object][frame]) matched[*state] = overlaps.estimate[*track][frame];
+    if (const auto state = overlaps.truth[object][frame], same = overlaps.estimate[*track][frame];
+        state && same)
+      matched[*state] = {*same, overlaps.iou3d[object][*track][frame]};
   return matched;
 }
 

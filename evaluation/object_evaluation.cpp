@@ -5,7 +5,6 @@
 
 #include "evaluation/align/symmetry.h"
 #include "evaluation/image_overlap.h"
-#include "evaluation/iou/ellipsoid_iou.h"
 #include "evaluation/view_arc.h"
 
 namespace uniquadric {
@@ -18,13 +17,13 @@ struct Matched {
 };
 
 Matched collect_matched(const ObjectTrack& truth, const ObjectTrack* track,
-                        const std::vector<std::optional<std::size_t>>& states) {
+                        const std::vector<std::optional<MatchedState>>& states) {
   Matched matched;
   for (std::size_t k = 0; track && k < states.size(); ++k) {
     if (!states[k]) continue;
     matched.frame.push_back(k);
     matched.truth.push_back(truth.states[k].ellipsoid);
-    matched.estimate.push_back(track->states[*states[k]].ellipsoid);
+    matched.estimate.push_back(track->states[states[k]->index].ellipsoid);
   }
   return matched;
 }
@@ -77,7 +76,6 @@ void fill_single_frame(const Ellipsoid& truth, const Ellipsoid& original, const 
   frame.ape_rotation_naive_rad =
       absolute_error(truth.world_from_object, original.world_from_object).rotation_rad;
   frame.rotation_symmetric_rad = symmetric_rotation_error(settled, truth);
-  frame.iou3d = ellipsoid_iou(truth, original);
   frame.iou3d_monte_carlo = ellipsoid_iou_monte_carlo(truth, original, *context.samples);
   frame.d_shape_m = shape_distance_m(original, truth);
 }
@@ -134,7 +132,7 @@ std::optional<Drift> object_drift(const ObjectTrack& truth, const std::vector<Ob
 
 ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescription& description,
                                  const ObjectTrack* track,
-                                 const std::vector<std::optional<std::size_t>>& matched_states,
+                                 const std::vector<std::optional<MatchedState>>& matched_states,
                                  const ObjectContext& context) {
   assert(matched_states.size() == truth.states.size());
   ObjectEvaluation result;
@@ -165,7 +163,9 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
   result.relabel_flips = settled.relabel_flips;
   for (std::size_t i = 0; i < settled.estimate.size(); ++i) {
     ObjectFrame& frame = result.frames[matched.frame[i]];
-    const ObjectState& state = track->states[*matched_states[matched.frame[i]]];
+    const MatchedState& matched_state = *matched_states[matched.frame[i]];
+    const ObjectState& state = track->states[matched_state.index];
+    frame.iou3d = matched_state.iou3d;
     if (state.status == ObjectStatus::occluded) frame.occluded = true;
     frame.stated = stated_sigmas(state.covariance_diagonal);
     frame.in_sigmas = errors_in_sigmas(matched.truth[i], matched.estimate[i], settled.estimate[i],

@@ -34,6 +34,12 @@ struct ObjectEvaluation {
   std::optional<FeatureDepthError> feature_depth;
 };
 
+/// The state of the track that an object was matched to, at one of the truth's states.
+struct MatchedState {
+  std::size_t index = 0;
+  double iou3d = 0;  ///< exact, of the two ellipsoids as they came: matching has it already
+};
+
 /// What all objects' evaluation shares.
 struct ObjectContext {
   Trajectory truth_camera, estimate_camera;
@@ -45,11 +51,11 @@ struct ObjectContext {
 };
 
 /// Compares a truth object with the track it was matched to; of `description` shape and symmetry count.
-/// `matched_states[k]` is the index of the track's state at the truth's state k. `track` null: never found.
+/// `matched_states[k]` is the track's state at the truth's state k. `track` null: never found.
 /// Fills everything except `id_switches`, `surface` and `feature_depth`.
 ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescription& description,
                                  const ObjectTrack* track,
-                                 const std::vector<std::optional<std::size_t>>& matched_states,
+                                 const std::vector<std::optional<MatchedState>>& matched_states,
                                  const ObjectContext& context);
 
 }  // namespace uniquadric
