@@ -19,8 +19,8 @@ const char* name_of(ChangeScale scale) {
 }
 
 json to_json(const PlaceChange& place) {
-  return {{"sequence", place.sequence}, {"object", place.object},           {"loss", place.loss},
-          {"seeds", place.seeds},       {"p_worse_holm", to_json(place.p)}, {"worse", place.worse}};
+  return {{"sequence", place.sequence},   {"object", place.object},      {"loss", place.loss},
+          {"seeds", place.losses.size()}, {"p_worse", to_json(place.p)}, {"worse", place.worse}};
 }
 
 json to_json(const MetricChange& change) {

@@ -50,22 +50,17 @@ double norm(const std::vector<double>& values) {
   return std::sqrt(squares);
 }
 
-// Greatest loss first; a place is tested where enough seeds are paired and any of them differs.
-std::vector<PlaceChange> measure_places(const MetricPairs& pairs, const ChangeRule& rule,
-                                        const GateOptions& options) {
-  std::map<std::pair<std::string, std::string>, std::vector<double>> losses;
+// Greatest loss first.
+std::vector<PlaceChange> measure_places(const MetricPairs& pairs, const ChangeRule& rule) {
+  std::map<std::pair<std::string, std::string>, std::map<std::uint64_t, double>> losses;
   for (const PairedScore* pair : pairs)
-    losses[{pair->key.run.sequence, pair->key.object}].push_back(loss(rule, pair->a, pair->b));
+    losses[{pair->key.run.sequence, pair->key.object}][pair->key.run.seed] = loss(rule, pair->a, pair->b);
   std::vector<PlaceChange> places;
-  for (const auto& [place, values] : losses) {
+  for (const auto& [place, by_seed] : losses) {
     PlaceChange& change = places.emplace_back();
     std::tie(change.sequence, change.object) = place;
-    change.seeds = values.size();
-    change.loss = sum(values) / static_cast<double>(values.size());
-    const bool differs = std::any_of(values.begin(), values.end(), [](double d) { return d != 0; });
-    if (differs && values.size() >= std::max<std::size_t>(options.place_seeds, 2) &&
-        (!rule.is_time || options.gate_time))
-      change.p = t_test_above(values);
+    change.losses = by_seed;
+    for (const auto& [seed, lost] : by_seed) change.loss += lost / static_cast<double>(by_seed.size());
   }
   std::stable_sort(places.begin(), places.end(),
                    [](const PlaceChange& x, const PlaceChange& y) { return x.loss > y.loss; });
@@ -78,7 +73,7 @@ std::string subjects_of_object(const std::string& object) {
   return object == "camera" || object == "all" ? object : "objects";
 }
 
-MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule, const GateOptions& options) {
+MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule) {
   assert(!pairs.empty());
   const ScoreKey& key = pairs.front()->key;
   MetricChange change;
@@ -104,7 +99,7 @@ MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule, co
   change.b = mean(&PairedScore::b);
   change.test =
       sign_flip(summands, fmt::format("compare/{}/{}/{}", change.variant, change.subjects, change.metric));
-  change.places = measure_places(pairs, rule, options);
+  change.places = measure_places(pairs, rule);
   return change;
 }
 

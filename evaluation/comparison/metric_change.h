@@ -10,8 +10,8 @@ using MetricPairs = std::vector<const PairedScore*>;
 /// `objects` for an object, else the object's own name: camera, all.
 std::string subjects_of_object(const std::string& object);
 
-/// Means, places and the uncorrected tests of one metric; verdicts come when all metrics are known. A place's
-/// `p` is uncorrected yet.
-MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule, const GateOptions& options);
+/// Means, places and the uncorrected tests of one metric; verdicts, and the places' tests, come when all
+/// metrics are known.
+MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule);
 
 }  // namespace uniquadric

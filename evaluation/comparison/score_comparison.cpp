@@ -11,15 +11,14 @@ namespace uniquadric {
 namespace {
 
 // Every metric on its own, uncorrected.
-std::vector<MetricChange> measure_changes(const Pairing& pairing, const ScoreTable& table,
-                                          const GateOptions& options) {
+std::vector<MetricChange> measure_changes(const Pairing& pairing, const ScoreTable& table) {
   std::map<std::tuple<std::string, std::string, std::string>, MetricPairs> groups;
   for (const PairedScore& pair : pairing.pairs)
     groups[{pair.key.run.variant, subjects_of_object(pair.key.object), pair.key.metric}].push_back(&pair);
   std::vector<MetricChange> changes;
   for (const auto& [group, pairs] : groups) {
     const std::string& metric = std::get<2>(group);
-    changes.push_back(measure_change(pairs, change_rule(metric, table.lower_is_better.at(metric)), options));
+    changes.push_back(measure_change(pairs, change_rule(metric, table.lower_is_better.at(metric))));
   }
   return changes;
 }
@@ -56,7 +55,7 @@ ScoreComparison compare_scores(const ScoreTable& a, const ScoreTable& b, const G
   comparison.b = b.file.string();
   comparison.options = options;
   comparison.pairing = pair_scores(a, b);
-  comparison.metrics = measure_changes(comparison.pairing, a, options);
+  comparison.metrics = measure_changes(comparison.pairing, a);
   decide(comparison.metrics, options);
   std::sort(comparison.metrics.begin(), comparison.metrics.end(), is_before);
   comparison.answer = answer(comparison);

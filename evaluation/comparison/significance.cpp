@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
 
 #include "core/base/random.h"
-#include "evaluation/statistics/statistics.h"
 
 namespace uniquadric {
 namespace {
@@ -94,15 +92,6 @@ SignFlip sign_flip(const std::vector<double>& differences, std::string_view stre
   result.p_above = static_cast<double>(counts.above) / n;
   result.p_below = static_cast<double>(counts.below) / n;
   return result;
-}
-
-double t_test_above(const std::vector<double>& differences) {
-  assert(differences.size() >= 2);
-  const Statistics s = *statistics(differences);
-  const double n = static_cast<double>(differences.size());
-  if (s.std <= kRounding * std::abs(s.mean)) return s.mean > 0 ? 0 : 1;
-  const double t = s.mean / s.std * std::sqrt(n - 1);  // statistics' std divides by n
-  return boost::math::cdf(boost::math::complement(boost::math::students_t(n - 1), t));
 }
 
 std::vector<double> holm(const std::vector<double>& p) {

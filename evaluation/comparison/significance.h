@@ -22,10 +22,6 @@ constexpr std::size_t kSignFlipDraws = 100'000;  // SPEC: the standard error of 
 /// was observed counted as one more, so that p is never 0 and the test keeps its level.
 SignFlip sign_flip(const std::vector<double>& differences, std::string_view stream);
 
-/// One-sided paired t test: chance of so great a mean of `differences` when the true one is 0 and they are
-/// normal. At least two values. Values that are all the same: 0 if they are above 0, else 1.
-double t_test_above(const std::vector<double>& differences);
-
 /// Holm's step-down correction: `p <= alpha` of the results holds the chance of any false rejection among all
 /// under alpha. In the order of the input.
 std::vector<double> holm(const std::vector<double>& p);

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "evaluation/comparison/place_test.h"
+
 namespace uniquadric {
 namespace {
 
@@ -33,20 +35,6 @@ void correct_means(std::vector<MetricChange>& changes, const GateOptions& option
 
 bool has_lost(const PlaceChange& place, double margin, const GateOptions& options) {
   return is_proven(place, options) && place.loss > margin;
-}
-
-void correct_places(std::vector<MetricChange>& changes, const GateOptions& options) {
-  std::vector<std::pair<const MetricChange*, PlaceChange*>> tested;
-  std::vector<double> p;
-  for (MetricChange& change : changes)
-    for (PlaceChange& place : change.places)
-      if (place.p) tested.emplace_back(&change, &place), p.push_back(*place.p);
-  p = holm(p);
-  for (std::size_t i = 0; i < tested.size(); ++i) {
-    const auto& [change, place] = tested[i];
-    place->p = p[i];
-    place->worse = has_lost(*place, change->rule.place_margin, options);
-  }
 }
 
 // Whether every pair lost, and yet there are too few of them for the test to say it.
@@ -92,7 +80,9 @@ std::pair<Verdict, VerdictReason> judge(const MetricChange& change, const GateOp
 
 void decide(std::vector<MetricChange>& changes, const GateOptions& options) {
   correct_means(changes, options);
-  correct_places(changes, options);
+  test_places(changes, options);
+  for (MetricChange& change : changes)
+    for (PlaceChange& place : change.places) place.worse = has_lost(place, change.rule.place_margin, options);
   for (MetricChange& change : changes) std::tie(change.verdict, change.reason) = judge(change, options);
 }
 

@@ -214,7 +214,15 @@ TEST(ScoreComparison, TableNamesThePlaceThatDecided) {
   scale(b, "d_shape_mean_m", 1.5, "s3");
   scale(b, "d_shape_mean_m", 2, "s9");
   const std::string text = comparison_text(compare(a, b));
-  EXPECT_NE(text.find("of one object  s3/cube +20 % (p < 0.0001)"), std::string::npos) << text;
+  EXPECT_NE(text.find("of one object  s3/cube +20 % (p 0.004)"), std::string::npos) << text;
+}
+
+TEST(ScoreComparison, PIsPrintedDownToWhatTheTestResolves) {
+  const auto a = fabricated_scores(0, 1);
+  auto b = a;
+  scale(b, "d_shape_mean_m", 1.5);  // 48 pairs, every one lost: one in 100,001 flips
+  const std::string text = comparison_text(compare(a, b));
+  EXPECT_NE(text.find("+50 %  < 0.0001"), std::string::npos) << text;
 }
 
 TEST(ScoreComparison, JsonHasEveryMetricAndReadsBack) {

@@ -86,20 +86,6 @@ TEST(SignFlip, DrawnIsNever0) {
   EXPECT_DOUBLE_EQ(result.p_below, 1);
 }
 
-TEST(TTest, ClosedFormsOfOneAndTwoDegreesOfFreedom) {
-  // of {1, 3}: t = 2; of {1, 2, 6}: mean 3, standard deviation sqrt(7), t = 3 / sqrt(7/3)
-  EXPECT_NEAR(t_test_above({1, 3}), 0.5 - std::atan(2.0) / std::numbers::pi, kRounding);
-  EXPECT_NEAR(t_test_above({-1, -3}), 0.5 + std::atan(2.0) / std::numbers::pi, kRounding);
-  const double t = 3 / std::sqrt(7.0 / 3);
-  EXPECT_NEAR(t_test_above({1, 2, 6}), 0.5 - t / (2 * std::sqrt(2 + t * t)), kRounding);
-}
-
-TEST(TTest, ValuesAllTheSame) {
-  EXPECT_EQ(t_test_above({0.3, 0.3, 0.3}), 0);
-  EXPECT_EQ(t_test_above({0, 0}), 1);
-  EXPECT_EQ(t_test_above({-0.3, -0.3}), 1);
-}
-
 TEST(Holm, HandComputed) {
   EXPECT_EQ(holm({}), std::vector<double>{});
   EXPECT_EQ(holm({0.7}), std::vector<double>{0.7});
