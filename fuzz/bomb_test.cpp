@@ -120,10 +120,11 @@ TEST_F(Bombs, CountsThatTheFileCannotHold) {
   for (const char* points : {"1000000000000", "1000000000", "9223372036854775807"})
     expect_refused(always(pcd(points, points)), "pcd");
   for (const char* count : {"1000000000000", "4000000000", "100000000"})
-    for (const char* format : {"ascii", "binary_little_endian"})
-      expect_refused(always("ply\nformat " + std::string(format) + " 1.0\nelement vertex " + count +
-                            "\nproperty float x\nend_header\n"),
-                     "mesh_ply");
+    for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
+      for (const char* target : {"mesh_ply", "surface_ply"})
+        expect_refused(always("ply\nformat " + std::string(format) + " 1.0\nelement vertex " + count +
+                              "\nproperty float x\nend_header\n"),
+                       target);
   expect_refused(always(std::string("\0\0\0\0\x40\0\0\0\0", 9)), "observations_bin");  // bodies
 }
 

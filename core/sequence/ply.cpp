@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
-#include <map>
-#include <optional>
+#include <initializer_list>
 #include <string_view>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/geometry/polygon.h"
+#include "core/sequence/ply_file.h"
 
 namespace uniquadric {
 namespace {
@@ -25,185 +25,132 @@ void put(std::string& data, T value) {
   data.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-struct Type {
-  int size = 0;
-  char kind = 'u';  // unsigned, i signed, f floating-point
-};
+constexpr std::pair<std::string_view, std::string_view> kTextureCoordinates[] = {
+    {"u", "v"}, {"s", "t"}, {"tx", "ty"}, {"texture_u", "texture_v"}};
 
-std::optional<Type> type_of(std::string_view name) {
-  static const std::map<std::string_view, Type> kTypes = {
-      {"char", {1, 'i'}},  {"int8", {1, 'i'}},    {"uchar", {1, 'u'}},  {"uint8", {1, 'u'}},
-      {"short", {2, 'i'}}, {"int16", {2, 'i'}},   {"ushort", {2, 'u'}}, {"uint16", {2, 'u'}},
-      {"int", {4, 'i'}},   {"int32", {4, 'i'}},   {"uint", {4, 'u'}},   {"uint32", {4, 'u'}},
-      {"float", {4, 'f'}}, {"float32", {4, 'f'}}, {"double", {8, 'f'}}, {"float64", {8, 'f'}}};
-  const auto found = kTypes.find(name);
-  return found == kTypes.end() ? std::nullopt : std::optional(found->second);
+using Row = std::vector<std::vector<double>>;
+
+template <std::size_t N>
+using Columns = std::optional<std::array<std::size_t, N>>;
+
+// Where an element has single values of these names: all, or nothing.
+template <std::size_t N>
+Columns<N> columns(const PlyElement& element, const std::array<std::string_view, N>& names) {
+  std::array<std::size_t, N> found;
+  for (std::size_t k = 0; k < N; ++k) {
+    const auto property = std::ranges::find_if(
+        element.properties, [&](const PlyProperty& p) { return p.name == names[k] && p.count.size == 0; });
+    if (property == element.properties.end()) return std::nullopt;
+    found[k] = static_cast<std::size_t>(property - element.properties.begin());
+  }
+  return found;
 }
 
-struct Property {
-  std::string name;
-  Type type, count;  // count: of a list's values, size 0 where it is none
-};
-
-struct Element {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<Property> properties;
-};
-
-struct Header {
-  std::vector<Element> elements;
-  std::size_t end = 0;  // where the data begin
-};
-
-class HeaderReader {
- public:
-  HeaderReader(const fs::path& path, std::string_view text) : path_(path), text_(text) {}
-
-  Header read() {
-    if (next() != std::vector<std::string_view>{"ply"}) fail("expected ply");
-    bool has_format = false;
-    for (;;) {
-      const auto words = next();
-      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
-      if (words[0] == "end_header") break;
-      if (words[0] == "format")
-        has_format = take_format(words);
-      else if (words[0] == "element")
-        take_element(words);
-      else if (words[0] == "property")
-        take_property(words);
-      else
-        fail(fmt::format("'{}' is no entry of a PLY header", words[0].substr(0, 20)));
-    }
-    if (!has_format) fail("the header has no format");
-    return header_;
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& what) const { throw InputError(path_, line_, what); }
-
-  std::vector<std::string_view> next() {
-    const std::size_t stop = text_.find('\n', header_.end);
-    ++line_;
-    if (stop == std::string_view::npos) fail("the header does not end");
-    std::string_view line = text_.substr(header_.end, stop - header_.end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    header_.end = stop + 1;
-    return split(line);
-  }
-  bool take_format(const std::vector<std::string_view>& words) const {
-    if (words.size() != 3 || words[1] != "binary_little_endian")
-      fail("only the format binary_little_endian is read");
-    return true;
-  }
-  void take_element(const std::vector<std::string_view>& words) {
-    const auto count = words.size() == 3 ? parse_integer(words[2]) : std::nullopt;
-    if (!count || *count < 0) fail("expected element NAME COUNT");
-    header_.elements.push_back({std::string(words[1]), static_cast<std::uint64_t>(*count), {}});
-  }
-  void take_property(const std::vector<std::string_view>& words) {
-    const bool is_list = words.size() == 5 && words[1] == "list";
-    if (header_.elements.empty() || (!is_list && words.size() != 3))
-      fail("expected property TYPE NAME, or property list TYPE TYPE NAME, of an element");
-    const auto type = type_of(words[words.size() - 2]);
-    const auto count = is_list ? type_of(words[2]) : Type{};
-    if (!type || !count || count->kind == 'f') fail("a property of an unknown type");
-    header_.elements.back().properties.push_back({std::string(words.back()), *type, *count});
-  }
-
-  const fs::path& path_;
-  std::string_view text_;
-  Header header_;
-  int line_ = 0;
-};
-
-class DataReader {
- public:
-  DataReader(const fs::path& path, std::string_view data) : path_(path), data_(data) {}
-
-  double number(const Type& type) {
-    const char* at = take(type.size);
-    switch (type.size) {
-      case 1:
-        return type.kind == 'i' ? as<std::int8_t>(at) : as<std::uint8_t>(at);
-      case 2:
-        return type.kind == 'i' ? as<std::int16_t>(at) : as<std::uint16_t>(at);
-      case 4:
-        return type.kind == 'f'   ? as<float>(at)
-               : type.kind == 'i' ? as<std::int32_t>(at)
-                                  : as<std::uint32_t>(at);
-      default:
-        return as<double>(at);
-    }
-  }
-  std::vector<double> numbers(const Property& property) {
-    const double count = property.count.size == 0 ? 1 : number(property.count);
-    if (count < 0 || count * property.type.size > static_cast<double>(data_.size() - at_)) cut_short();
-    std::vector<double> values;
-    for (int i = 0; i < static_cast<int>(count); ++i) values.push_back(number(property.type));
-    return values;
-  }
-
-  std::size_t left() const { return data_.size() - at_; }
-
- private:
-  template <typename T>
-  static double as(const char* at) {
-    T value;
-    std::memcpy(&value, at, sizeof value);
-    return static_cast<double>(value);
-  }
-  [[noreturn]] void cut_short() const { throw InputError(path_, "its data are cut short"); }
-  const char* take(int size) {
-    if (data_.size() - at_ < static_cast<std::size_t>(size)) cut_short();
-    at_ += static_cast<std::size_t>(size);
-    return data_.data() + at_ - size;
-  }
-
-  const fs::path& path_;
-  std::string_view data_;
-  std::size_t at_ = 0;
-};
-
-std::optional<Eigen::Vector3f> vector_of(const std::map<std::string, double>& values,
-                                         const std::array<const char*, 3>& names) {
-  Eigen::Vector3f v;
-  for (int k = 0; k < 3; ++k) {
-    const auto found = values.find(names[k]);
-    if (found == values.end()) return std::nullopt;
-    v[k] = static_cast<float>(found->second);
-  }
+template <std::size_t N>
+Eigen::Vector<float, N> values(const Row& row, const std::array<std::size_t, N>& columns) {
+  Eigen::Vector<float, N> v;
+  for (std::size_t k = 0; k < N; ++k) v[k] = static_cast<float>(row[columns[k]][0]);
   return v;
 }
 
-void read_point(const fs::path& path, const Element& element, DataReader& data, SurfaceFile& surface) {
-  std::map<std::string, double> values;
-  for (const Property& property : element.properties)
-    if (const auto numbers = data.numbers(property); property.count.size == 0)
-      values[property.name] = numbers[0];
-  const auto point = vector_of(values, {"x", "y", "z"});
-  if (!point) throw InputError(path, "its vertices have no x, y, z");
-  if (!point->allFinite() || point->cwiseAbs().maxCoeff() > kMostPlyCoordinate_m)
-    throw InputError(path, fmt::format("point {} is not finite, or lies beyond {} m", surface.points.size(),
-                                       kMostPlyCoordinate_m));
-  surface.points.push_back(*point);
-  if (const auto normal = vector_of(values, {"nx", "ny", "nz"})) surface.normals.push_back(*normal);
+std::optional<std::size_t> list_column(const PlyElement& element,
+                                       std::initializer_list<std::string_view> names) {
+  for (std::size_t i = 0; i < element.properties.size(); ++i)
+    if (element.properties[i].count.size > 0 && std::ranges::count(names, element.properties[i].name) > 0)
+      return i;
+  return std::nullopt;
 }
 
-void read_face(const fs::path& path, const Element& element, DataReader& data, SurfaceFile& surface) {
-  for (const Property& property : element.properties) {
-    const std::vector<double> corners = data.numbers(property);
-    if (property.name != "vertex_indices" && property.name != "vertex_index") continue;
-    for (const double corner : corners)
-      if (!(corner >= 0 && corner < static_cast<double>(surface.points.size())))
-        throw InputError(path, fmt::format("a face has point {} of {}", corner, surface.points.size()));
-    for (std::size_t i = 2; i < corners.size(); ++i)
-      surface.triangles.push_back({static_cast<std::uint32_t>(corners[0]),
-                                   static_cast<std::uint32_t>(corners[i - 1]),
-                                   static_cast<std::uint32_t>(corners[i])});
+class SurfaceReader {
+ public:
+  SurfaceReader(const fs::path& path, const std::string& bytes)
+      : path_(path), header_(read_ply_header(path, bytes)), rows_(path, bytes, header_) {}
+
+  SurfaceFile read() {
+    surface_.texture_file = header_.texture_file;
+    for (const PlyElement& element : header_.elements) {
+      if (element.name == "vertex")
+        read_points(element);
+      else if (element.name == "face")
+        read_faces(element);
+      else if (element.name == "material")
+        read_materials(element);
+      else
+        for (std::uint64_t i = 0; i < element.count; ++i) rows_.next(element);
+    }
+    rows_.expect_end();
+    if (surface_.points.empty()) throw InputError(path_, "has no points");
+    return std::move(surface_);
   }
-}
+
+ private:
+  void read_points(const PlyElement& element) {
+    const auto position = columns<3>(element, {"x", "y", "z"}),
+               normal = columns<3>(element, {"nx", "ny", "nz"});
+    if (!position) throw InputError(path_, element.line, "vertex has no x, y, z");
+    Columns<2> uv;
+    for (const auto& [u, v] : kTextureCoordinates)
+      if (!uv) uv = columns<2>(element, {u, v});
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      const Row& row = rows_.next(element);
+      surface_.points.push_back(values(row, *position));
+      const Eigen::Vector3f& point = surface_.points.back();
+      if (!point.allFinite() || point.cwiseAbs().maxCoeff() > kMostPlyCoordinate_m)
+        rows_.fail(fmt::format("is not finite, or lies beyond {} m", kMostPlyCoordinate_m));
+      if (normal) surface_.normals.push_back(values(row, *normal));
+      if (uv) point_uvs_.push_back(finite_uv(values(row, *uv)));
+    }
+  }
+  void read_faces(const PlyElement& element) {
+    const auto indices = list_column(element, {"vertex_indices", "vertex_index"}),
+               texcoord = list_column(element, {"texcoord"});
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      const Row& row = rows_.next(element);
+      if (indices) read_face(row[*indices], texcoord ? &row[*texcoord] : nullptr);
+    }
+  }
+  void read_face(const std::vector<double>& corners, const std::vector<double>* texcoord) {
+    if (corners.size() > kMostPlyCorners)
+      rows_.fail(fmt::format("has {} corners, at most {} are read", corners.size(), kMostPlyCorners));
+    std::vector<Eigen::Vector3f> points;
+    for (const double corner : corners) {
+      if (!(corner >= 0 && corner < static_cast<double>(surface_.points.size())) ||
+          corner != std::floor(corner))
+        rows_.fail(fmt::format("has corner {} of {} points", corner, surface_.points.size()));
+      points.push_back(surface_.points[static_cast<std::size_t>(corner)]);
+    }
+    const bool own = texcoord && texcoord->size() == 2 * corners.size();
+    for (const auto& [a, b, c] : triangulate(points)) {
+      const auto index = [&](std::uint32_t k) { return static_cast<std::uint32_t>(corners[k]); };
+      surface_.triangles.push_back({index(a), index(b), index(c)});
+      const auto uv = [&](std::uint32_t k) -> Eigen::Vector2f {
+        if (own) return finite_uv(Eigen::Vector2d((*texcoord)[2 * k], (*texcoord)[2 * k + 1]).cast<float>());
+        return point_uvs_.empty() ? Eigen::Vector2f::Zero() : point_uvs_[index(k)];
+      };
+      if (texcoord || !point_uvs_.empty()) surface_.uvs.push_back({uv(a), uv(b), uv(c)});
+    }
+  }
+  void read_materials(const PlyElement& element) {
+    const auto diffuse = columns<3>(element, {"diffuse_red", "diffuse_green", "diffuse_blue"});
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      const Row& row = rows_.next(element);
+      if (!diffuse || i > 0) continue;
+      surface_.color = values(row, *diffuse) / (element.properties[(*diffuse)[0]].type.kind == 'f' ? 1 : 255);
+      if (!(surface_.color->minCoeff() >= 0 && surface_.color->maxCoeff() <= 1))
+        rows_.fail("has a colour that is not within 0 and 1, or 255");
+    }
+  }
+  Eigen::Vector2f finite_uv(const Eigen::Vector2f& uv) const {
+    if (!uv.allFinite()) rows_.fail("has texture coordinates that are not finite");
+    return uv;
+  }
+
+  const fs::path& path_;
+  const PlyHeader header_;
+  PlyRows rows_;
+  SurfaceFile surface_{};
+  std::vector<Eigen::Vector2f> point_uvs_{};  // or none
+};
 
 }  // namespace
 
@@ -235,25 +182,7 @@ void write_surface_ply(const fs::path& path, const SurfaceFile& surface, const s
 }
 
 SurfaceFile read_surface_ply(const fs::path& path) {
-  const std::string text = read_text(path);
-  const Header header = HeaderReader(path, text).read();
-  DataReader data(path, std::string_view(text).substr(header.end));
-  SurfaceFile surface;
-  for (const Element& element : header.elements) {
-    if (element.properties.empty())
-      throw InputError(path, fmt::format("{}: without properties", element.name));
-    for (std::uint64_t i = 0; i < element.count; ++i) {
-      if (element.name == "vertex")
-        read_point(path, element, data, surface);
-      else if (element.name == "face")
-        read_face(path, element, data, surface);
-      else
-        for (const Property& property : element.properties) data.numbers(property);
-    }
-  }
-  if (data.left() > 0) throw InputError(path, fmt::format("{} bytes after its data", data.left()));
-  if (surface.points.empty()) throw InputError(path, "has no points");
-  return surface;
+  return SurfaceReader(path, read_text(path)).read();
 }
 
 }  // namespace uniquadric

@@ -1,6 +1,7 @@
 #include "simulator/scene/mesh_building.h"
 
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <map>
 
@@ -65,6 +66,11 @@ void smooth_normals(Mesh& mesh) {
   for (std::uint32_t i = 0; i < size32(mesh); ++i)
     if (const auto sum = sums.find(key(i)); sum != sums.end())
       mesh.normals[i] = sum->second.normalized().cast<float>();
+}
+
+Eigen::Vector3f unit_normal(const Eigen::Vector3f& normal) {
+  const float norm = normal.norm();
+  return std::isfinite(norm) && norm > 0 ? normal.normalized() : Eigen::Vector3f::UnitZ();
 }
 
 void transform(std::vector<Mesh>& meshes, const Pose& to_from_mesh) {

@@ -35,6 +35,10 @@ void add_quad(Mesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, co
 /// Replaces the normals by the area-weighted means of the faces that share a vertex position.
 void smooth_normals(Mesh& mesh);
 
+/// A normal of a file at length 1. A vertex without an area around it has none: any unit vector, here (0, 0,
+/// 1), keeps the shading finite.
+Eigen::Vector3f unit_normal(const Eigen::Vector3f& normal);
+
 /// Moves meshes rigidly.
 void transform(std::vector<Mesh>& meshes, const Pose& to_from_mesh);
 

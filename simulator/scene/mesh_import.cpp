@@ -5,16 +5,20 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <assimp/BaseImporter.h>
 #include <assimp/DefaultIOSystem.h>
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cctype>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/sequence/image_file.h"
-#include "simulator/scene/ply_header.h"
+#include "simulator/scene/mesh_building.h"
+#include "simulator/scene/ply_mesh.h"
 
 // Debian builds assimp with its assertions, which end the program where a damaged file breaks one. The
 // library's calls find this function before its own; it makes of them errors of the file, as assimp's other
@@ -74,6 +78,14 @@ cv::Mat embedded_texture(const aiTexture& texture, const fs::path& path) {
   return to_bgr(image, path);
 }
 
+void read_texture(std::string name, const fs::path& path, Mesh& mesh, std::vector<fs::path>& files) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  name.erase(name.find_last_not_of(" \t\r") + 1);  // material files end lines with blanks
+  const fs::path texture = path.parent_path() / name;
+  mesh.texture = to_bgr(decode_image(read_text(texture), kMaxSide_px, texture), texture);
+  if (std::find(files.begin(), files.end(), texture) == files.end()) files.push_back(texture);
+}
+
 void read_material(const aiScene& scene, const aiMaterial& material, const fs::path& path, Mesh& mesh,
                    std::vector<fs::path>& files) {
   aiColor3D diffuse(1, 1, 1);
@@ -87,12 +99,7 @@ void read_material(const aiScene& scene, const aiMaterial& material, const fs::p
     mesh.texture = embedded_texture(*embedded, path);
     return;
   }
-  std::string file = name.C_Str();
-  std::replace(file.begin(), file.end(), '\\', '/');
-  file.erase(file.find_last_not_of(" \t\r") + 1);  // material files end lines with blanks
-  const fs::path texture = path.parent_path() / file;
-  mesh.texture = to_bgr(decode_image(read_text(texture), kMaxSide_px, texture), texture);
-  if (std::find(files.begin(), files.end(), texture) == files.end()) files.push_back(texture);
+  read_texture(name.C_Str(), path, mesh, files);
 }
 
 Mesh convert(const aiMesh& source, const fs::path& path) {
@@ -106,10 +113,7 @@ Mesh convert(const aiMesh& source, const fs::path& path) {
     if (!mesh.positions.back().allFinite()) throw InputError(path, fmt::format("vertex {} is not finite", i));
     if (!mesh.uvs.back().allFinite())
       throw InputError(path, fmt::format("texture coordinate {} is not finite", i));
-    // A vertex without an area around it has no normal; any unit vector keeps the shading finite.
-    if (!mesh.normals.back().allFinite() || !(mesh.normals.back().norm() > 0))
-      mesh.normals.back() = Eigen::Vector3f::UnitZ();
-    mesh.normals.back().normalize();
+    mesh.normals.back() = unit_normal(mesh.normals.back());
   }
   for (unsigned i = 0; i < source.mNumFaces; ++i) {
     const aiFace& face = source.mFaces[i];
@@ -120,13 +124,34 @@ Mesh convert(const aiMesh& source, const fs::path& path) {
   return mesh;
 }
 
+ImportedMesh import_ply(const fs::path& path) {
+  const SurfaceFile surface = read_surface_ply(path);
+  if (surface.triangles.empty()) throw InputError(path, "has no faces");
+  ImportedMesh result{{mesh_of(surface)}, {path}};
+  Mesh& mesh = result.meshes[0];
+  if (!surface.texture_file.empty())
+    read_texture(surface.texture_file, path, mesh, result.files);
+  else if (surface.color)
+    mesh.color = *surface.color;
+  return result;
+}
+
+bool is_ply(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension == ".ply" || read_text(path).starts_with("ply");
+}
+
 }  // namespace
 
 ImportedMesh import_mesh(const fs::path& path) {
   if (!fs::is_regular_file(path)) throw InputError(path, "no such mesh file");
-  check_ply_header(read_text(path), path);
+  if (is_ply(path)) return import_ply(path);
   ImportedMesh result;
   Assimp::Importer importer;
+  // Of damaged files its reader of PLY, which looks for one in files of any name, makes faces from anywhere.
+  const std::unique_ptr<Assimp::BaseImporter> ply(importer.GetImporter("ply"));
+  importer.UnregisterLoader(ply.get());
   importer.SetIOHandler(new RecordingFiles(result.files));  // the importer owns it
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(

@@ -12,9 +12,10 @@ struct ImportedMesh {
   std::vector<std::filesystem::path> files;  ///< every file that was read, the mesh's own first
 };
 
-/// Reads a mesh that assimp knows (OBJ, PLY, GLB and more) with its diffuse textures, from files beside it or
-/// embedded. Vertex colours are not read. Throws InputError naming the file for one that is missing or
-/// malformed, has no faces, vertices that are not finite, or a texture that cannot be decoded.
+/// Reads a PLY (read_surface_ply()), or a mesh that assimp knows (OBJ, GLB and more), with its diffuse
+/// textures, from files beside it or embedded. Vertex colours are not read. Throws InputError naming the file
+/// for one that is missing or malformed, has no faces, vertices that are not finite, or a texture that cannot
+/// be decoded.
 ImportedMesh import_mesh(const std::filesystem::path& path);
 
 }  // namespace uniquadric

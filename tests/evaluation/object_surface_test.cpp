@@ -115,8 +115,8 @@ TEST_F(ObjectSurface, TheMapIsComparedInTheTruthsWorld) {
 
 TEST_F(ObjectSurface, FilesThatAreNoneAreRefused) {
   write_changed([](Tracks&) {});
-  write_text(estimate() / "objects/10.ply", "ply\nformat ascii 1.0\nend_header\n");
-  EXPECT_NE(input_error([&] { run(); }).find("objects/10.ply:2: only the format"), std::string::npos);
+  write_text(estimate() / "objects/10.ply", "ply\nformat text 1.0\nend_header\n");
+  EXPECT_NE(input_error([&] { run(); }).find("objects/10.ply:2: expected format"), std::string::npos);
   write_points();
   SurfaceFile cloud = tetrahedron();
   cloud.triangles.clear();

@@ -70,6 +70,54 @@ TEST(MeshImport, ReadsPly) {
   ASSERT_EQ(imported.meshes.size(), 1u);
   EXPECT_EQ(imported.meshes[0].triangles.size(), 2u);
   EXPECT_EQ(imported.meshes[0].normals[0], Eigen::Vector3f(0, 0, 1));
+  EXPECT_EQ(imported.meshes[0].color, Eigen::Vector3f(1, 1, 1));
+  EXPECT_EQ(imported.files, std::vector{path});
+}
+
+// A pyramid without its floor, a point that no face has, texture coordinates that differ at the sides'
+// corners.
+TEST(MeshImport, ReadsPlyWithTextureAndCornersOfTheirOwn) {
+  const ScratchFolder folder("import_ply_look");
+  write_png(folder.path() / "sheet.png", two_rows());
+  const auto file = [&](const std::string& normals, const std::string& coordinates,
+                        const std::string& normal) {
+    std::string text =
+        "ply\nformat ascii 1.0\ncomment TextureFile sheet.png\nelement vertex 6\nproperty float x\n"
+        "property float y\nproperty float z\n" +
+        normals +
+        "element face 4\n"
+        "property list uchar int vertex_indices\n" +
+        coordinates + "end_header\n";
+    for (const char* point : {"-1 -1 0", "9 9 9", "1 -1 0", "1 1 0", "-1 1 0", "0 0 1"})
+      text += point + normal + "\n";
+    for (const char* face : {"3 0 2 5", "3 2 3 5", "3 3 4 5", "3 4 0 5"})
+      text += std::string(face) + (coordinates.empty() ? "" : " 6 0 0 1 0 0.5 0.75") + "\n";
+    return folder.write("pyramid.ply", text);
+  };
+  const ImportedMesh imported = import_mesh(file("", "property list uchar float texcoord\n", ""));
+  ASSERT_EQ(imported.meshes.size(), 1u);
+  const Mesh& mesh = imported.meshes[0];
+  EXPECT_EQ(mesh.texture.size(), cv::Size(2, 2));
+  EXPECT_EQ(imported.files.size(), 2u);
+  EXPECT_EQ(mesh.positions.size(), 9u);  // twice the floor's corners, the tip
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  EXPECT_EQ(tight_box(imported.meshes).max(), Eigen::Vector3d(1, 1, 1));
+  for (const auto& triangle : mesh.triangles) {
+    EXPECT_EQ(mesh.uvs[triangle[0]], Eigen::Vector2f(0, 1));
+    EXPECT_EQ(mesh.uvs[triangle[1]], Eigen::Vector2f(1, 1));
+    EXPECT_EQ(mesh.uvs[triangle[2]], Eigen::Vector2f(0.5F, 0.25F));
+    EXPECT_EQ(mesh.positions[triangle[2]], Eigen::Vector3f(0, 0, 1));
+    EXPECT_LT((mesh.normals[triangle[2]] - Eigen::Vector3f(0, 0, 1)).norm(), 1e-6F);  // the four sides' mean
+    // Of two sides (1, 0, 1) and (0, 1, 1), as far outwards as upwards.
+    const Eigen::Vector3f corner = mesh.positions[triangle[0]], normal = mesh.normals[triangle[0]];
+    EXPECT_LT((normal - Eigen::Vector3f(corner.x(), corner.y(), 2).normalized()).norm(), 1e-6F);
+  }
+  const ImportedMesh given =
+      import_mesh(file("property float nx\nproperty float ny\nproperty float nz\n", "", " 0 -3 0"));
+  EXPECT_EQ(given.meshes[0].positions.size(), 5u);
+  for (const Eigen::Vector3f& normal : given.meshes[0].normals) EXPECT_EQ(normal, Eigen::Vector3f(0, -1, 0));
+  std::filesystem::remove(folder.path() / "sheet.png");
+  EXPECT_NE(refusal(folder.path() / "pyramid.ply").find("sheet.png: cannot be read"), std::string::npos);
 }
 
 // What a header announces is not there: 4e9 vertices or faces in a file of a few hundred bytes.
@@ -86,13 +134,15 @@ TEST(MeshImport, RefusesPlyFilesThatAnnounceMoreThanTheyHold) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {ply("ascii", big, "1", ""), ":4: announces 4000000000 vertex, for which the file is too short"},
       {ply("ascii", "4", big, body), ":8: announces 4000000000 face, for which the file is too short"},
-      {ply("ascii", "16", "5", body), ":8: announces 5 face"},  // 21 lines of 2 bytes in 34 and a line end
+      {ply("ascii", "4", "6", body),
+       ":8: announces 6 face"},  // 4 lines of 6 bytes, 6 of 2 in 34 and a line end
       {ply("binary_little_endian", big, "0", std::string(48, '\0')), ":4: announces 4000000000 vertex"},
       {ply("binary_big_endian", "4", "45", std::string(48, '\0')), ":8: announces 45 face"},
-      {ply("ascii", larger, "1", body), ":4: expected: element NAME COUNT"},
-      {ply("ascii", "-4", "1", body), ":4: expected: element NAME COUNT"},
-      {"ply\rformat ascii 1.0\relement vertex 4000000000\rend_header\r", ":3: announces 4000000000 vertex"},
-      {"ply\nformat ascii 1.0\nelement vertex 4000000000\n", ": the header has no end_header"},
+      {ply("ascii", larger, "1", body), ":4: expected element NAME COUNT"},
+      {ply("ascii", "-4", "1", body), ":4: expected element NAME COUNT"},
+      {"ply\rformat ascii 1.0\relement vertex 4000000000\rproperty int x\rend_header\r",
+       ":3: announces 4000000000 v"},
+      {"ply\nformat ascii 1.0\nelement vertex 4000000000\n", ":4: the header does not end"},
   };
   int refused = 0;
   for (const auto& [text, what] : cases)
@@ -102,6 +152,11 @@ TEST(MeshImport, RefusesPlyFilesThatAnnounceMoreThanTheyHold) {
       ++refused;
     }
   EXPECT_EQ(refused, 18);
+  EXPECT_NE(refusal(folder.write("sheet.PLY", "\nply\n")).find("sheet.PLY:1: expected ply"),
+            std::string::npos);
+  EXPECT_NE(refusal(folder.write("sheet.mesh", "\n" + ply("ascii", "4", "1", body)))
+                .find("cannot be read as a mesh"),
+            std::string::npos);
   EXPECT_EQ(import_mesh(folder.write("sheet.ply", ply("ascii", "4", "1", body))).meshes.size(), 1u);
 }
 
