@@ -26,7 +26,8 @@ class SurfaceCloud {
   void reset(double radius_m, double reach_m);
   /// Points of one view, with their normals and colours where it has them.
   void add(const BodyObservation& body, const Pose& body_from_camera);
-  /// At most max_points means of voxels with enough hits, spread evenly (3 x n).
+  /// At most max_points means of voxels with enough hits, spread evenly (3 x n). Where few have as many
+  /// after several views (a LiDAR's points are far apart), the hits of the voxels around one count too.
   Eigen::Matrix3Xd sample() const;
   /// All of them, with normals, and colours where every view had some.
   SurfaceModel model() const;
@@ -39,10 +40,13 @@ class SurfaceCloud {
     int hits = 0;
   };
   Cell cell_of(const Eigen::Vector3d& point) const;
+  bool are_few() const;
+  int hits_around(const Cell& cell) const;
 
   SurfaceCloudOptions options_;
   std::map<Cell, Voxel> voxels_;
   double voxel_m_ = 0.01, reach_m_ = 1;
+  int views_ = 0;
   bool is_colored_ = true;
 };
 

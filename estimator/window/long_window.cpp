@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "estimator/factors/conic.h"
@@ -21,6 +22,11 @@ namespace {
 constexpr double kHuberSigmas = 2;
 constexpr double kMinDepth = 0.1;       // [m] of a body's centre in a view that counts
 constexpr double kFirstExponent = 1.6;  // q where it is to be found: in the middle of its range
+// What counts of evidence whose neighbours err together, where covariances are made: a mask is off by whole
+// sides, of which four tangents have one; a body is off its model by whole faces.
+constexpr double kTangentShare = 0.25, kPointShare = 0.1;
+
+using Shares = std::map<ceres::ResidualBlockId, double>;  // of those below 1
 
 // The blocks that Ceres works on.
 struct Blocks {
@@ -48,7 +54,7 @@ std::vector<SupportLine> tangents_of(const Silhouette& silhouette, Outline outli
 }
 
 void add_tangents(ceres::Problem& problem, const Camera& camera, const ShapeView& view, double* body,
-                  Blocks& blocks, const LongWindowOptions& options) {
+                  Blocks& blocks, const LongWindowOptions& options, Shares& shares) {
   const Pose offset = pose_from_block(blocks.offset);
   const double depth = (view.world_from_camera.inverse() * (view.world_from_body * offset.translation)).z();
   if (depth < kMinDepth) return;
@@ -57,10 +63,10 @@ void add_tangents(ceres::Problem& problem, const Camera& camera, const ShapeView
   tangent.sigma_px = options.outline_sigma_px;
   for (const SupportLine& line : tangents_of(view.silhouette, options.outline)) {
     if (!line.free) continue;
-    problem.AddResidualBlock(
+    shares[problem.AddResidualBlock(
         tangent_factor(tangent_plane(camera, view.world_from_camera, line, depth), tangent).release(),
         new ceres::HuberLoss(kHuberSigmas), body, blocks.offset.data(), blocks.axes.data(),
-        blocks.exponents.data());
+        blocks.exponents.data())] = kTangentShare;
   }
 }
 
@@ -90,14 +96,14 @@ void add_conic(ceres::Problem& problem, const Camera& camera, const ShapeView& v
 }
 
 void add_view(ceres::Problem& problem, const Camera& camera, const ShapeView& view, double* body,
-              Blocks& blocks, const LongWindowOptions& options) {
+              Blocks& blocks, const LongWindowOptions& options, Shares& shares) {
   problem.AddParameterBlock(body, 7, pose_manifold().release());
   if (options.rigid_prior == RigidPrior::hard) problem.SetParameterBlockConstant(body);
   if (options.rigid_prior == RigidPrior::soft)
     problem.AddResidualBlock(pose_prior_factor(view.world_from_body, options.rigid_sigmas).release(), nullptr,
                              body);
   if (options.semantic == SemanticFactor::tangent)
-    add_tangents(problem, camera, view, body, blocks, options);
+    add_tangents(problem, camera, view, body, blocks, options, shares);
   else if (options.semantic != SemanticFactor::none)
     add_conic(problem, camera, view, body, blocks, options);
 }
@@ -121,7 +127,7 @@ Blocks make_blocks(const std::vector<ShapeView>& views, const Shape& start,
 // that belong to the body; poses that are free are marginalised with them. Where a solve starts from is no
 // evidence: a ball's axes are as well known as its outlines tell. NaN where the normal equations give none.
 Vector9d variances_of(ceres::Problem& problem, Blocks& blocks, ceres::ResidualBlockId start,
-                      const PoseSigmas& offset_sigmas) {
+                      const Shares& shares, const PoseSigmas& offset_sigmas) {
   ceres::Problem::EvaluateOptions evaluate;
   problem.GetResidualBlocks(&evaluate.residual_blocks);
   std::erase(evaluate.residual_blocks, start);
@@ -135,11 +141,17 @@ Vector9d variances_of(ceres::Problem& problem, Blocks& blocks, ceres::ResidualBl
   ceres::CRSMatrix crs;
   Vector9d variances = Vector9d::Constant(std::numeric_limits<double>::quiet_NaN());
   if (!problem.Evaluate(evaluate, nullptr, nullptr, nullptr, &crs)) return variances;
+  std::vector<double> share_of_row;
+  for (const ceres::ResidualBlockId block : evaluate.residual_blocks) {
+    const auto share = shares.find(block);
+    share_of_row.insert(share_of_row.end(), problem.GetCostFunctionForResidualBlock(block)->num_residuals(),
+                        share == shares.end() ? 1 : share->second);
+  }
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(crs.num_cols, crs.num_cols);
   for (int row = 0; row < crs.num_rows; ++row)
     for (int i = crs.rows[row]; i < crs.rows[row + 1]; ++i)
       for (int j = crs.rows[row]; j < crs.rows[row + 1]; ++j)
-        normal(crs.cols[i], crs.cols[j]) += crs.values[i] * crs.values[j];
+        normal(crs.cols[i], crs.cols[j]) += share_of_row[row] * crs.values[i] * crs.values[j];
   const bool has_offset = !problem.IsParameterBlockConstant(blocks.offset.data());
   const int wanted = has_offset ? 9 : 3;
   if (has_offset) {
@@ -181,17 +193,18 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   Blocks blocks = make_blocks(views, start, options);
   ceres::Problem problem;
   const int exponents = std::max(1, options.exponents);
+  Shares shares;
   problem.AddParameterBlock(blocks.offset.data(), 7, pose_manifold().release());
   problem.AddParameterBlock(blocks.axes.data(), 3);
   problem.AddParameterBlock(blocks.exponents.data(), exponents);
   for (std::size_t i = 0; i < views.size(); ++i)
-    add_view(problem, camera, views[i], blocks.bodies[i].data(), blocks, options);
+    add_view(problem, camera, views[i], blocks.bodies[i].data(), blocks, options, shares);
   PoseBlock still = pose_block(Pose{});
   for (Eigen::Index i = 0; options.surface_points && i < depth.surface_points.cols(); ++i)
-    problem.AddResidualBlock(
+    shares[problem.AddResidualBlock(
         surface_point_factor(depth.surface_points.col(i), options.surface_sigma_m, exponents).release(),
         new ceres::CauchyLoss(kHuberSigmas), blocks.offset.data(), blocks.axes.data(),
-        blocks.exponents.data());
+        blocks.exponents.data())] = kPointShare;
   for (const BodySide& side : depth.sides) {
     if (!options.depth_sides || !side.seen) continue;
     TangentOptions tangent;
@@ -233,7 +246,7 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   const int freedom = summary.num_residuals_reduced - summary.num_effective_parameters_reduced;
   const double misfit = freedom > 0 ? std::max(1.0, 2 * summary.final_cost / freedom) : 1;
   solution.shape.variances =
-      misfit * variances_of(problem, blocks, offset_prior, options.covariance_offset_sigmas);
+      misfit * variances_of(problem, blocks, offset_prior, shares, options.covariance_offset_sigmas);
   return solution;
 }
 
