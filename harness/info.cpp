@@ -30,10 +30,15 @@ double path_length_m(const Trajectory& trajectory) {
   return length;
 }
 
+// From the first to the last; 0 of none.
+template <typename Stamped>
+double span_s(const std::vector<Stamped>& list) {
+  return list.empty() ? 0 : seconds(list.back().stamp_ns - list.front().stamp_ns);
+}
+
 std::string describe_trajectory(const Trajectory& trajectory) {
   if (trajectory.empty()) return "0 poses";
-  return fmt::format("{} poses over {:.3f} s, path {:.3f} m", trajectory.size(),
-                     seconds(trajectory.back().stamp_ns - trajectory.front().stamp_ns),
+  return fmt::format("{} poses over {:.3f} s, path {:.3f} m", trajectory.size(), span_s(trajectory),
                      path_length_m(trajectory));
 }
 
@@ -49,12 +54,11 @@ std::string describe_sequence(const fs::path& path) {
                       camera.fx, camera.fy, camera.cx, camera.cy, sequence.rate_hz,
                       camera.has_distortion() ? ", distorted" : "");
   text += fmt::format("frames: {} over {:.3f} s; {} with depth, {} with masks\n", frames.size(),
-                      seconds(frames.back().stamp_ns - frames.front().stamp_ns),
-                      count([](const SequenceFrame& f) { return !f.depth.empty(); }),
+                      span_s(frames), count([](const SequenceFrame& f) { return !f.depth.empty(); }),
                       count([](const SequenceFrame& f) { return !f.masks.empty(); }));
   if (const auto& lidar = sequence.lidar)
-    text +=
-        fmt::format("lidar: {}, {} Hz; {} scans\n", lidar->pattern, lidar->rate_hz, sequence.scans.size());
+    text += fmt::format("lidar: {}, {} Hz; {} scans over {:.3f} s\n", lidar->pattern, lidar->rate_hz,
+                        sequence.scans.size(), span_s(sequence.scans));
   if (sequence.imu) text += fmt::format("imu: {} Hz\n", sequence.imu->rate_hz);
   text += "camera poses given: " +
           (sequence.given_camera ? describe_trajectory(*sequence.given_camera) : "none") + "\n";

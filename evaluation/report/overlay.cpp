@@ -147,6 +147,7 @@ cv::Mat find_masks(const Sequence& sequence, const SequenceFrame& frame, const f
 void write_overlays(const fs::path& sequence_folder, const fs::path& truth_folder,
                     const fs::path& estimate_folder, const fs::path& out, int count, bool force) {
   const Sequence sequence = open_sequence(sequence_folder);
+  if (sequence.frames.empty()) throw InputError(sequence_folder, "has no images to draw in");
   require_same_scene(sequence, truth_folder, estimate_folder);
   const Tracks estimate = read_tracks(estimate_folder);
   const Tracks truth = read_truth(truth_folder);

@@ -104,6 +104,7 @@ std::string by_image(const std::vector<std::string>& images) {
 
 void write_bop(const ExportSource& source, const ExportOptions& options, const fs::path& folder) {
   const Sequence& sequence = source.sequence;
+  require_images(sequence, "export bop");
   const fs::path scene = folder / "test/000000";
   for (const char* name : {"rgb", "depth", "mask", "mask_visib"}) fs::create_directories(scene / name);
   fs::create_directories(folder / "models");

@@ -105,12 +105,8 @@ std::string state_text(const ExportSource& source) {
   return body.empty() ? "" : text;
 }
 
-}  // namespace
-
-void write_euroc(const ExportSource& source, const ExportOptions& options, const fs::path& folder) {
-  const Sequence& sequence = source.sequence;
-  const fs::path cam = folder / "mav0/cam0", state = folder / "mav0/state_groundtruth_estimate0";
-  fs::create_directories(cam / "data");
+void write_camera(const Sequence& sequence, const ExportOptions& options, const fs::path& folder) {
+  fs::create_directories(folder / "data");
   // The format has four coefficients: a camera with k3 is rectified.
   const bool rectified = sequence.camera.distortion[4] != 0;
   std::string list = "#timestamp [ns],filename\n";
@@ -118,15 +114,24 @@ void write_euroc(const ExportSource& source, const ExportOptions& options, const
   for (const SequenceFrame& frame : sequence.frames) {
     cv::Mat grey;
     cv::cvtColor(read_rgb(sequence, frame), grey, cv::COLOR_BGR2GRAY);
-    write_png(cam / fmt::format("data/{}.png", frame.stamp_ns),
+    write_png(folder / fmt::format("data/{}.png", frame.stamp_ns),
               rectified ? rectify(sequence.camera, grey, true) : grey);
     list += fmt::format("{0},{0}.png\n", frame.stamp_ns);
     progress.advance();
   }
-  write_text(cam / "data.csv", list);
-  write_text(cam / "sensor.yaml", camera_yaml_text(sequence, rectified));
+  write_text(folder / "data.csv", list);
+  write_text(folder / "sensor.yaml", camera_yaml_text(sequence, rectified));
+}
+
+}  // namespace
+
+void write_euroc(const ExportSource& source, const ExportOptions& options, const fs::path& folder) {
+  const Sequence& sequence = source.sequence;
+  if (!sequence.imu) require_images(sequence, "export euroc (or an IMU)");
+  if (!sequence.frames.empty()) write_camera(sequence, options, folder / "mav0/cam0");
   if (sequence.imu) write_imu(sequence, folder / "mav0/imu0");
   if (const std::string text = state_text(source); !text.empty()) {
+    const fs::path state = folder / "mav0/state_groundtruth_estimate0";
     fs::create_directories(state);
     write_text(state / "data.csv", text);
     write_text(state / "sensor.yaml", "sensor_type: visual-inertial\ncomment: ground truth of the body\n" +

@@ -35,6 +35,11 @@ ExportSource open_export_source(const fs::path& sequence_folder, const fs::path&
   return source;
 }
 
+void require_images(const Sequence& sequence, std::string_view what) {
+  if (sequence.frames.empty())
+    throw InputError(sequence.folder, fmt::format("has no images, which {} needs", what));
+}
+
 std::optional<Pose> pose_at_stamp(const Trajectory& trajectory, std::int64_t stamp_ns) {
   const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), stamp_ns,
                                       [](const StampedPose& p, std::int64_t t) { return p.stamp_ns < t; });

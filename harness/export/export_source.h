@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "core/sequence/calibration.h"
@@ -29,6 +30,9 @@ struct ExportSource {
 /// Opens both; `truth_folder` empty: the sibling folder `truth` when there is one. Throws InputError.
 ExportSource open_export_source(const std::filesystem::path& sequence_folder,
                                 const std::filesystem::path& truth_folder);
+
+/// Throws InputError naming the sequence when it has no images, which `what` needs.
+void require_images(const Sequence& sequence, std::string_view what);
 
 /// The pose at exactly that stamp.
 std::optional<Pose> pose_at_stamp(const Trajectory& trajectory, std::int64_t stamp_ns);

@@ -55,6 +55,28 @@ const SequenceScan* scan_near(const Sequence& sequence, std::int64_t stamp_ns) {
   return nearest;
 }
 
+// A frame of KITTI, with an image or a scan at least.
+struct KittiFrame {
+  SequenceFrame frame;
+  const SequenceScan* scan = nullptr;
+};
+
+// The sequence's; of a LiDAR alone its scans, each a frame at its end, where the import looks for it.
+std::vector<KittiFrame> frames_of(const Sequence& sequence) {
+  std::vector<KittiFrame> frames;
+  for (const SequenceFrame& frame : sequence.frames)
+    frames.push_back({frame, scan_near(sequence, frame.stamp_ns)});
+  if (!frames.empty()) return frames;
+  const std::int64_t period_ns = std::llround(1e9 / sequence.lidar->rate_hz);
+  for (const SequenceScan& scan : sequence.scans) {
+    KittiFrame& frame = frames.emplace_back();
+    frame.frame.frame = std::ssize(frames) - 1;
+    frame.frame.stamp_ns = scan.stamp_ns + period_ns;
+    frame.scan = &scan;
+  }
+  return frames;
+}
+
 void write_velodyne(const Sequence& sequence, const SequenceScan& scan, const fs::path& path) {
   std::string bytes;
   for (const LidarPoint& point : read_lidar_points(sequence.folder / scan.file))
@@ -76,11 +98,13 @@ std::string label_lines(const ExportSource& source, const SequenceFrame& frame) 
 
 // KITTI odometry's poses: first_camera_from_camera. The format has no gaps: nothing unless every frame has
 // one.
-std::string poses_text(const ExportSource& source) {
-  const Trajectory poses = camera_poses(source);
-  if (poses.size() != source.sequence.frames.size()) return "";
+std::string poses_text(const ExportSource& source, const std::vector<KittiFrame>& frames) {
+  std::vector<Pose> poses;
+  for (const KittiFrame& kitti : frames)
+    if (const auto pose = camera_pose(source, kitti.frame)) poses.push_back(*pose);
+  if (poses.size() != frames.size()) return "";
   std::string text;
-  for (const StampedPose& pose : poses) text += rows_of(poses.front().pose.inverse() * pose.pose) + "\n";
+  for (const Pose& pose : poses) text += rows_of(poses.front().inverse() * pose) + "\n";
   return text;
 }
 
@@ -88,23 +112,27 @@ std::string poses_text(const ExportSource& source) {
 
 void write_kitti_tracking(const ExportSource& source, const ExportOptions& options, const fs::path& folder) {
   const Sequence& sequence = source.sequence;
-  for (const char* name : {"image_02/0000", "calib", "label_02", "times", "poses", "velodyne/0000"})
-    if (sequence.lidar || !std::string_view(name).starts_with("velodyne"))
-      fs::create_directories(folder / name);
+  const bool has_images = !sequence.frames.empty();
+  const auto make_folder = [&](const char* name) { fs::create_directories(folder / name); };
+  for (const char* name : {"calib", "times", "poses"}) make_folder(name);
+  for (const char* name : {"image_02/0000", "label_02"})
+    if (has_images) make_folder(name);
+  if (sequence.lidar) make_folder("velodyne/0000");
+  const std::vector<KittiFrame> frames = frames_of(sequence);
   std::string labels, times;
-  Progress progress("export kitti-tracking", std::ssize(sequence.frames), options.quiet);
-  for (const SequenceFrame& frame : sequence.frames) {
-    write_color_png(source, frame, true, folder / fmt::format("image_02/0000/{:06}.png", frame.frame));
-    if (const SequenceScan* scan = scan_near(sequence, frame.stamp_ns))
-      write_velodyne(sequence, *scan, folder / fmt::format("velodyne/0000/{:06}.bin", frame.frame));
-    labels += label_lines(source, frame);
+  Progress progress("export kitti-tracking", std::ssize(frames), options.quiet);
+  for (const auto& [frame, scan] : frames) {
+    if (has_images)
+      write_color_png(source, frame, true, folder / fmt::format("image_02/0000/{:06}.png", frame.frame));
+    if (scan) write_velodyne(sequence, *scan, folder / fmt::format("velodyne/0000/{:06}.bin", frame.frame));
+    if (has_images) labels += label_lines(source, frame);
     times += format_stamp(frame.stamp_ns) + "\n";
     progress.advance();
   }
   write_text(folder / "calib/0000.txt", calibration_text(sequence));
   write_text(folder / "times/0000.txt", times);
-  if (source.truth) write_text(folder / "label_02/0000.txt", labels);
-  if (const std::string poses = poses_text(source); !poses.empty())
+  if (source.truth && has_images) write_text(folder / "label_02/0000.txt", labels);
+  if (const std::string poses = poses_text(source, frames); !poses.empty())
     write_text(folder / "poses/0000.txt", poses);
 }
 

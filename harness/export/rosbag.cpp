@@ -32,9 +32,7 @@ class BagExport {
   BagExport(const ExportSource& source, const std::filesystem::path& path)
       : source_(source), sequence_(source.sequence), bag_(path) {
     if (sequence_.imu) imu_ = read_imu_csv(sequence_.folder / "imu.csv");
-    std::int64_t first_ns = sequence_.frames.front().stamp_ns;
-    if (!imu_.empty()) first_ns = std::min(first_ns, imu_.front().stamp_ns);
-    if (!sequence_.scans.empty()) first_ns = std::min(first_ns, sequence_.scans.front().stamp_ns);
+    const std::int64_t first_ns = first_stamp_ns();
     shift_ns_ = std::max<std::int64_t>(0, kLeastStampNs - first_ns);
     add_events();
     write_static_transforms(first_ns + shift_ns_);
@@ -52,6 +50,18 @@ class BagExport {
   }
 
  private:
+  // Of all sensors; every sequence has frames or scans.
+  std::int64_t first_stamp_ns() const {
+    std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();
+    const auto look = [&](const auto& list) {
+      if (!list.empty()) first_ns = std::min(first_ns, list.front().stamp_ns);
+    };
+    look(sequence_.frames);
+    look(sequence_.scans);
+    look(imu_);
+    return first_ns;
+  }
+
   void add_events() {
     for (const ImuSample& sample : imu_)
       events_.push_back({sample.stamp_ns,

@@ -38,6 +38,7 @@ std::string list_header(const char* what, const Sequence& sequence) {
 
 void write_tum_recording(const ExportSource& source, const ExportOptions& options, const fs::path& folder) {
   const Sequence& sequence = source.sequence;
+  require_images(sequence, "export tum");
   for (const char* name : {"rgb", "depth"}) fs::create_directories(folder / name);
   std::string rgb = list_header("color images", sequence), depth = list_header("depth maps", sequence);
   Progress progress("export tum", std::ssize(sequence.frames), options.quiet);

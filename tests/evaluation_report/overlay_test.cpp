@@ -288,6 +288,22 @@ TEST(Overlay, TintsTheSequencesMasksOrTheEstimatesOwn) {
   EXPECT_NE(input_error(draw).find("000000.png: expected a 16-bit image"), std::string::npos);
 }
 
+TEST(Overlay, OfASequenceWithoutImagesIsRefused) {
+  const GreyRecording recording(2, 2);
+  const fs::path lidar = recording.folder.path() / "lidar";
+  Sequence sequence;
+  sequence.name = "lidar", sequence.rate_hz = 10;
+  sequence.lidar = LidarCalibration{.pattern = "by_hand"};
+  sequence.scans = {{0, "0.pcd"}};
+  fs::create_directories(lidar);
+  write_lidar_points(lidar / "0.pcd", {{1, 2, 3}});
+  write_sequence_index(lidar, sequence);
+  const std::string message =
+      input_error([&] { write_overlays(lidar, "", recording.estimate, recording.out, 1, false); });
+  EXPECT_NE(message.find("has no images to draw in"), std::string::npos) << message;
+  EXPECT_FALSE(fs::exists(recording.out));
+}
+
 TEST(Overlay, EvenlySpacedFramesOneSheetAndNoOldOnes) {
   const GreyRecording recording(4, 4);
   write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 5, false);
