@@ -19,6 +19,7 @@ constexpr double kMaxRate_hz = 100'000;
 constexpr std::string_view kHeader =
     "timestamp_ns,gyro_x_radps,gyro_y_radps,gyro_z_radps,accel_x_mps2,accel_y_mps2,accel_z_mps2";
 constexpr std::size_t kColumns = 7;
+constexpr std::size_t kShownBytes = 40;  // ours: of a column's name in an error
 
 void read_density(const ConfigNode& node, const std::string& key, double& value) {
   value = node.get<double>(key, value);
@@ -39,6 +40,19 @@ ImuSample parse_sample(const std::filesystem::path& path, int line,
     (k < 3 ? sample.angular_velocity_radps[k] : sample.specific_force_mps2[k - 3]) = *value;
   }
   return sample;
+}
+
+// The units stand in the names: a column of another name is no reading in ours.
+void require_header(const std::filesystem::path& path, int line,
+                    const std::vector<std::string_view>& fields) {
+  const std::vector<std::string_view> names = split(kHeader, ',');
+  if (fields.size() != names.size())
+    throw InputError(path, line, fmt::format("expected the header {}", kHeader));
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (fields[i] != names[i])
+      throw InputError(path, line,
+                       fmt::format("expected the header {}, but column {} is '{}'", kHeader, i + 1,
+                                   fields[i].substr(0, kShownBytes)));
 }
 
 }  // namespace
@@ -78,8 +92,7 @@ std::vector<ImuSample> read_imu_csv(const std::filesystem::path& path) {
       path,
       [&](int line, const std::vector<std::string_view>& fields) {
         if (std::exchange(header, false)) {
-          if (fields.size() != kColumns || fields[0] != "timestamp_ns")
-            throw InputError(path, line, fmt::format("expected the header {}", kHeader));
+          require_header(path, line, fields);
           return;
         }
         samples.push_back(parse_sample(path, line, fields));

@@ -41,8 +41,8 @@ std::string imu_yaml(const ImuCalibration& calibration);
 void read_imu_model(const ConfigNode& node, ImuCalibration& calibration);
 
 /// imu.csv: timestamp_ns, gyro_x_radps, gyro_y_radps, gyro_z_radps, accel_x_mps2, accel_y_mps2, accel_z_mps2.
-/// Reading throws InputError with the line for a number that is malformed or not finite, or a stamp that does
-/// not increase.
+/// Reading throws InputError with the line for another header, a number that is malformed or not finite, or a
+/// stamp that does not increase.
 std::vector<ImuSample> read_imu_csv(const std::filesystem::path& path);
 void write_imu_csv(const std::filesystem::path& path, const std::vector<ImuSample>& samples);
 

@@ -123,6 +123,15 @@ TEST(ImuFiles, AreRefusedWithTheLineOfTheFault) {
   };
   EXPECT_EQ(message(header + "0,1,2,3,4,5,6\n"), "accepted");
   EXPECT_NE(message("0,1,2,3,4,5,6\n").find("imu.csv:1: expected the header"), std::string::npos);
+  for (const auto& [wrong, at] : {std::pair("accel_x_g", 5), std::pair("gyro_y_degps", 3)}) {
+    std::string text = header;
+    const std::string name = at == 5 ? "accel_x_mps2" : "gyro_y_radps";
+    text.replace(text.find(name), name.size(), wrong);
+    const std::string said = message(text + "0,1,2,3,4,5,6\n");
+    EXPECT_NE(said.find("imu.csv:1: expected the header timestamp_ns,"), std::string::npos) << said;
+    EXPECT_NE(said.find("but column " + std::to_string(at) + " is '" + wrong + "'"), std::string::npos)
+        << said;
+  }
   EXPECT_NE(message(header + "0,1,2,3,4,5\n").find("imu.csv:2: expected 7 columns, found 6"),
             std::string::npos);
   EXPECT_NE(message(header + "0,1,2,nan,4,5,6\n").find("imu.csv:2: 'nan' is not a finite number"),
