@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/folder_hashes.h"
 #include "core/sequence/depth_scale.h"
+#include "core/sequence/imu_faults.h"
 #include "core/sequence/stamps.h"
 #include "core/sequence/tracks.h"
 
@@ -96,11 +97,17 @@ void check_unlisted(const Sequence& sequence, Problems& problems) {
   }
 }
 
-void check_scan(const Sequence& sequence, const SequenceScan& scan, Problems& problems) {
+// `widest_ns`: that the times of a scan's points span, so far.
+void check_scan(const Sequence& sequence, const SequenceScan& scan, std::int64_t& widest_ns,
+                Problems& problems) {
   const fs::path path = sequence.folder / scan.file;
   const auto period_ns = 1e9 / sequence.lidar->rate_hz;
   std::int64_t late = 0, infinite = 0;
-  for (const LidarPoint& p : read_lidar_points(path)) {
+  const std::vector<LidarPoint> points = read_lidar_points(path);
+  const auto [first, last] = std::minmax_element(
+      points.begin(), points.end(), [](const auto& a, const auto& b) { return a.offset_ns < b.offset_ns; });
+  if (!points.empty()) widest_ns = std::max(widest_ns, std::int64_t{last->offset_ns} - first->offset_ns);
+  for (const LidarPoint& p : points) {
     late += p.offset_ns > (1 + kRateTolerance) * period_ns;
     infinite += !std::isfinite(p.x + p.y + p.z);
   }
@@ -120,11 +127,13 @@ void check_lidar(const Sequence& sequence, Problems& problems) {
   const bool has_frames = !sequence.frames.empty();  // a LiDAR may be alone
   const std::int64_t first_ns = has_frames ? sequence.frames.front().stamp_ns - period_ns : 0;
   const std::int64_t last_ns = has_frames ? sequence.frames.back().stamp_ns : 0;
+  std::int64_t widest_ns = 0;
   for (const SequenceScan& scan : sequence.scans) {
     if (has_frames && (scan.stamp_ns < first_ns || scan.stamp_ns > last_ns))
       add(problems, sequence.folder / scan.file, "was taken before the first frame or after the last");
-    attempt(problems, [&] { check_scan(sequence, scan, problems); });
+    attempt(problems, [&] { check_scan(sequence, scan, widest_ns, problems); });
   }
+  if (const auto fault = point_times_fault(widest_ns, sequence.lidar->rate_hz)) add(problems, list, *fault);
   check_rate(list, stamps_of(sequence.scans), sequence.lidar->rate_hz, is_recording(sequence), problems);
 }
 
@@ -134,6 +143,14 @@ void check_imu(const Sequence& sequence, Problems& problems) {
   const std::vector<ImuSample> samples = read_imu_csv(path);
   if (samples.empty()) return add(problems, path, "has no sample");
   check_rate(path, stamps_of(samples), sequence.imu->rate_hz, is_recording(sequence), problems);
+  // Scans want readings all their time; the sensors of a recording start and end one by one.
+  const bool has_scans = !sequence.scans.empty();
+  const std::int64_t first_ns = has_scans ? sequence.scans.front().stamp_ns : samples.front().stamp_ns;
+  const std::int64_t last_ns =
+      has_scans ? sequence.scans.back().stamp_ns + std::llround(1e9 / sequence.lidar->rate_hz)
+                : samples.back().stamp_ns;
+  for (const std::string& fault : imu_faults(samples, *sequence.imu, first_ns, last_ns))
+    add(problems, path, fault);
   if (sequence.frames.empty() || is_recording(sequence)) return;  // which start and end sensor by sensor
   if (samples.front().stamp_ns > sequence.frames.front().stamp_ns ||
       samples.back().stamp_ns < sequence.frames.back().stamp_ns)

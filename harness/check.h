@@ -13,8 +13,10 @@ namespace uniquadric {
 /// each thing that is wrong, naming the file; none when all is well.
 /// - that it opens (schema, lists, stamps), frame rate, calibration, files that no list names
 /// - every image decodes and has the camera's type and size; depth is there and not cut off at 16 bits
-/// - LiDAR scans can be read, their points' times lie within the scan, their stamps within the sequence
-/// - the IMU's rate is regular and its samples cover the frames
+/// - LiDAR scans can be read, their points' times lie within the scan and span it, their stamps lie within
+/// the
+///   sequence
+/// - the IMU's rate is regular, its samples cover the frames and the scans, and their means fit their units
 /// - truth and sequence have the same frames (of a recording: the truth's are among them), calibration and
 ///   objects; masks hold known ids only, exact masks
 ///   as many pixels as visibility.csv says

@@ -14,6 +14,8 @@ namespace uniquadric {
 
 namespace {
 
+constexpr double kLeastShareOfScan = 0.1;  // ours: of its time; a wrong unit makes it a thousandth
+
 double at_least_0(const ConfigNode& node, const char* key) {
   const double value = node.get<double>(key);
   if (!(value >= 0)) node.at(key).fail(fmt::format("expected at least 0, found {}", value));
@@ -91,6 +93,13 @@ std::vector<LidarPoint> read_lidar_points(const std::filesystem::path& path) {
     points.push_back({x.at<float>(i), y.at<float>(i), z.at<float>(i), intensity.at<float>(i),
                       t.at<std::uint32_t>(i), ring.at<std::uint16_t>(i), tag.at<std::uint8_t>(i)});
   return points;
+}
+
+std::optional<std::string> point_times_fault(std::int64_t widest_ns, double rate_hz) {
+  const double share = 1e-9 * static_cast<double>(widest_ns) * rate_hz;
+  if (widest_ns == 0 || share >= kLeastShareOfScan) return std::nullopt;
+  return fmt::format("the points' times span {:.3g} s of a scan at most, of {:.3g} s: in another unit?",
+                     1e-9 * static_cast<double>(widest_ns), 1 / rate_hz);
 }
 
 }  // namespace uniquadric

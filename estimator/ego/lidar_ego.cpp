@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/sequence/imu_faults.h"
 #include "core/sequence/stamps.h"
 #include "estimator/perception/lidar_stream.h"
 
@@ -32,15 +33,21 @@ LidarRigView rig_of(const Sequence& sequence, const LidarEgoOptions& options) {
   return rig;
 }
 
-std::vector<ImuSample> imu_of(const Sequence& sequence, const LidarEgoOptions& options) {
+// On the sequence's clock; the faults speak of the file's own.
+std::vector<ImuSample> imu_of(const Sequence& sequence, const LidarEgoOptions& options,
+                              std::vector<std::string>& faults) {
   if (!sequence.imu || !options.odometry.use_imu) return {};
   const std::filesystem::path file = sequence.folder / "imu.csv";
   std::vector<ImuSample> samples = read_imu_csv(file);
   if (samples.empty())
     throw InputError(file, "holds no reading; without an IMU the variant needs ego.lidar.use_imu: false");
-  for (ImuSample& sample : samples) sample.stamp_ns -= options.imu_time_offset_ns;
   const std::int64_t first_ns = sequence.scans.front().stamp_ns;
   const std::int64_t last_ns = sequence.scans.back().stamp_ns + std::llround(1e9 / sequence.lidar->rate_hz);
+  const std::int64_t offset_ns = options.imu_time_offset_ns;
+  for (const std::string& fault :
+       imu_faults(samples, *sequence.imu, first_ns + offset_ns, last_ns + offset_ns))
+    faults.push_back(fmt::format("{}: {}", file.string(), fault));
+  for (ImuSample& sample : samples) sample.stamp_ns -= offset_ns;
   if (samples.front().stamp_ns > last_ns || samples.back().stamp_ns < first_ns)
     throw InputError(
         file, fmt::format("no reading meets a scan: the readings span {}..{} s, the scans {}..{} s",
@@ -54,7 +61,7 @@ std::vector<ImuSample> imu_of(const Sequence& sequence, const LidarEgoOptions& o
 LidarEgo::LidarEgo(const Sequence& sequence, const LidarEgoOptions& options)
     : sequence_(with_scans(sequence)),
       options_(options),
-      odometry_(rig_of(sequence_, options), imu_of(sequence_, options), options.odometry),
+      odometry_(rig_of(sequence_, options), imu_of(sequence_, options, imu_faults_), options.odometry),
       watch_(options.odometry.sweep.min_range_m, options.odometry.sweep.max_range_m) {
   if (sequence.frames.empty()) options_.cut = SweepCut::scans;
 }
@@ -123,7 +130,8 @@ bool LidarEgo::is_known_to_rest(std::size_t scan) const {
 }
 
 std::vector<std::string> LidarEgo::scan_faults() const {
-  std::vector<std::string> faults = watch_.faults();
+  std::vector<std::string> faults = imu_faults_;
+  for (std::string& fault : watch_.faults(sequence_.lidar->rate_hz)) faults.push_back(std::move(fault));
   const std::vector<bool>& is_of_an_instant = watch_.is_of_an_instant();
   int bent = 0;
   for (std::size_t i = 0; i < is_of_an_instant.size(); ++i)

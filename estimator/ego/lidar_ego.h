@@ -41,8 +41,8 @@ class LidarEgo {
   std::vector<std::int64_t> stamps_ns() const;
   /// world_from_camera at these stamps, but those where the sensor was lost.
   Trajectory trajectory() const;
-  /// What is wrong with the scans (ScanWatch), and whether their points have no times although the sensor
-  /// moves: a sentence each. After finish().
+  /// What is wrong with the IMU's readings (imu_faults) and the scans (ScanWatch), and whether their points
+  /// have no times although the sensor moves: a sentence each. After finish().
   std::vector<std::string> scan_faults() const;
 
   const LidarOdometry& odometry() const { return odometry_; }
@@ -54,6 +54,7 @@ class LidarEgo {
 
   const Sequence& sequence_;
   LidarEgoOptions options_;
+  std::vector<std::string> imu_faults_;  // before the odometry, for whose readings they are found
   LidarOdometry odometry_;
   ScanWatch watch_;
   std::size_t next_scan_ = 0, next_end_ = 0;

@@ -403,7 +403,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     out.keep_map(lidar->odometry().map_points());
   }
   const auto faults = lidar    ? lidar->scan_faults()
-                      : points ? points->watch().faults()
+                      : points ? points->watch().faults(sequence.lidar->rate_hz)
                                : std::vector<std::string>();
   for (const std::string& fault : faults) warn(fault);
   for (const PerceivedFrame& frame : waiting) out.add(frame);

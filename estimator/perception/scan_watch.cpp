@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
+#include <limits>
 
 #include "core/base/seconds.h"
 #include "core/sequence/stamps.h"
@@ -24,29 +24,31 @@ bool is_same_place(const LidarPoint& a, const LidarPoint& b) {
 }  // namespace
 
 bool ScanWatch::is_of_use(const LidarPoint& point) const {
-  const double range_m = std::hypot(double{point.x}, double{point.y}, double{point.z});
-  return range_m > 0 && range_m >= min_range_m_ && range_m <= max_range_m_;
+  const double square_m2 = Eigen::Vector3d(point.x, point.y, point.z).squaredNorm();
+  return square_m2 > 0 && square_m2 >= min_range_m_ * min_range_m_ &&
+         square_m2 <= max_range_m_ * max_range_m_;
 }
 
 void ScanWatch::look(const SequenceScan& scan, std::vector<LidarPoint> points) {
-  const auto next_of_use = [&](auto from) {
-    return std::find_if(from, points.end(), [&](const LidarPoint& p) { return is_of_use(p); });
-  };
-  const auto first = next_of_use(points.begin());
-  const bool has_points = first != points.end();
+  std::int64_t of_use = 0;
+  std::uint32_t first_ns = std::numeric_limits<std::uint32_t>::max(), last_ns = 0;
+  for (const LidarPoint& point : points) {
+    if (!is_of_use(point)) continue;
+    ++of_use;
+    first_ns = std::min(first_ns, point.offset_ns);
+    last_ns = std::max(last_ns, point.offset_ns);
+  }
+  const bool has_points = of_use > 0;
   if (!has_points && ++without_points_ == 1) first_without_points_ = scan.file.string();
-  const bool is_of_an_instant = has_points && next_of_use(first + 1) != points.end() &&
-                                std::all_of(first, points.end(), [&](const LidarPoint& p) {
-                                  return p.offset_ns == first->offset_ns || !is_of_use(p);
-                                });
+  if (has_points) widest_ns_ = std::max(widest_ns_, std::int64_t{last_ns} - first_ns);
   const bool is_same =
       has_points && std::equal(points.begin(), points.end(), last_.begin(), last_.end(), is_same_place);
   repeats_.add(std::ssize(is_of_an_instant_), is_same);
-  is_of_an_instant_.push_back(is_of_an_instant);
+  is_of_an_instant_.push_back(of_use > 1 && first_ns == last_ns);
   last_ = std::move(points);
 }
 
-std::vector<std::string> ScanWatch::faults() const {
+std::vector<std::string> ScanWatch::faults(double rate_hz) const {
   std::vector<std::string> faults;
   if (without_points_ > 0)
     faults.push_back(fmt::format(
@@ -55,6 +57,7 @@ std::vector<std::string> ScanWatch::faults() const {
         without_points_, is_of_an_instant_.size(), first_without_points_, min_range_m_, max_range_m_));
   if (const auto runs = repeats_.text())
     faults.push_back(fmt::format("scans {} hold the same points, as of a driver that froze", *runs));
+  if (const auto fault = point_times_fault(widest_ns_, rate_hz)) faults.push_back(*fault);
   return faults;
 }
 

@@ -25,14 +25,16 @@ class ScanWatch {
   /// Of each scan so far, whether all its points of use (two at least) have one time.
   const std::vector<bool>& is_of_an_instant() const { return is_of_an_instant_; }
 
-  /// Scans without a point of use, and neighbours with the same points: a sentence each.
-  std::vector<std::string> faults() const;
+  /// Scans without a point of use, neighbours with the same points, and points' times that span too little
+  /// of a scan (point_times_fault): a sentence each.
+  std::vector<std::string> faults(double rate_hz) const;
 
  private:
   double min_range_m_, max_range_m_;
   std::vector<LidarPoint> last_;
   std::vector<bool> is_of_an_instant_;
   int without_points_ = 0;
+  std::int64_t widest_ns_ = 0;  // that the times of a scan's points span
   std::string first_without_points_;
   Repeats repeats_;
 };

@@ -218,6 +218,39 @@ TEST_F(LidarRecording, AGapInTheListOfScansIsToldWithItsTimeAndLength) {
   EXPECT_EQ(said_of_files().find(told + " (the longest of 2 such gaps)\n"), 0u) << said_of_files();
 }
 
+TEST_F(LidarRecording, PointsTimesInAnotherUnitAreTold) {
+  recording_.room.vigour = 0.1;
+  EXPECT_EQ(said().find("in another unit?"), std::string::npos);
+  recording_.change = [](int, std::vector<LidarPoint>& points) {
+    for (LidarPoint& p : points) p.offset_ns /= 1000;
+    points.push_back({.offset_ns = 90'000'000});  // an empty return
+  };
+  const std::string text = said();
+  EXPECT_NE(
+      text.find("warning: the points' times span 0.0001 s of a scan at most, of 0.1 s: in another unit?\n"),
+      std::string::npos)
+      << text;
+}
+
+// In the file's own time, where the clocks are apart; not where the variant does without the IMU.
+TEST_F(LidarRecording, ReadingsThatDoNotCoverTheScansAreTold) {
+  recording_.has_imu = true;
+  recording_.imu_clock_ns = 7'000'000'000;
+  Variant variant = lidar_only_variant();
+  variant.perception.lidar.imu_time_offset_ns = 7'000'000'000;
+  EXPECT_EQ(said(variant).find("imu.csv"), std::string::npos);
+  const fs::path file = temp_.path() / "sequence/imu.csv";
+  std::vector<ImuSample> samples = read_imu_csv(file);
+  std::erase_if(samples, [](const ImuSample& s) { return s.stamp_ns > 28'500'000'000; });
+  write_imu_csv(file, samples);
+  const std::string told =
+      "warning: " + file.string() +
+      ": no reading from 28.500000000 to 29.000000000 s, where one comes every 0.005 s\n";
+  EXPECT_NE(said_of_files(variant).find(told), std::string::npos) << said_of_files(variant);
+  variant.perception.lidar.odometry.use_imu = false;
+  EXPECT_EQ(said_of_files(variant).find("imu.csv"), std::string::npos);
+}
+
 TEST_F(LidarRecording, ADriverThatFroze) {
   const auto at = [this](int scan) { return recording_.room.scan(scan); };
   for (const bool has_images : {false, true}) {

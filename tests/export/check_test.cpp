@@ -90,7 +90,11 @@ TEST_F(Check, NamesEachThingThatIsWrong) {
         sequence / "sequence.yaml",
         replaced(sequence / "sequence.yaml", "units_per_m: ", std::string("units_per_m: ") + digits),
         "sequence.yaml: depth.units_per_m: ");
-  EXPECT_EQ(changes_, 17);
+  std::vector<ImuSample> in_g = read_imu_csv(sequence / "imu.csv");
+  for (ImuSample& sample : in_g) sample.specific_force_mps2 /= 9.81;
+  write_imu_csv(folder() / "in_g.csv", in_g);
+  expect_problem(sequence / "imu.csv", bytes_of(folder() / "in_g.csv"), "where gravity_mps2 is 9.81: in g?");
+  EXPECT_EQ(changes_, 18);
   EXPECT_EQ(problems(), "");
 }
 
@@ -104,6 +108,17 @@ TEST_F(Check, PointsAfterTheScansEndAndUnlistedFilesAreProblems) {
   EXPECT_NE(found.find("lidar/2.pcd: 1 points come after the scan's end"), std::string::npos) << found;
   EXPECT_NE(found.find("lidar/2.pcd: 1 points are not finite"), std::string::npos) << found;
   EXPECT_NE(found.find("rgb/stray.png: stands in no list"), std::string::npos) << found;
+}
+
+TEST_F(Check, PointsTimesThatSpanLittleOfAScanAreAProblem) {
+  const std::string what = "lidar.txt: the points' times span 9.95e-05 s of a scan at most, of 0.1 s";
+  for (int scan = 1; scan <= 3; ++scan) {
+    auto points = scans_[static_cast<std::size_t>(scan) - 1];
+    for (LidarPoint& p : points) p.offset_ns /= 1000;
+    EXPECT_EQ(problems().find(what), std::string::npos);
+    write_lidar_points(sequence_.folder / "lidar" / (std::to_string(scan) + ".pcd"), points);
+  }
+  EXPECT_NE(problems().find(what), std::string::npos) << problems();
 }
 
 TEST_F(Check, AFrameThatIsGoneIsAGap) {
