@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <map>
+#include <memory>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -120,18 +123,39 @@ void add_holes(const FilesByFrame& files, const char* what, Recording& recording
                                            what, hole));
 }
 
+// Reads scans by their frames, and says what their files have that is not taken: each field by the first
+// file with it.
+void add_scans(const KittiRecording& kitti, double rate_hz, Recording& recording) {
+  const double period_s = 1 / rate_hz;
+  if (1e9 * period_s > std::numeric_limits<std::uint32_t>::max())
+    throw InputError(kitti.scans.begin()->second.parent_path(),
+                     fmt::format("a scan comes every {:.4g} s, but a point's time in its scan goes to 4.29 s "
+                                 "at most",
+                                 period_s));
+  const auto left_out = std::make_shared<std::map<std::string, fs::path>>();
+  recording.read_scan = [scans = kitti.scans,
+                         period_ns = static_cast<std::uint32_t>(std::llround(1e9 / rate_hz)),
+                         left_out](const SequenceScan& scan) {
+    const fs::path& path = scans.at(*parse_integer(scan.file.stem().string()));
+    KittiScan read = read_kitti_scan(path, period_ns);
+    for (const std::string& field : read.left_out) left_out->try_emplace(field, path);
+    return std::move(read.points);
+  };
+  recording.left_out_of_scans = [left_out] {
+    std::vector<std::string> lines;
+    for (const auto& [field, path] : *left_out)
+      lines.push_back(fmt::format("{}: field {} is not taken", path.string(), field));
+    return lines;
+  };
+}
+
 Recording as_recording(const KittiRecording& kitti) {
   Recording recording;
   recording.sequence = describe(kitti);
   for (const SequenceFrame& frame : recording.sequence.frames)
     recording.images.push_back(
         {std::next(kitti.images.begin(), frame.frame)->second, frame.rgb, ImageKind::color});
-  if (const auto& lidar = recording.sequence.lidar) {
-    const auto period_ns = static_cast<std::uint32_t>(std::llround(1e9 / lidar->rate_hz));
-    recording.read_scan = [scans = kitti.scans, period_ns](const SequenceScan& scan) {
-      return read_kitti_scan(scans.at(*parse_integer(scan.file.stem().string())), period_ns);
-    };
-  }
+  if (const auto& lidar = recording.sequence.lidar) add_scans(kitti, lidar->rate_hz, recording);
   add_holes(kitti.images, "image", recording);
   add_holes(kitti.scans, "scan", recording);
   if (!kitti.world_from_camera.empty())

@@ -49,8 +49,16 @@ std::vector<Pose> read_kitti_poses(const std::filesystem::path& path);
 /// the raw data's devkit has it).
 std::vector<Pose> read_kitti_oxts(const std::filesystem::path& path);
 
-/// A scan: velodyne/DRIVE/FRAME.bin (float32 x y z reflectance) or .pcd (x y z, where it has them intensity,
-/// ring, tag and times as write_lidar_points() has them). Points without times have `end_ns`.
-std::vector<LidarPoint> read_kitti_scan(const std::filesystem::path& path, std::uint32_t end_ns);
+/// A scan's points, and the fields of its file that none of them has: name and type each.
+struct KittiScan {
+  std::vector<LidarPoint> points;
+  std::vector<std::string> left_out;
+};
+
+/// velodyne/DRIVE/FRAME.bin (float32 x y z reflectance) or .pcd: x y z and, where it has them, intensity (F4
+/// or U1), ring (U2 or U1), tag (U1) and a time, the first of t, offset_time (U4: ns; F4, F8: s since the
+/// scan's start), time (F4, F8: so, too) and timestamp (F4, F8: s, counted from the scan's first point).
+/// Points without times have `end_ns`; a return at no time of a scan is an error.
+KittiScan read_kitti_scan(const std::filesystem::path& path, std::uint32_t end_ns);
 
 }  // namespace uniquadric

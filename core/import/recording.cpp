@@ -82,7 +82,10 @@ void write_recording(const Recording& recording, const ImportOptions& options, c
     if (recording.truth) write_truth(*recording.truth, recording.sequence.camera, pending.path() / "truth");
   }
   pending.commit();
-  for (const std::string& what : recording.left_out) std::cerr << "uniquadric: " << what << '\n';
+  std::vector<std::string> left_out = recording.left_out;
+  if (recording.left_out_of_scans)
+    for (std::string& what : recording.left_out_of_scans()) left_out.push_back(std::move(what));
+  for (const std::string& what : left_out) std::cerr << "uniquadric: " << what << '\n';
 }
 
 Sequence begin_sequence(const std::string& name) {

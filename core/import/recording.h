@@ -39,6 +39,8 @@ struct Recording {
   std::optional<RecordedTruth> truth;
   bool is_sequence_alone = false;  ///< OUT is the sequence folder; else OUT/sequence and, of truth, OUT/truth
   std::vector<std::string> left_out;  ///< what was not taken and why, a line each
+  /// The same of the scans, once they were read.
+  std::function<std::vector<std::string>()> left_out_of_scans{};
 };
 
 struct ImportOptions {

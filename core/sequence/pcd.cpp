@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <string_view>
 
 #include "core/base/error.h"
@@ -21,6 +22,7 @@ static_assert(std::endian::native == std::endian::little,
 const std::vector<std::string> kHeaderKeys = {"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
                                               "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
 constexpr std::int64_t kMaxPoints = 1'000'000'000;
+constexpr std::int64_t kMaxPointBytes = 1 << 16;  // ours: no sensor's are a hundredth
 
 struct HeaderLine {
   int line = 0;
@@ -75,6 +77,8 @@ std::vector<PcdField> read_fields(const Header& header) {
       header.fail(key,
                   fmt::format("{} values for {} fields", header.lines.at(key).values.size(), names.size()));
   std::vector<PcdField> fields;
+  std::set<std::string> known;
+  std::int64_t bytes = 0;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string_view type = header.lines.at("TYPE").values[i];
     const std::int64_t size = header.number("SIZE", i);
@@ -83,9 +87,19 @@ std::vector<PcdField> read_fields(const Header& header) {
     if (size != 1 && size != 2 && size != 4 && size != 8)
       header.fail("SIZE", fmt::format("a value of {} bytes", size));
     if (type == "F" && size < 4) header.fail("SIZE", fmt::format("a floating-point value of {} bytes", size));
-    if (header.lines.contains("COUNT") && header.number("COUNT", i) != 1)
-      header.fail("COUNT", fmt::format("field {} has more than one value", names[i]));
-    fields.push_back({std::string(names[i]), static_cast<int>(size), type[0]});
+    const std::int64_t count = header.lines.contains("COUNT") ? header.number("COUNT", i) : 1;
+    PcdField field{std::string(names[i]), static_cast<int>(size), type[0]};
+    if (count != 1 && !field.is_padding())
+      header.fail("COUNT",
+                  fmt::format("field {} has {}", names[i], count == 0 ? "no value" : "more than one value"));
+    bytes += size * count;
+    if (bytes > kMaxPointBytes)
+      header.fail("COUNT",
+                  fmt::format("a point has more than {} bytes, the most that is read", kMaxPointBytes));
+    field.count = static_cast<int>(count);
+    if (!field.is_padding() && !known.insert(field.name).second)
+      header.fail("FIELDS", fmt::format("{} stands twice", field.name.substr(0, 20)));
+    fields.push_back(field);
   }
   return fields;
 }
@@ -108,7 +122,7 @@ Pose read_viewpoint(const Header& header) {
 
 int PcdFile::point_size() const {
   return std::accumulate(fields.begin(), fields.end(), 0,
-                         [](int sum, const PcdField& f) { return sum + f.size; });
+                         [](int sum, const PcdField& f) { return sum + f.size * f.count; });
 }
 
 void write_pcd(const std::filesystem::path& path, const PcdFile& file) {
@@ -117,7 +131,7 @@ void write_pcd(const std::filesystem::path& path, const PcdFile& file) {
     names += ' ' + field.name;
     sizes += fmt::format(" {}", field.size);
     types += fmt::format(" {}", field.type);
-    counts += " 1";
+    counts += fmt::format(" {}", field.count);
   }
   const Eigen::Vector3d& t = file.viewpoint.translation;
   const Eigen::Quaterniond& q = file.viewpoint.rotation;
@@ -160,7 +174,7 @@ PcdColumn pcd_column(const std::filesystem::path& path, const PcdFile& file, std
             path, fmt::format("field {} is {}{}, expected {}{}", name, field.type, field.size, type, size));
       return {file, offset};
     }
-    offset += static_cast<std::size_t>(field.size);
+    offset += static_cast<std::size_t>(field.size * field.count);
   }
   throw InputError(path, fmt::format("has no field {}", name));
 }

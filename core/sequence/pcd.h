@@ -15,6 +15,9 @@ struct PcdField {
   std::string name;
   int size = 4;     ///< bytes
   char type = 'F';  ///< F, I or U
+  int count = 1;    ///< values; more than one of padding alone
+
+  bool is_padding() const { return name == "_"; }  ///< PCL's, and as often as it likes
 };
 
 /// A PCD 0.7 file with binary data.
@@ -55,7 +58,7 @@ PcdColumn pcd_column(const std::filesystem::path& path, const PcdFile& file, std
 void write_pcd(const std::filesystem::path& path, const PcdFile& file);
 
 /// Throws InputError naming file (and line, in the header) for a header that is incomplete or contradicts
-/// itself or its data, for data that are not binary, and for fields of more than one value.
+/// itself or its data, for data that are not binary, for fields of more than one value or of one name.
 PcdFile read_pcd(const std::filesystem::path& path);
 
 }  // namespace uniquadric

@@ -12,6 +12,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/base/files.h"
+#include "core/sequence/pcd.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
 #include "tests/support/temp_folder.h"
@@ -259,6 +260,97 @@ TEST_F(ImportKitti, PcdScansKeepTheirTimes) {
   EXPECT_EQ(points[0].offset_ns, 12'345'678u);
   EXPECT_EQ(points[0].intensity, 40);
   EXPECT_EQ(points[0].ring, 5);
+}
+
+// x y z of a return, then what `put` adds.
+void write_pcd_scan(const fs::path& path, const std::vector<PcdField>& more,
+                    const std::function<void(PcdFile&, int)>& put) {
+  PcdFile file;
+  file.fields = {{"x"}, {"y"}, {"z"}};
+  file.fields.insert(file.fields.end(), more.begin(), more.end());
+  file.points = 3;
+  for (int i = 0; i < 3; ++i) {
+    for (const float value : {1.f, 2.f, 3.f + static_cast<float>(i)}) file.put(value);
+    put(file, i);
+  }
+  write_pcd(path, file);
+}
+
+TEST_F(ImportKitti, PcdTimesInSecondsAreTakenAndOthersTold) {
+  fs::remove(source_.file("velodyne", 1, "bin"));
+  const fs::path path = source_.file("velodyne", 1, "pcd");
+  const auto times_of = [&](const PcdField& field, const std::function<void(PcdFile&, int)>& put) {
+    write_pcd_scan(path, {field}, put);
+    testing::internal::CaptureStderr();
+    fs::remove_all(out());
+    import();
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << field.name << field.type << field.size;
+    std::vector<double> times_ms;
+    for (const LidarPoint& p : read_lidar_points(out() / "sequence/lidar/000001.pcd"))
+      times_ms.push_back(p.offset_ns * 1e-6);
+    return times_ms;
+  };
+  const auto expect_near = [](const std::vector<double>& times_ms, double tolerance_ms) {
+    ASSERT_EQ(times_ms.size(), 3u);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(times_ms[static_cast<std::size_t>(i)], 20 * i, tolerance_ms);
+  };
+  constexpr double kFloat_ms = 1e-5, kEpoch_ms = 5e-4;  // of single precision at 0.04 s, of double at 1.6e9 s
+  for (const char* name : {"t", "offset_time", "time", "timestamp"}) {
+    expect_near(times_of({name, 4, 'F'}, [](PcdFile& f, int i) { f.put(0.02f * static_cast<float>(i)); }),
+                kFloat_ms);
+    expect_near(times_of({name, 8, 'F'}, [](PcdFile& f, int i) { f.put(0.02 * i); }), 1e-6);
+  }
+  for (const char* name : {"t", "offset_time"})
+    expect_near(times_of({name, 4, 'U'},
+                         [](PcdFile& f, int i) { f.put(static_cast<std::uint32_t>(20'000'000 * i)); }),
+                1e-6);
+  expect_near(times_of({"timestamp", 8, 'F'}, [](PcdFile& f, int i) { f.put(1.6e9 + 0.02 * i); }), kEpoch_ms);
+
+  write_pcd_scan(path, {{"timestamp", 8, 'U'}, {"snr", 4, 'F'}}, [](PcdFile& f, int) {
+    f.put(std::uint64_t{1'600'000'000});
+    f.put(1.f);
+  });
+  testing::internal::CaptureStderr();
+  fs::remove_all(out());
+  import();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "uniquadric: " + path.string() + ": field snr (F4) is not taken\nuniquadric: " + path.string() +
+                ": field timestamp (U8) is not taken\n");
+  fs::remove_all(out());
+  write_pcd_scan(path, {{"time", 8, 'F'}}, [](PcdFile& f, int i) { f.put(1.6e9 + 0.02 * i); });
+  EXPECT_NE(input_error([&] { import(); }).find("000001.pcd: point 0: time 1600000000 is not within a scan"),
+            std::string::npos);
+}
+
+TEST_F(ImportKitti, PcdPaddingAndBytesOfIntensityAreTaken) {
+  fs::remove(source_.file("velodyne", 1, "bin"));
+  write_pcd_scan(source_.file("velodyne", 1, "pcd"),
+                 {{"_", 1, 'U', 4}, {"intensity", 1, 'U'}, {"ring", 1, 'U'}, {"_", 1, 'U', 2}},
+                 [](PcdFile& f, int i) {
+                   f.put(std::uint32_t{0xFFFFFFFF});
+                   f.put(static_cast<std::uint8_t>(200 + i));
+                   f.put(static_cast<std::uint8_t>(30 + i));
+                   f.put(std::uint16_t{0xFFFF});
+                 });
+  import();
+  const auto points = read_lidar_points(out() / "sequence/lidar/000001.pcd");
+  ASSERT_EQ(points.size(), 3u);
+  EXPECT_EQ(points[2].z, 5);
+  EXPECT_EQ(points[2].intensity, 202);
+  EXPECT_EQ(points[2].ring, 32);
+  EXPECT_EQ(points[2].offset_ns, 100'000'000u);
+}
+
+// 32 bits of nanoseconds hold no later point.
+TEST_F(ImportKitti, ScansThatAreTooSlowForPointsTimesAreRefused) {
+  for (const char* name : {"image_02", "calib", "poses", "label_02"}) fs::remove_all(source_.folder / name);
+  fs::create_directories(source_.folder / "times");
+  write_text(source_.folder / "times/0007.txt", "0\n4.2\n8.4\n12.6\n");
+  import();
+  fs::remove_all(out());
+  write_text(source_.folder / "times/0007.txt", "0\n5\n10\n15\n");
+  EXPECT_NE(input_error([&] { import(); }).find("velodyne/0007: a scan comes every 5 s"), std::string::npos);
+  EXPECT_FALSE(fs::exists(out()));
 }
 
 TEST_F(ImportKitti, RefusesWhatItCannotBelieve) {

@@ -82,6 +82,8 @@ TEST(Pcd, RefusesHeadersThatContradictTheirData) {
       {"HEIGHT 1\n", "", "p.pcd: the header has no HEIGHT"},
       {"HEIGHT 1", "WIDTH 1", "p.pcd:8: WIDTH stands twice"},
       {"HEIGHT 1", "DEPTH 1", "p.pcd:8: 'DEPTH' is no entry of a PCD header"},
+      {"COUNT 1", "COUNT 0", "p.pcd:6: COUNT: field x has no value"},
+      {"x y z intensity", "x y z x", "p.pcd:3: FIELDS: x stands twice"},
       {"x y z intensity", "a y z intensity", "p.pcd: has no field x"}};
   for (const auto& [from, to, message] : cases) {
     std::string bad = good;
@@ -94,6 +96,36 @@ TEST(Pcd, RefusesHeadersThatContradictTheirData) {
   EXPECT_NE(input_error([&] { read_pcd(path); }).find("61 bytes of data"), std::string::npos);
   write_text(path, "");
   EXPECT_NE(input_error([&] { read_pcd(path); }).find("no VERSION"), std::string::npos);
+}
+
+// As PCL writes a structure whose members are aligned.
+TEST(Pcd, PaddingIsPassedOver) {
+  const TempFolder folder;
+  const auto path = folder.path() / "p.pcd";
+  PcdFile file;
+  file.fields = {{"x"}, {"y"}, {"z"}, {"_", 1, 'U', 4}, {"range"}, {"_", 1, 'U', 3}};
+  file.points = 2;
+  for (const float first : {1.f, 2.f}) {
+    for (const float value : {first, 2.f, 3.f}) file.put(value);
+    for (int k = 0; k < 4; ++k) file.put(std::uint8_t{77});
+    file.put(4 + first);
+    for (int k = 0; k < 3; ++k) file.put(std::uint8_t{78});
+  }
+  write_pcd(path, file);
+  const PcdFile back = read_pcd(path);
+  EXPECT_EQ(back.point_size(), 23);
+  EXPECT_EQ(pcd_column(path, back, "x", 'F', 4).at<float>(1), 2);
+  EXPECT_EQ(pcd_column(path, back, "range", 'F', 4).at<float>(1), 6);
+  const std::string good = read_text(path);
+  for (const auto& [by, said] :
+       {std::pair("COUNT 1 1 1 999999999", "a point has more than 65536 bytes"),
+        std::pair("COUNT 1 1 1 5", "46 bytes of data, 2 points of 24 bytes are 48")}) {
+    std::string bad = good;
+    bad.replace(bad.find("COUNT 1 1 1 4"), 13, by);
+    write_text(path, bad);
+    const std::string message = input_error([&] { read_pcd(path); });
+    EXPECT_NE(message.find(said), std::string::npos) << message;
+  }
 }
 
 LidarRig read(const std::string& text) {
