@@ -66,10 +66,17 @@ LidarEgo::LidarEgo(const Sequence& sequence, const LidarEgoOptions& options)
   if (sequence.frames.empty()) options_.cut = SweepCut::scans;
 }
 
-// A scan lasts its nominal time, or less where the next one comes sooner.
-std::int64_t LidarEgo::scan_end_ns(std::size_t scan) const {
-  const std::int64_t end_ns = sequence_.scans[scan].stamp_ns + std::llround(1e9 / sequence_.lidar->rate_hz);
-  return scan + 1 < sequence_.scans.size() ? std::min(end_ns, sequence_.scans[scan + 1].stamp_ns) : end_ns;
+// A scan lasts its nominal time, or less where the next one comes sooner, but no less than to its last point:
+// points with one time for all lie at its end, and where the intervals are uneven, after the next one's
+// start.
+void LidarEgo::note_end(const SequenceScan& scan, const std::vector<LidarPoint>& points) {
+  std::int64_t end_ns = scan.stamp_ns + std::llround(1e9 / sequence_.lidar->rate_hz);
+  if (next_scan_ + 1 < sequence_.scans.size())
+    end_ns = std::min(end_ns, sequence_.scans[next_scan_ + 1].stamp_ns);
+  for (const LidarPoint& p : points)
+    if (watch_.is_of_use(p)) end_ns = std::max<std::int64_t>(end_ns, scan.stamp_ns + p.offset_ns);
+  if (!ends_ns_.empty()) end_ns = std::max(end_ns, ends_ns_.back() + 1);
+  ends_ns_.push_back(end_ns);
 }
 
 void LidarEgo::take_scans(std::int64_t until_ns) {
@@ -83,11 +90,12 @@ void LidarEgo::take_scans(std::int64_t until_ns) {
     } catch (const std::invalid_argument& error) {
       throw InputError(path, error.what());
     }
+    note_end(scan, points);
     watch_.look(scan, std::move(points));
   }
   if (options_.cut != SweepCut::scans) return;
-  for (; next_end_ < next_scan_ && scan_end_ns(next_end_) <= until_ns; ++next_end_)
-    odometry_.end_sweep(scan_end_ns(next_end_));
+  for (; next_end_ < next_scan_ && ends_ns_[next_end_] <= until_ns; ++next_end_)
+    odometry_.end_sweep(ends_ns_[next_end_]);
 }
 
 void LidarEgo::track(const SequenceFrame& frame, const cv::Mat& masks) {
@@ -102,16 +110,13 @@ void LidarEgo::finish() {
     const auto last = sequence_.frames.empty() ? std::numeric_limits<std::int64_t>::max()
                                                : sequence_.frames.back().stamp_ns;
     take_scans(last);
-    for (; next_end_ < next_scan_; ++next_end_) odometry_.end_sweep(scan_end_ns(next_end_));
+    for (; next_end_ < next_scan_; ++next_end_) odometry_.end_sweep(ends_ns_[next_end_]);
   }
   odometry_.finish();
 }
 
 std::vector<std::int64_t> LidarEgo::stamps_ns() const {
-  if (!sequence_.frames.empty()) return stamps_of(sequence_.frames);
-  std::vector<std::int64_t> ends_ns;
-  for (std::size_t i = 0; i < sequence_.scans.size(); ++i) ends_ns.push_back(scan_end_ns(i));
-  return ends_ns;
+  return sequence_.frames.empty() ? ends_ns_ : stamps_of(sequence_.frames);
 }
 
 Trajectory LidarEgo::trajectory() const {
@@ -123,7 +128,7 @@ Trajectory LidarEgo::trajectory() const {
 
 bool LidarEgo::is_known_to_rest(std::size_t scan) const {
   const auto from = odometry_.world_from_camera(sequence_.scans[scan].stamp_ns),
-             to = odometry_.world_from_camera(scan_end_ns(scan));
+             to = odometry_.world_from_camera(ends_ns_[scan]);
   if (!from || !to) return false;
   const Pose step = relative_pose(*from, *to);
   return step.translation.norm() <= kStill_m && log_so3(step.rotation).norm() <= kStill_rad;

@@ -37,7 +37,7 @@ class LidarEgo {
   void track(const SequenceFrame& frame, const cv::Mat& masks);
   /// Takes what scans are left.
   void finish();
-  /// Of the frames, or of the scans' ends where the sequence has no frames.
+  /// Of the frames, or of the scans' ends where the sequence has no frames. After finish().
   std::vector<std::int64_t> stamps_ns() const;
   /// world_from_camera at these stamps, but those where the sensor was lost.
   Trajectory trajectory() const;
@@ -49,7 +49,7 @@ class LidarEgo {
 
  private:
   void take_scans(std::int64_t until_ns);
-  std::int64_t scan_end_ns(std::size_t scan) const;
+  void note_end(const SequenceScan& scan, const std::vector<LidarPoint>& points);
   bool is_known_to_rest(std::size_t scan) const;
 
   const Sequence& sequence_;
@@ -58,6 +58,7 @@ class LidarEgo {
   LidarOdometry odometry_;
   ScanWatch watch_;
   std::size_t next_scan_ = 0, next_end_ = 0;
+  std::vector<std::int64_t> ends_ns_;  // of the scans that were read
 };
 
 }  // namespace uniquadric

@@ -18,15 +18,16 @@ using Eigen::Vector3d;
 
 constexpr std::int64_t kMaskReach_ns = 50'000'000;  // half a frame at 10 Hz: later masks are others'
 constexpr std::int64_t kBeyondEnds_ns =
-    150'000'000;                         // that the motion is trusted before and after the sweeps
-constexpr int kMaskMargin_px = 6;        // outlines' error, and the motion since the mask
-constexpr double kLevelTime_s = 0.2;     // whose mean force tells up from down at first
-constexpr double kStampSlack_ns = 1e6;   // of sweeps that are a scan long but for rounding
-constexpr double kBentThickness = 6;     // over the noise of points
-constexpr double kShareGain = 0.1;       // a sweep's, in the running mean
-constexpr int kMostPasses = 8;           // through the beginning, while its motion still changes
-constexpr std::size_t kTrialSweeps = 5;  // that a first velocity is tried on
-constexpr std::array kTrialSpeeds_mps{8.0, 16.0, 24.0};  // one is found from 4 m/s beside it
+    150'000'000;                      // that the motion is trusted before and after the sweeps
+constexpr int kMaskMargin_px = 6;     // outlines' error, and the motion since the mask
+constexpr double kLevelTime_s = 0.2;  // whose mean force tells up from down at first
+constexpr double kWholeShare = 0.9;   // of first_sweep_s: scans come unevenly
+constexpr double kBentThickness = 6;  // over the noise of points
+constexpr double kShareGain = 0.1;    // a sweep's, in the running mean
+constexpr int kMostPasses = 8;        // through the beginning, while its motion still changes
+constexpr std::size_t kHeatSweeps = 2, kTrialSweeps = 5;  // that a first velocity is tried on
+constexpr std::size_t kFinalists = 6;                     // of them, that are tried on more than a heat's
+constexpr std::array kTrialSpeeds_mps{8.0, 16.0, 24.0};   // one is found from 4 m/s beside it
 constexpr int kTrialDirections = 8;
 constexpr double kAccelerometerSigma_mps2 = 0.1;  // of its bias before it is seen at work
 constexpr double kGravitySigma_mps2 = 0.5;        // across the first force: a vehicle's own acceleration
@@ -108,7 +109,7 @@ struct LidarOdometry::State {
   Sweep take_sweep(std::int64_t end_ns);
   void begin_at(const LidarState& start, bool is_guess);
   LidarState first_guess(const Vector3d& velocity_mps) const;
-  double share_from(const Vector3d& velocity_mps) const;
+  double share_from(const Vector3d& velocity_mps, std::size_t sweeps) const;
   Vector3d likely_velocity() const;
   LidarState run_back(LidarState state) const;
   LidarState better_start() const;
@@ -232,12 +233,12 @@ LidarState LidarOdometry::State::better_start() const {
 
 // Share of the first sweeps' points that lie on planes of the sweeps before, where the sensor begins at this
 // velocity; 0 for another one than rest that they do not tell.
-double LidarOdometry::State::share_from(const Vector3d& velocity_mps) const {
+double LidarOdometry::State::share_from(const Vector3d& velocity_mps, std::size_t sweeps) const {
   State trial(rig, imu, options);
   trial.sight.max_thickness = kBentThickness;
   trial.begin_at(first_guess(velocity_mps), true);
   double points = 0, on_planes = 0;
-  for (const Sweep& sweep : std::span(beginning).first(std::min(beginning.size(), kTrialSweeps))) {
+  for (const Sweep& sweep : std::span(beginning).first(std::min(beginning.size(), sweeps))) {
     trial.go_on(sweep);
     points += trial.reports.back().points;
     on_planes += trial.reports.back().on_planes;
@@ -257,9 +258,19 @@ Vector3d LidarOdometry::State::likely_velocity() const {
       const double angle = 2 * std::numbers::pi * k / kTrialDirections;
       tried.emplace_back(speed * std::cos(angle), speed * std::sin(angle), 0);
     }
-  std::vector<double> shares(tried.size());
-  tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t i) { shares[i] = share_from(tried[i]); });
-  return tried[static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin())];
+  const auto order = [&](std::size_t sweeps) {
+    std::vector<std::pair<double, std::size_t>> ranks(tried.size());
+    tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t i) {
+      ranks[i] = {-share_from(tried[i], sweeps), i};
+    });
+    std::sort(ranks.begin(), ranks.end());
+    std::vector<Vector3d> sorted;
+    for (const auto& [share, i] : ranks) sorted.push_back(tried[i]);
+    return sorted;
+  };
+  tried = order(kHeatSweeps);
+  tried.resize(kFinalists);
+  return order(kTrialSweeps).front();
 }
 
 // The first cloud is bent by a motion that only the next ones tell; so the first sweeps are gone through
@@ -286,8 +297,7 @@ bool LidarOdometry::State::is_last_whole() const {
   if (beginning.empty()) return true;
   const auto last = beginning.size() - 1;
   const std::int64_t from_ns = last == 0 ? start_ns : beginning[last - 1].end_ns;
-  return static_cast<double>(beginning[last].end_ns - from_ns) >=
-         1e9 * options.first_sweep_s - kStampSlack_ns;
+  return static_cast<double>(beginning[last].end_ns - from_ns) >= 1e9 * kWholeShare * options.first_sweep_s;
 }
 
 // The passes have come to an end: the motion that was put in is the one that came out.

@@ -114,6 +114,34 @@ TEST(LidarEgo, FollowsASequenceWithoutImages) {
   EXPECT_LT((found.translation - truth.translation).norm(), 0.03);
 }
 
+// As of a recording whose scans have one stamp each, set back by a scan's time: a scan that comes early
+// begins before the points of the one before it.
+TEST(LidarEgo, ASweepHasTheScansOwnPointsWhereIntervalsAreUneven) {
+  const TempFolder temp;
+  const LidarRoom room;
+  Sequence made;
+  made.name = "uneven";
+  made.rate_hz = 10;
+  made.lidar = LidarCalibration{.pattern = "test", .rate_hz = 10, .camera_from_lidar = {}};
+  std::vector<LidarPoint> points = room.scan(0);
+  for (LidarPoint& point : points) point.offset_ns = 100'000'000;
+  std::vector<std::int64_t> ends_ns;
+  for (int i = 0; i < 12; ++i) {
+    const std::int64_t start_ns = i * 100'000'000 + (i % 3 - 1) * 2'000'000 + 2'000'000;
+    made.scans.push_back({start_ns, std::to_string(i) + ".pcd"});
+    ends_ns.push_back(start_ns + 100'000'000);
+    write_lidar_points(temp.path() / made.scans.back().file, points);
+  }
+  write_sequence_index(temp.path(), made);
+  std::filesystem::remove(temp.path() / "rgb.txt");
+  const Sequence sequence = open_sequence(temp.path());
+  LidarEgo ego(sequence, {});
+  ego.finish();
+  EXPECT_EQ(ego.stamps_ns(), ends_ns);
+  for (const SweepReport& report : ego.odometry().reports())
+    EXPECT_EQ(report.points, ego.odometry().reports().front().points);
+}
+
 TEST(LidarEgo, ScansWithTimesThatNoneHasAreRefusedByName) {
   const TempFolder temp;
   Sequence made;
