@@ -92,6 +92,7 @@ void visit(Io& io, LidarEgoOptions& o) {
   io.section("observability", [&](auto& inner) {
     inner.positive("min_ratio", odometry.sight.observability.min_ratio);
     inner.number("min_cosine", odometry.sight.observability.min_cosine, 0.0, 1.0);
+    inner.number("min_cells", odometry.sight.observability.min_cells, 1);
     inner.number("min_facing", odometry.sight.observability.min_facing, 1);
   });
   io.positive("lost_sigma_m", odometry.lost_sigma_m);

@@ -174,7 +174,7 @@ std::optional<MapPlane> LidarMapLevel::plane_near(const Eigen::Vector3d& p, cons
       middle <= limits.min_breadth_m * limits.min_breadth_m)
     return std::nullopt;
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
-  MapPlane plane{normal, -normal.dot(p + mean), std::sqrt(least / points), std::sqrt(least)};
+  MapPlane plane{normal, -normal.dot(p + mean), std::sqrt(least / points), std::sqrt(least), n};
   for (int k = 0; k < 2; ++k)
     plane.normal_error.col(k) =
         std::sqrt(least / (points * solver.eigenvalues()[k + 1])) * solver.eigenvectors().col(k + 1);

@@ -31,6 +31,7 @@ struct MapPlane {
   double offset_m = 0;
   double sigma_m = 0;      ///< of its place along the normal
   double thickness_m = 0;  ///< standard deviation of its points off it
+  int cells = 0;           ///< whose means it is fitted to
   /// The normal's error, one standard deviation along each of the plane's two axes, in columns.
   Eigen::Matrix<double, 3, 2> normal_error = Eigen::Matrix<double, 3, 2>::Zero();
 };

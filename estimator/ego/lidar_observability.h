@@ -13,6 +13,8 @@ namespace uniquadric {
 struct ObservabilityOptions {
   double min_ratio = 30;    // of what is told to what errors of the planes' normals would tell
   double min_cosine = 0.5;  // of a plane that faces a direction
+  int min_cells = 8;        // of a plane that counts as facing: with fewer it may be one ring of a spinning
+                            // sensor where it goes round a tunnel's edge, which travels along with it
   int min_facing = 10;      // points on such planes are enough without the ratio
 };
 

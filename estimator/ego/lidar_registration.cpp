@@ -117,7 +117,7 @@ LidarNormal LidarRegistration::normal_at(const LidarState& state, int iteration)
   const auto share = shares();
   LidarNormal normal;
   SightingSquare noise = SightingSquare::Zero();
-  std::vector<Eigen::Vector3d> plane_normals;
+  std::vector<Eigen::Vector3d> faced;
   double squares = 0;
   for (const Sight& sight : sights_) {
     if (!counts(sight)) continue;
@@ -126,14 +126,14 @@ LidarNormal LidarRegistration::normal_at(const LidarState& state, int iteration)
     const double weight = share[sight.side] / (sight.variance * std::max(off, 1.0));
     normal.square.noalias() += (weight * J.transpose()) * J;
     normal.side += (weight * sight.distance_m) * J.transpose();
-    plane_normals.push_back(sight.plane->normal);
+    if (sight.plane->cells >= options_.observability.min_cells) faced.push_back(sight.plane->normal);
     if (normal.points++ % kNoiseStep == 0) add_noise(sight, state, kNoiseStep * weight, noise);
     squares += sight.distance_m * sight.distance_m;
   }
   if (normal.points < options_.min_points) return {};
   on_planes_ = normal.points;
   rms_m_ = std::sqrt(squares / normal.points);
-  return without_feigned(normal, noise, plane_normals, options_.observability);
+  return without_feigned(normal, noise, faced, options_.observability);
 }
 
 std::vector<Eigen::Vector3d> LidarRegistration::map_points(const LidarState& end) const {
