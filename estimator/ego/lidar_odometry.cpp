@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,6 +30,9 @@ constexpr std::size_t kHeatSweeps = 2, kTrialSweeps = 5;  // that a first veloci
 constexpr std::size_t kFinalists = 6;                     // of them, that are tried on more than a heat's
 constexpr std::array kTrialSpeeds_mps{8.0, 16.0, 24.0};   // one is found from 4 m/s beside it
 constexpr int kTrialDirections = 8;
+constexpr double kKnown_mps = 0.03;   // standard deviation of a velocity that no other need be tried beside
+constexpr double kLedBack_mps = 0.6;  // where sweeps tell the velocity, other starts end within 0.3 of it
+constexpr double kAsWell = 0.85;      // of the points on planes: another start fits as well
 constexpr double kAccelerometerSigma_mps2 = 0.1;  // of its bias before it is seen at work
 constexpr double kGravitySigma_mps2 = 0.5;        // across the first force: a vehicle's own acceleration
 constexpr double kMagnitudeSigma_mps2 = 0.01;     // gravity's, over the Earth's places
@@ -115,7 +119,10 @@ struct LidarOdometry::State {
   LidarState better_start() const;
   bool is_last_whole() const;
   bool has_found_start() const;
+  bool is_one_of_many() const;
+  double points_on_planes() const;
   void wait_for_start();
+  void settle(const Vector3d& velocity_mps);
   void begin();
   void go_on(const Sweep& sweep);
   void note(const SweepReport& report);
@@ -275,9 +282,9 @@ Vector3d LidarOdometry::State::likely_velocity() const {
 
 // The first cloud is bent by a motion that only the next ones tell; so the first sweeps are gone through
 // again with what was found, until it changes no more.
-void LidarOdometry::State::begin() {
+void LidarOdometry::State::settle(const Vector3d& velocity_mps) {
   has_begun = true;
-  begin_at(first_guess(likely_velocity()), true);
+  begin_at(first_guess(velocity_mps), true);
   for (int pass = 1;; ++pass) {
     // In a cloud bent by an unknown motion walls are thick.
     sight.max_thickness =
@@ -287,8 +294,38 @@ void LidarOdometry::State::begin() {
     if (pass >= options.first_passes && has_found_start()) break;
     begin_at(better_start(), false);
   }
-  if (!has_found_start()) return wait_for_start();
+}
+
+void LidarOdometry::State::begin() {
+  settle(likely_velocity());
+  if (!has_found_start() || is_one_of_many()) return wait_for_start();
   beginning.clear();
+}
+
+// Whether the sweeps fit as well to a start at another velocity, the least known way, that they do not lead
+// back from: as in a tunnel, or over a plane.
+bool LidarOdometry::State::is_one_of_many() const {
+  if (pauses.size() < 3) return false;  // too short to tell
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(
+      belief.covariance.block<3, 3>(kVelocity, kVelocity));
+  if (spread.eigenvalues()[2] < kKnown_mps * kKnown_mps) return false;
+  const Vector3d found = pauses.front().state.velocity_mps, aside = spread.eigenvectors().col(2);
+  std::array<bool, 2> fits{};
+  tbb::parallel_for(std::size_t{0}, fits.size(), [&](std::size_t i) {
+    State other(rig, imu, options);
+    other.start_ns = start_ns;
+    other.beginning = beginning;
+    other.settle(found + (i == 0 ? 1 : -1) * options.first_velocity_mps * aside);
+    fits[i] = (other.pauses.front().state.velocity_mps - found).norm() > kLedBack_mps &&
+              other.points_on_planes() > kAsWell * points_on_planes();
+  });
+  return fits[0] || fits[1];
+}
+
+double LidarOdometry::State::points_on_planes() const {
+  double sum = 0;
+  for (const SweepReport& report : reports) sum += report.on_planes;
+  return sum;
 }
 
 // Of the beginning, in which sweeps are whole scans however they are cut later: a spinning sensor's look one
