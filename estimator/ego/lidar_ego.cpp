@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/seconds.h"
 #include "core/sequence/imu_faults.h"
 #include "core/sequence/stamps.h"
 #include "estimator/perception/lidar_stream.h"
@@ -15,6 +16,9 @@
 namespace uniquadric {
 namespace {
 
+// What biases are told by, and more than a calibrated sensor has: sound runs end with 0.02 and 0.3 at most,
+// readings in other units or axes, late ones and a LiDAR turned against them with 0.04 or 0.35 and more.
+constexpr double kBiasTime_s = 2, kMostBias_radps = 0.05, kMostBias_mps2 = 0.35;
 constexpr double kStill_m = 0.05, kStill_rad = 0.02;  // over a scan: no more than points' noise at 5 m
 
 const Sequence& with_scans(const Sequence& sequence) {
@@ -126,6 +130,20 @@ Trajectory LidarEgo::trajectory() const {
   return result;
 }
 
+std::optional<std::string> LidarEgo::bias_fault() const {
+  const auto& reports = odometry_.reports();
+  if (!sequence_.imu || !options_.odometry.use_imu || reports.empty() ||
+      seconds(reports.front().end_ns, reports.back().end_ns) < kBiasTime_s)
+    return std::nullopt;
+  const double gyroscope = odometry_.state().gyroscope_bias_radps.norm();
+  const double accelerometer = odometry_.state().accelerometer_bias_mps2.norm();
+  if (gyroscope <= kMostBias_radps && accelerometer <= kMostBias_mps2) return std::nullopt;
+  return fmt::format(
+      "imu.csv and the scans agree with biases of {:.2g} rad/s and {:.2g} m/s^2 alone, more than a "
+      "calibrated IMU has: its units, axes, clock or the calibration may be wrong, and poses with them",
+      gyroscope, accelerometer);
+}
+
 bool LidarEgo::is_known_to_rest(std::size_t scan) const {
   const auto from = odometry_.world_from_camera(sequence_.scans[scan].stamp_ns),
              to = odometry_.world_from_camera(ends_ns_[scan]);
@@ -146,6 +164,7 @@ std::vector<std::string> LidarEgo::scan_faults() const {
         fmt::format("the points of {} of {} scans have no times (one each scan), and the sensor "
                     "moves or is lost: they are taken as if its motion within a scan had been undone before",
                     bent, is_of_an_instant.size()));
+  if (const auto fault = bias_fault()) faults.push_back(*fault);
   return faults;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,8 +42,9 @@ class LidarEgo {
   std::vector<std::int64_t> stamps_ns() const;
   /// world_from_camera at these stamps, but those where the sensor was lost.
   Trajectory trajectory() const;
-  /// What is wrong with the IMU's readings (imu_faults) and the scans (ScanWatch), and whether their points
-  /// have no times although the sensor moves: a sentence each. After finish().
+  /// What is wrong with the IMU's readings (imu_faults) and the scans (ScanWatch), whether points have no
+  /// times although the sensor moves, and whether the IMU agrees with the scans by biases alone that none
+  /// has: a sentence each. After finish().
   std::vector<std::string> scan_faults() const;
 
   const LidarOdometry& odometry() const { return odometry_; }
@@ -51,6 +53,7 @@ class LidarEgo {
   void take_scans(std::int64_t until_ns);
   void note_end(const SequenceScan& scan, const std::vector<LidarPoint>& points);
   bool is_known_to_rest(std::size_t scan) const;
+  std::optional<std::string> bias_fault() const;
 
   const Sequence& sequence_;
   LidarEgoOptions options_;

@@ -453,6 +453,9 @@ std::optional<Pose> LidarOdometry::world_from_camera(std::int64_t stamp_ns) cons
 const std::vector<SweepReport>& LidarOdometry::reports() const {
   return state_->reports;
 }
+const LidarState& LidarOdometry::state() const {
+  return state_->belief.state;
+}
 std::size_t LidarOdometry::map_blocks() const {
   return state_->map.blocks();
 }

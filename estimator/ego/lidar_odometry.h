@@ -71,6 +71,8 @@ class LidarOdometry {
   /// Of a stamp within the sweeps, or a sweep's length beside them; nothing elsewhere and where lost.
   std::optional<Pose> world_from_camera(std::int64_t stamp_ns) const;
   const std::vector<SweepReport>& reports() const;
+  /// After the last sweep; with an IMU, its biases.
+  const LidarState& state() const;
   std::size_t map_blocks() const;
   /// What is known of the surroundings at the end, in the world of the poses: means of the map's finest
   /// cells.

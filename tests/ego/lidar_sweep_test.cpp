@@ -142,6 +142,39 @@ TEST(LidarEgo, ASweepHasTheScansOwnPointsWhereIntervalsAreUneven) {
     EXPECT_EQ(report.points, ego.odometry().reports().front().points);
 }
 
+// The IMU's axes are turned by a quarter about z against what the calibration says.
+TEST(LidarEgo, BiasesThatNoImuHasAreTold) {
+  const auto faults = [](bool is_turned) {
+    const TempFolder temp;
+    LidarRoom room;
+    room.range_sigma_m = 0.01;
+    Sequence made;
+    made.name = "biased";
+    made.rate_hz = 10;
+    made.lidar = LidarCalibration{.pattern = "test", .rate_hz = 10, .camera_from_lidar = {}};
+    made.imu = ImuCalibration{};
+    for (int i = 0; i < 35; ++i) {
+      made.scans.push_back({room.scan_start_ns(i), std::to_string(i) + ".pcd"});
+      write_lidar_points(temp.path() / made.scans.back().file, room.scan(i));
+    }
+    std::vector<ImuSample> samples = room.imu(4);
+    for (ImuSample& sample : samples)
+      for (Vector3d* v : {&sample.angular_velocity_radps, &sample.specific_force_mps2})
+        if (is_turned) *v = Vector3d(-v->y(), v->x(), v->z());
+    write_imu_csv(temp.path() / "imu.csv", samples);
+    write_sequence_index(temp.path(), made);
+    std::filesystem::remove(temp.path() / "rgb.txt");
+    const Sequence sequence = open_sequence(temp.path());
+    LidarEgo ego(sequence, {});
+    ego.finish();
+    return ego.scan_faults();
+  };
+  EXPECT_TRUE(faults(false).empty());
+  ASSERT_EQ(faults(true).size(), 1U);
+  EXPECT_NE(faults(true).front().find("its units, axes, clock or the calibration may be wrong"),
+            std::string::npos);
+}
+
 TEST(LidarEgo, ScansWithTimesThatNoneHasAreRefusedByName) {
   const TempFolder temp;
   Sequence made;
