@@ -31,8 +31,9 @@ constexpr std::size_t kFinalists = 6;                     // of them, that are t
 constexpr std::array kTrialSpeeds_mps{8.0, 16.0, 24.0};   // one is found from 4 m/s beside it
 constexpr int kTrialDirections = 8;
 constexpr double kKnown_mps = 0.03;   // standard deviation of a velocity that no other need be tried beside
+constexpr double kVague_mps = 0.4;    // of one that is not told: where it is, without an IMU, 0.2 at most
 constexpr double kLedBack_mps = 0.6;  // where sweeps tell the velocity, other starts end within 0.3 of it
-constexpr double kAsWell = 0.85;      // of the points on planes: another start fits as well
+constexpr double kAsWell = 0.95;      // of the points on planes: another start fits as well
 constexpr double kAccelerometerSigma_mps2 = 0.1;  // of its bias before it is seen at work
 constexpr double kGravitySigma_mps2 = 0.5;        // across the first force: a vehicle's own acceleration
 constexpr double kMagnitudeSigma_mps2 = 0.01;     // gravity's, over the Earth's places
@@ -302,13 +303,14 @@ void LidarOdometry::State::begin() {
   beginning.clear();
 }
 
-// Whether the sweeps fit as well to a start at another velocity, the least known way, that they do not lead
-// back from: as in a tunnel, or over a plane.
+// Whether the sweeps hardly tell the velocity, or fit as well to a start at another one, the least known way,
+// that they do not lead back from: as in a tunnel, or over a plane.
 bool LidarOdometry::State::is_one_of_many() const {
   if (pauses.size() < 3) return false;  // too short to tell
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(
       belief.covariance.block<3, 3>(kVelocity, kVelocity));
-  if (spread.eigenvalues()[2] < kKnown_mps * kKnown_mps) return false;
+  const double sigma_mps = std::sqrt(spread.eigenvalues()[2]);
+  if (sigma_mps < kKnown_mps || sigma_mps > kVague_mps) return sigma_mps > kVague_mps;
   const Vector3d found = pauses.front().state.velocity_mps, aside = spread.eigenvectors().col(2);
   std::array<bool, 2> fits{};
   tbb::parallel_for(std::size_t{0}, fits.size(), [&](std::size_t i) {

@@ -9,7 +9,7 @@
 namespace uniquadric {
 
 /// Which points (3 x n, body's frame [m]) are beside the body: beyond a free tangent of the segmented
-/// outlines by more than these are off by, in a third of them and more. Masks that were carried take in what
+/// outlines by more than these are off by, in half of them and more. Masks that were carried take in what
 /// a body uncovers.
 std::vector<bool> beside_outlines(const Camera& camera, const std::vector<ShapeView>& views,
                                   const Eigen::Matrix3Xd& points);

@@ -303,33 +303,6 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
     if (held.cost < best.cost + kTurnGain) best = std::move(held);
   }
   turns_ = (turns_ + turns) % 3;
-  if (getenv("DBG")) {
-    const auto& b = best.shape;
-    fprintf(stderr,
-            "DBG id %d kf %d views %zu cost %.1f axes %.2f %.2f %.2f q %.2f %.2f %.2f c %.2f %.2f %.2f r "
-            "%.2f surf %ld sd %.2f %.2f %.2f\n",
-            id_, keyframes_, views_.size(), best.cost, b.semi_axes_m.x(), b.semi_axes_m.y(),
-            b.semi_axes_m.z(), b.exponents.outline, b.exponents.upper, b.exponents.lower,
-            b.body_from_object.translation.x(), b.body_from_object.translation.y(),
-            b.body_from_object.translation.z(), radius_m_, (long)evidence.surface_points.cols(),
-            std::sqrt(b.variances[0]), std::sqrt(b.variances[1]), std::sqrt(b.variances[2]));
-    auto e = with_seen_extents(b, evidence.views, radius_m_);
-    fprintf(stderr, "   ext axes %.2f %.2f %.2f c %.2f %.2f %.2f sd %.2f %.2f %.2f | ", e.semi_axes_m.x(),
-            e.semi_axes_m.y(), e.semi_axes_m.z(), e.body_from_object.translation.x(),
-            e.body_from_object.translation.y(), e.body_from_object.translation.z(), std::sqrt(e.variances[0]),
-            std::sqrt(e.variances[1]), std::sqrt(e.variances[2]));
-    for (auto& v : views_) {
-      int f = 0;
-      for (auto& l : v.silhouette.support) f += l.free;
-      fprintf(stderr, "%ld%c:%d/%zu p%ld ", (long)v.frame, v.silhouette.segmented ? 's' : 'c', f,
-              v.silhouette.support.size(), (long)v.points.cols());
-    }
-    fprintf(stderr, "\n");
-    for (auto& v : views_)
-      for (auto& l : v.silhouette.support)
-        fprintf(stderr, "TAN %d %d %ld %d %.4f %.4f %.2f %d\n", id_, keyframes_, (long)v.frame,
-                v.silhouette.segmented, l.normal.x(), l.normal.y(), l.offset_px, l.free);
-  }
   shape_ = window.extents ? with_seen_extents(best.shape, evidence.views, radius_m_) : best.shape;
 }
 

@@ -145,7 +145,7 @@ TEST_F(Pipeline, InfoNamesEverySensor) {
                    of_data = run_program({"info", folder() / "data"});
   for (const std::string line : {"\nlidar: livox_mid40, 10 Hz\n", "\nimu: 200 Hz\n"})
     EXPECT_NE(of_scene.out.find(line), std::string::npos) << of_scene.out << of_scene.err;
-  for (const std::string line : {"\nlidar: livox_mid40, 10 Hz; 3 scans\n", "\nimu: 200 Hz\n",
+  for (const std::string line : {"\nlidar: livox_mid40, 10 Hz; 3 scans over 0.200 s\n", "\nimu: 200 Hz\n",
                                  "\nframes: 4 over 0.300 s; 4 with depth, 4 with masks\n"})
     EXPECT_NE(of_data.out.find(line), std::string::npos) << of_data.out << of_data.err;
 }
