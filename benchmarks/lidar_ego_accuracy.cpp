@@ -3,6 +3,7 @@
 // the processor.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "benchmarks/ego_pairs.h"
@@ -44,12 +45,14 @@ void run(int argc, char** argv) {
       return time_s >= std::atof(argv[5]) && time_s < std::atof(argv[6]);
     });
   LidarEgo ego(sequence, variant.perception.lidar);
-  double ms = 0;
+  double ms = 0, longest_ms = 0;  // the beginning: the first sweeps, many times
   for (const SequenceFrame& frame : sequence.frames) {
     const cv::Mat masks = frame.masks.empty() ? cv::Mat() : read_masks(sequence, frame);
     const double start = now_ms();
     ego.track(frame, masks);
-    ms += now_ms() - start;
+    const double took = now_ms() - start;
+    ms += took;
+    longest_ms = std::max(longest_ms, took);
   }
   ego.finish();
   double points = 0, planes = 0, bodies = 0, off = 0;
@@ -62,11 +65,11 @@ void run(int argc, char** argv) {
   if (reports.empty()) return fmt::print("{}: no start\n", sequence.name);
   const double length_s = double(reports.back().end_ns - reports.front().end_ns) * 1e-9;
   fmt::print(
-      "{}: {} sweeps of {:.0f} points, {:.0f} on planes within {:.1f} mm, {:.0f} on bodies; {:.1f} ms a "
-      "sweep, "
-      "{:.1f} times real time; {} blocks\n",
-      sequence.name, n, points / n, planes / n, 1e3 * off / n, bodies / n, ms / n, 1e3 * length_s / ms,
-      ego.odometry().map_blocks());
+      "{}: {} sweeps of {:.0f} points, {:.0f} on planes within {:.1f} mm, {:.0f} on bodies; {:.1f} s to "
+      "begin, "
+      "{:.1f} ms a sweep, {:.1f} times real time besides; {} blocks\n",
+      sequence.name, n, points / n, planes / n, 1e3 * off / n, bodies / n, 1e-3 * longest_ms,
+      (ms - longest_ms) / n, 1e3 * length_s / (ms - longest_ms), ego.odometry().map_blocks());
   const Trajectory trajectory = ego.trajectory();
   if (argc > 4) write_tum(argv[4], trajectory);
   const PosePairs pairs = pairs_of(read_tum(argv[3]), trajectory);
