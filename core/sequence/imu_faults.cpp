@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "core/sequence/trajectory.h"
 
@@ -17,17 +18,11 @@ constexpr double kLeastGap_s = 0.05;  // ours: half a scan of most; shorter ones
 constexpr double kGravityTolerance = 0.2;  // ours: relative; a sensor's own motion cancels over its readings
 constexpr double kMostTurn_radps = 10;     // ours: 573 deg/s, half of the time
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double usual_step_s(const std::vector<ImuSample>& samples, const ImuCalibration& calibration) {
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < samples.size(); ++i)
     steps_s.push_back(seconds(samples[i - 1].stamp_ns, samples[i].stamp_ns));
-  return steps_s.empty() ? 1 / calibration.rate_hz : median(std::move(steps_s));
+  return steps_s.empty() ? 1 / calibration.rate_hz : upper_median(std::move(steps_s));
 }
 
 std::optional<std::string> gap_fault(const std::vector<ImuSample>& samples, double usual_s,
@@ -68,7 +63,7 @@ std::optional<std::string> force_fault(const std::vector<ImuSample>& samples, do
 std::optional<std::string> turn_fault(const std::vector<ImuSample>& samples) {
   std::vector<double> turns_radps;
   for (const ImuSample& sample : samples) turns_radps.push_back(sample.angular_velocity_radps.norm());
-  const double usual_radps = median(std::move(turns_radps));
+  const double usual_radps = upper_median(std::move(turns_radps));
   if (usual_radps <= kMostTurn_radps) return std::nullopt;
   return fmt::format("the angular velocity is {:.4g} rad/s or more half of the time: in deg/s?", usual_radps);
 }

@@ -9,9 +9,9 @@
 #include <map>
 #include <memory>
 
+#include "core/base/quantile.h"
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/pose_prior.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

@@ -5,9 +5,9 @@
 #include <set>
 #include <vector>
 
+#include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "estimator/ego/ego_map.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

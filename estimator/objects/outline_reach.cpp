@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "estimator/shape/quantile.h"
+#include "core/base/quantile.h"
 
 namespace uniquadric {
 namespace {

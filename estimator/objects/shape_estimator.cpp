@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/quantile.h"
 #include "core/geometry/box_symmetry.h"
 #include "estimator/objects/beside_outlines.h"
 #include "estimator/objects/closer_sides.h"
 #include "estimator/objects/seen_extents.h"
 #include "estimator/objects/shape_by_extents.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/quantile.h"
 #include "estimator/perception/ideal_ray.h"
 #include "estimator/perception/pixel_grid.h"
 #include "estimator/shape/even_choice.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "estimator/perception/rigid_motion.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

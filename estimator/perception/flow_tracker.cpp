@@ -5,8 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "core/base/quantile.h"
 #include "estimator/perception/outline.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

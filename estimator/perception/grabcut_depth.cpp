@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/quantile.h"
 #include "estimator/perception/support_planes.h"
 #include "estimator/shape/depth_point.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

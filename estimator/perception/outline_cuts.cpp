@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimator/shape/quantile.h"
+#include "core/base/quantile.h"
 
 namespace uniquadric {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "estimator/shape/quantile.h"
+#include "core/base/quantile.h"
 
 namespace uniquadric {
 namespace {

@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "core/base/progress.h"
+#include "core/base/quantile.h"
 #include "core/base/warning.h"
 #include "estimator/perception/lidar_stream.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

@@ -6,9 +6,9 @@
 #include <bit>
 #include <limits>
 
+#include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "core/sequence/stamps.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

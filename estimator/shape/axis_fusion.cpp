@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "estimator/shape/quantile.h"
+#include "core/base/quantile.h"
 
 namespace uniquadric {
 namespace {

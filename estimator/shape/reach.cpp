@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "estimator/shape/quantile.h"
+#include "core/base/quantile.h"
 
 namespace uniquadric {
 namespace {

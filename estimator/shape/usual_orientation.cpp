@@ -4,9 +4,9 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/quantile.h"
 #include "core/geometry/box_symmetry.h"
 #include "core/geometry/pose.h"
-#include "estimator/shape/quantile.h"
 
 namespace uniquadric {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "estimator/shape/quantile.h"
+#include "core/base/quantile.h"
 
 namespace uniquadric {
 namespace {

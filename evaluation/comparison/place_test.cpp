@@ -11,6 +11,7 @@
 #include <string>
 
 #include "core/base/random.h"
+#include "evaluation/statistics/statistics.h"
 
 namespace uniquadric {
 namespace {
@@ -41,13 +42,6 @@ double mean_square(const Losses& losses) {
   return sum / static_cast<double>(losses.size());
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return (*middle + *std::max_element(values.begin(), middle)) / 2;
-}
-
 bool is_tested(const PlaceChange& place, std::size_t least_seeds) {
   return place.losses.size() >= std::max<std::size_t>(least_seeds, 2) &&
          std::any_of(place.losses.begin(), place.losses.end(), [](const auto& of) { return of.second != 0; });
@@ -65,8 +59,9 @@ std::map<std::string, std::vector<TestedPlace>> tested_by_sequence(std::vector<M
       places.push_back({&place, without_gain(place), 0});
       squares.push_back(mean_square(places.back().losses));
     }
+    const double usual_square = places.empty() ? 0 : statistics(squares)->median;
     for (TestedPlace& place : places) {
-      place.usual_square = median(squares);
+      place.usual_square = usual_square;
       tested[place.place->sequence].push_back(std::move(place));
     }
   }

@@ -88,22 +88,34 @@ TEST(LidarOdometry, EmptyScansAreGoneThrough) {
   EXPECT_LT(errors.max_m, 0.05);
 }
 
-// A recording of a LiDAR alone, through its files.
+// A recording of a LiDAR alone, and an IMU where there are readings, through its files.
+Sequence recording(const std::filesystem::path& folder,
+                   const std::vector<std::pair<std::int64_t, std::vector<LidarPoint>>>& scans,
+                   const std::vector<ImuSample>& readings = {}) {
+  Sequence made;
+  made.name = "recording";
+  made.rate_hz = 10;
+  made.lidar = LidarCalibration{.pattern = "test", .rate_hz = 10, .camera_from_lidar = {}};
+  if (!readings.empty()) {
+    made.imu = ImuCalibration{};
+    write_imu_csv(folder / "imu.csv", readings);
+  }
+  std::filesystem::create_directories(folder / "lidar");
+  for (const auto& [start_ns, points] : scans) {
+    made.scans.push_back({start_ns, "lidar/" + std::to_string(made.scans.size()) + ".pcd"});
+    write_lidar_points(folder / made.scans.back().file, points);
+  }
+  write_sequence_index(folder, made);
+  std::filesystem::remove(folder / "rgb.txt");
+  return open_sequence(folder);
+}
+
 TEST(LidarEgo, FollowsASequenceWithoutImages) {
   const TempFolder temp;
   const LidarRoom room;
-  Sequence made;
-  made.name = "room";
-  made.rate_hz = 10;
-  made.lidar = LidarCalibration{.pattern = "test", .rate_hz = room.rate_hz, .camera_from_lidar = {}};
-  std::filesystem::create_directories(temp.path() / "lidar");
-  for (int i = 0; i < 15; ++i) {
-    made.scans.push_back({room.scan_start_ns(i), "lidar/" + std::to_string(i) + ".pcd"});
-    write_lidar_points(temp.path() / made.scans.back().file, room.scan(i));
-  }
-  write_sequence_index(temp.path(), made);
-  std::filesystem::remove(temp.path() / "rgb.txt");
-  const Sequence sequence = open_sequence(temp.path());
+  std::vector<std::pair<std::int64_t, std::vector<LidarPoint>>> scans;
+  for (int i = 0; i < 15; ++i) scans.emplace_back(room.scan_start_ns(i), room.scan(i));
+  const Sequence sequence = recording(temp.path(), scans);
   ASSERT_TRUE(sequence.frames.empty());
   LidarEgo ego(sequence, {});
   ego.finish();
@@ -119,22 +131,16 @@ TEST(LidarEgo, FollowsASequenceWithoutImages) {
 TEST(LidarEgo, ASweepHasTheScansOwnPointsWhereIntervalsAreUneven) {
   const TempFolder temp;
   const LidarRoom room;
-  Sequence made;
-  made.name = "uneven";
-  made.rate_hz = 10;
-  made.lidar = LidarCalibration{.pattern = "test", .rate_hz = 10, .camera_from_lidar = {}};
   std::vector<LidarPoint> points = room.scan(0);
   for (LidarPoint& point : points) point.offset_ns = 100'000'000;
+  std::vector<std::pair<std::int64_t, std::vector<LidarPoint>>> scans;
   std::vector<std::int64_t> ends_ns;
   for (int i = 0; i < 12; ++i) {
     const std::int64_t start_ns = i * 100'000'000 + (i % 3 - 1) * 2'000'000 + 2'000'000;
-    made.scans.push_back({start_ns, std::to_string(i) + ".pcd"});
+    scans.emplace_back(start_ns, points);
     ends_ns.push_back(start_ns + 100'000'000);
-    write_lidar_points(temp.path() / made.scans.back().file, points);
   }
-  write_sequence_index(temp.path(), made);
-  std::filesystem::remove(temp.path() / "rgb.txt");
-  const Sequence sequence = open_sequence(temp.path());
+  const Sequence sequence = recording(temp.path(), scans);
   LidarEgo ego(sequence, {});
   ego.finish();
   EXPECT_EQ(ego.stamps_ns(), ends_ns);
@@ -148,23 +154,13 @@ TEST(LidarEgo, BiasesThatNoImuHasAreTold) {
     const TempFolder temp;
     LidarRoom room;
     room.range_sigma_m = 0.01;
-    Sequence made;
-    made.name = "biased";
-    made.rate_hz = 10;
-    made.lidar = LidarCalibration{.pattern = "test", .rate_hz = 10, .camera_from_lidar = {}};
-    made.imu = ImuCalibration{};
-    for (int i = 0; i < 35; ++i) {
-      made.scans.push_back({room.scan_start_ns(i), std::to_string(i) + ".pcd"});
-      write_lidar_points(temp.path() / made.scans.back().file, room.scan(i));
-    }
+    std::vector<std::pair<std::int64_t, std::vector<LidarPoint>>> scans;
+    for (int i = 0; i < 35; ++i) scans.emplace_back(room.scan_start_ns(i), room.scan(i));
     std::vector<ImuSample> samples = room.imu(4);
     for (ImuSample& sample : samples)
       for (Vector3d* v : {&sample.angular_velocity_radps, &sample.specific_force_mps2})
         if (is_turned) *v = Vector3d(-v->y(), v->x(), v->z());
-    write_imu_csv(temp.path() / "imu.csv", samples);
-    write_sequence_index(temp.path(), made);
-    std::filesystem::remove(temp.path() / "rgb.txt");
-    const Sequence sequence = open_sequence(temp.path());
+    const Sequence sequence = recording(temp.path(), scans, samples);
     LidarEgo ego(sequence, {});
     ego.finish();
     return ego.scan_faults();
@@ -177,14 +173,7 @@ TEST(LidarEgo, BiasesThatNoImuHasAreTold) {
 
 TEST(LidarEgo, ScansWithTimesThatNoneHasAreRefusedByName) {
   const TempFolder temp;
-  Sequence made;
-  made.name = "broken";
-  made.rate_hz = 10;
-  made.lidar = LidarCalibration{.pattern = "test", .rate_hz = 10, .camera_from_lidar = {}};
-  made.scans.push_back({0, "0.pcd"});
-  write_lidar_points(temp.path() / "0.pcd", {LidarPoint{.x = 5, .offset_ns = 3'000'000'000}});
-  write_sequence_index(temp.path(), made);
-  const Sequence sequence = open_sequence(temp.path());
+  const Sequence sequence = recording(temp.path(), {{0, {LidarPoint{.x = 5, .offset_ns = 3'000'000'000}}}});
   LidarEgo ego(sequence, {});
   EXPECT_NE(input_error([&] { ego.finish(); }).find("0.pcd: point 0: 3 s after the scan's start"),
             std::string::npos);
