@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/base/config.h"
 #include "core/base/error.h"
 
 namespace uniquadric {
 namespace {
+namespace fs = std::filesystem;
 
 constexpr std::size_t kImages = 5;                   // ours: a wrong scale is that of them all
 constexpr float kLeast_m = 0.01F, kMost_m = 100.0F;  // ours: wider than the range of any depth camera
@@ -38,6 +40,17 @@ std::optional<std::string> depth_scale_fault(const Sequence& sequence) {
   if (*middle >= kLeast_m && *middle <= kMost_m) return std::nullopt;
   return fmt::format("depth.units_per_m: {} gives a median depth of {:.3g} m, expected {:g} to {:g} m",
                      sequence.depth_units_per_m, *middle, kLeast_m, kMost_m);
+}
+
+std::optional<double> stated_depth_units_per_m(const fs::path& images) {
+  const fs::path file = fs::is_directory(images) ? images / "any" : images;
+  const fs::path folder = fs::absolute(file).lexically_normal().parent_path();
+  for (const fs::path& place : {folder, folder.parent_path()}) {
+    if (!fs::exists(place / "sequence.yaml")) continue;
+    const auto depth = ConfigNode::load(place / "sequence.yaml").find("depth");
+    return depth ? std::optional(depth->positive("units_per_m")) : std::nullopt;
+  }
+  return std::nullopt;
 }
 
 }  // namespace uniquadric

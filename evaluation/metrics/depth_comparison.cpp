@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/sequence/depth_scale.h"
 #include "core/sequence/sequence.h"
 
 namespace uniquadric {
@@ -47,22 +48,41 @@ fs::path at(const fs::path& file_or_folder, const fs::path& name) {
   return name.empty() ? file_or_folder : file_or_folder / name;
 }
 
-// All depths are whole numbers of units: counts of their differences hold every figure, whatever the number
-// of images.
+double scale_of(const fs::path& images, std::optional<double> otherwise) {
+  if (const auto stated = stated_depth_units_per_m(images)) return *stated;
+  if (otherwise) return *otherwise;
+  throw InputError(images, "no sequence.yaml beside it or above says its depth.units_per_m: --scale says it");
+}
+
+void set_scales(const fs::path& truth, const fs::path& estimate, std::optional<double> option,
+                DepthComparison& comparison) {
+  comparison.true_units_per_m = scale_of(truth, option);
+  comparison.estimate_units_per_m = scale_of(estimate, option);
+  if (option && comparison.true_units_per_m != *option && comparison.estimate_units_per_m != *option)
+    throw InputError(
+        fmt::format("--scale {}: the images' sequence.yaml says {}", *option, comparison.true_units_per_m));
+}
+
+// Differences are counted by their size in the coarser of the two units, in which all of them are below
+// 65535: so memory does not grow with the images. Of one unit on both sides they are whole, and exact.
 struct Sums {
   DepthComparison result;
-  std::vector<std::uint64_t> differences = std::vector<std::uint64_t>(kDepthCutOff);  // by size
-  double relative = 0;
+  double coarse_units_per_m = std::min(result.true_units_per_m, result.estimate_units_per_m);
+  std::vector<std::uint64_t> differences = std::vector<std::uint64_t>(kDepthCutOff);
+  double squares = 0, relative = 0;
   std::uint64_t near = 0;
 
-  void add(std::uint16_t truth, std::uint16_t estimate) {
-    if (!is_measured(truth)) return;
+  void add(std::uint16_t true_value, std::uint16_t estimated_value) {
+    if (!is_measured(true_value)) return;
     ++result.true_pixels;
-    if (!is_measured(estimate)) return;
+    if (!is_measured(estimated_value)) return;
     ++result.compared_pixels;
-    const int difference = std::abs(estimate - truth);
-    ++differences[static_cast<std::size_t>(difference)];
-    relative += static_cast<double>(difference) / truth;
+    const double truth = true_value * (coarse_units_per_m / result.true_units_per_m);
+    const double estimate = estimated_value * (coarse_units_per_m / result.estimate_units_per_m);
+    const double difference = std::abs(estimate - truth);
+    ++differences[static_cast<std::size_t>(std::lround(difference))];
+    squares += difference * difference;
+    relative += difference / truth;
     if (4 * std::max(estimate, truth) < 5 * std::min(estimate, truth)) ++near;
   }
 
@@ -74,15 +94,13 @@ struct Sums {
     return size;
   }
 
-  DepthComparison finish(double units_per_m) const {
+  DepthComparison finish() const {
     DepthComparison c = result;
     if (c.compared_pixels == 0) return c;
     const auto n = static_cast<double>(c.compared_pixels);
-    double squares = 0;
-    for (std::size_t k = 0; k < differences.size(); ++k)
-      squares += static_cast<double>(differences[k]) * static_cast<double>(k * k);
-    c.rmse_m = std::sqrt(squares / n) / units_per_m;
-    c.median_m = 0.5 * (ranked((c.compared_pixels - 1) / 2) + ranked(c.compared_pixels / 2)) / units_per_m;
+    c.rmse_m = std::sqrt(squares / n) / coarse_units_per_m;
+    c.median_m =
+        0.5 * (ranked((c.compared_pixels - 1) / 2) + ranked(c.compared_pixels / 2)) / coarse_units_per_m;
     c.relative_error = relative / n;
     c.share_within_a_quarter = share(near, c.compared_pixels);
     return c;
@@ -95,7 +113,9 @@ DepthComparison compare_depth(const fs::path& truth, const fs::path& estimate, c
   if (fs::is_directory(truth) != fs::is_directory(estimate))
     throw InputError(estimate, fmt::format("and {}: one is a folder, one is not", truth.string()));
   if (options.masks.empty() == options.id.has_value()) throw InputError("an id goes with masks of ids");
-  Sums sums;
+  DepthComparison scales;
+  set_scales(truth, estimate, options.units_per_m, scales);
+  Sums sums{scales};
   for (const fs::path& name : names_of(truth)) {
     const cv::Mat depth = read_16_bit(at(truth, name));
     ++sums.result.images;
@@ -115,7 +135,7 @@ DepthComparison compare_depth(const fs::path& truth, const fs::path& estimate, c
   if (sums.result.true_pixels == 0 && options.id)
     throw InputError(options.masks, fmt::format("no true depth under the id {}", *options.id));
   if (sums.result.true_pixels == 0) throw InputError(truth, "has no depth");
-  return sums.finish(options.units_per_m);
+  return sums.finish();
 }
 
 Figures figures(const DepthComparison& c) {
@@ -127,7 +147,9 @@ Figures figures(const DepthComparison& c) {
           {"rmse_m", c.rmse_m},
           {"median_m", c.median_m},
           {"absolute_relative_error", c.relative_error},
-          {"delta_1", c.share_within_a_quarter}};
+          {"delta_1", c.share_within_a_quarter},
+          {"true_units_per_m", c.true_units_per_m},
+          {"estimate_units_per_m", c.estimate_units_per_m}};
 }
 
 }  // namespace uniquadric

@@ -64,11 +64,13 @@ void add_depth(CLI::App& app, Common& common) {
   auto* sub = over_files(app, "depth", "error of depth images", "TRUE", "16-bit PNG, or a folder of them",
                          "ESTIMATE", "image, or folder of the same names", common,
                          [](const std::string& truth, const std::string& estimate) {
-                           if (!(options.units_per_m > 0)) throw InputError("--scale: expected more than 0");
+                           if (options.units_per_m && !(*options.units_per_m > 0))
+                             throw InputError("--scale: expected more than 0");
                            options.masks = masks;
                            return compare_depth(truth, estimate, options);
                          });
-  sub->add_option("--scale", options.units_per_m, "value of a pixel at 1 m; default: 5000")
+  sub->add_option("--scale", options.units_per_m,
+                  "value of a pixel at 1 m, of images beside no sequence.yaml")
       ->check(at_least_0());
   auto* of_ids = sub->add_option("--masks", masks, "image of ids, or folder of the same names");
   auto* id = sub->add_option("--id", options.id, "whose pixels count")->check(whole_number(0, 65535));

@@ -25,13 +25,22 @@ class DepthMetric : public testing::Test {
     write_png(temp_.path() / name, cv::Mat(pixels, true).reshape(1, 2));
     return temp_.path() / name;
   }
+  static DepthOptions in_units(double units_per_m) {
+    DepthOptions options;
+    options.units_per_m = units_per_m;
+    return options;
+  }
+  void write_sequence_yaml(const char* name, const std::string& text) {
+    fs::create_directories(temp_.path() / name);
+    write_text(temp_.path() / name / "sequence.yaml", text);
+  }
   std::string folder(const char* name) const { return temp_.path() / name; }
   static json compare(const std::string& truth, const std::string& estimate,
-                      const DepthOptions& options = {}) {
+                      const DepthOptions& options = in_units(5000)) {
     return json::parse(figures_json(figures(compare_depth(truth, estimate, options))));
   }
   static std::string refusal(const std::string& truth, const std::string& estimate,
-                             const DepthOptions& options = {}) {
+                             const DepthOptions& options = in_units(5000)) {
     return input_error([&] { compare_depth(truth, estimate, options); });
   }
 
@@ -50,8 +59,7 @@ TEST_F(DepthMetric, FiguresOfFourPixels) {
   EXPECT_NEAR(found["median_m"], 0.5, 1e-12);
   EXPECT_NEAR(found["absolute_relative_error"], (0.2 + 0.25 + 0.25) / 3, 1e-12);
   EXPECT_NEAR(found["delta_1"], 1 / 3., 1e-12);  // 1.2; just 1.25 and 4/3 are not
-  DepthOptions in_mm;
-  in_mm.units_per_m = 1000;
+  const DepthOptions in_mm = in_units(1000);
   EXPECT_NEAR(compare(truth, estimate, in_mm)["rmse_m"], 5 * found["rmse_m"].get<double>(), 1e-12);
   EXPECT_EQ(compare(truth, estimate, in_mm)["absolute_relative_error"], found["absolute_relative_error"]);
 }
@@ -89,11 +97,41 @@ TEST_F(DepthMetric, FoldersAreOneSampleAndAMissingImageIsNotCovered) {
   EXPECT_NEAR(found["rmse_m"], 0.5, 1e-12);
 }
 
+// 2 m against 2.5 m, and 1 m against 1 m, in mm and in 0.2 mm.
+TEST_F(DepthMetric, EachSideHasTheScaleOfItsSequence) {
+  write("a/depth/1.png", {2000, 1000, 0, 0});
+  write("b/depth/1.png", {12500, 5000, 0, 0});
+  write_sequence_yaml("a", "schema: 1\ndepth: {units_per_m: 1000}\n");
+  write_sequence_yaml("b", "schema: 1\ndepth: {units_per_m: 5000}\n");
+  for (const std::string images : {"depth", "depth/", "depth/1.png"}) {
+    const json found = compare(folder("a/") + images, folder("b/") + images, {});
+    EXPECT_EQ(found["true_units_per_m"], 1000) << images;
+    EXPECT_EQ(found["estimate_units_per_m"], 5000) << images;
+    EXPECT_NEAR(found["rmse_m"], 0.5 / std::sqrt(2), 1e-12) << images;
+    EXPECT_NEAR(found["median_m"], 0.25, 1e-12) << images;
+    EXPECT_NEAR(found["absolute_relative_error"], 0.125, 1e-12) << images;
+    EXPECT_EQ(found["delta_1"], 0.5) << images;
+  }
+  EXPECT_EQ(compare(folder("a/depth"), folder("a/depth"), {})["true_units_per_m"], 1000);
+}
+
+TEST_F(DepthMetric, WithoutASequenceTheOptionSaysTheScale) {
+  const std::string truth = write("a/depth/1.png", {2000, 1000, 0, 0});
+  const std::string estimate = write("alone/deep/1.png", {10000, 5000, 0, 0});
+  write_sequence_yaml("a", "depth: {units_per_m: 1000}\n");
+  EXPECT_EQ(compare(truth, estimate, in_units(5000))["rmse_m"], 0);  // of the other side alone
+  EXPECT_NE(refusal(truth, estimate, {}).find("1.png: no sequence.yaml"), std::string::npos);
+  EXPECT_NE(refusal(truth, estimate, {}).find("--scale"), std::string::npos);
+  EXPECT_EQ(refusal(truth, truth, in_units(5000)), "--scale 5000: the images' sequence.yaml says 1000");
+  write_sequence_yaml("a", "depth: {units_per_m: 0}\n");
+  EXPECT_NE(refusal(truth, truth, {}).find("sequence.yaml:1"), std::string::npos);
+}
+
 TEST_F(DepthMetric, MasksRestrictToAnId) {
   write("true/a.png", {5000, 5000, 10000, 10000});
   write("estimate/a.png", {5000, 6000, 10000, 0});
   write("masks/a.png", {3, 3, 0, 4});
-  DepthOptions options;
+  DepthOptions options = in_units(5000);
   options.masks = folder("masks");
   options.id = 3;
   const json found = compare(folder("true"), folder("estimate"), options);
