@@ -40,11 +40,13 @@ WorldAlignment align_world(AlignmentKind kind, const Tracks& truth, const Tracks
 Tracks in_true_world(const WorldAlignment& alignment, const Tracks& estimate) {
   if (alignment.kind == AlignmentKind::none) return estimate;
   Tracks moved = estimate;
+  const double scale = alignment.truth_from_estimate.scale;
   for (StampedPose& pose : moved.camera) pose.pose = alignment.truth_from_estimate * pose.pose;
   for (ObjectTrack& object : moved.objects)
     for (ObjectState& state : object.states) {
       state.ellipsoid.world_from_object = alignment.truth_from_estimate * state.ellipsoid.world_from_object;
-      state.ellipsoid.semi_axes_m *= alignment.truth_from_estimate.scale;
+      state.ellipsoid.semi_axes_m *= scale;
+      state.covariance_diagonal.head<6>() *= scale * scale;  // semi-axes, translation
     }
   return moved;
 }

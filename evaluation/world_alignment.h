@@ -25,8 +25,8 @@ double object_distance_m(const Tracks& truth);
 WorldAlignment align_world(AlignmentKind kind, const Tracks& truth, const Tracks& estimate,
                            std::int64_t max_difference_ns);
 
-/// The estimate in the truth's world; a scale also scales the objects. Covariances stay those of the
-/// estimate's own world.
+/// The estimate in the truth's world; a scale also scales the objects and, squared, the variances of
+/// lengths, which lie along the objects' axes.
 Tracks in_true_world(const WorldAlignment& alignment, const Tracks& estimate);
 
 }  // namespace uniquadric

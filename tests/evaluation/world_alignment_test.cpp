@@ -148,6 +148,23 @@ TEST_F(World, AScaledWorldScalesItsObjects) {
   EXPECT_NEAR(result["objects"][0]["semi_axes_error_m"]["x"]["max"], 0, 1e-6);
 }
 
+// Centres off by 0.03 m of the true world against sigmas of 0.01 along each axis, in a world of half the
+// size.
+TEST_F(World, AScaledWorldScalesWhatItsObjectsState) {
+  write_changed([](Tracks& tracks) {
+    for (ObjectState& state : tracks.objects[0].states) {
+      state.ellipsoid.world_from_object.translation.y() += 0.03;
+      state.ellipsoid.semi_axes_m.x() += 0.01;
+    }
+    move_world(tracks, kMove, 0.5);
+    for (ObjectState& state : tracks.objects[0].states) state.covariance_diagonal.setConstant(0.005 * 0.005);
+  });
+  const json cuboid = run_aligned("seed: 1\n", AlignmentKind::sim3)["objects"][0]["consistency"];
+  EXPECT_NEAR(cuboid["translation"]["rmse"], std::sqrt(3.0), 1e-4);
+  EXPECT_NEAR(cuboid["semi_axes"]["rmse"], 1 / std::sqrt(3.0), 1e-4);
+  EXPECT_NEAR(cuboid["rotation"]["rmse"], 0, 1e-4);
+}
+
 TEST_F(World, SeThreeRefusesACameraOnALine) {
   write_changed([](Tracks& tracks) {
     for (std::size_t i = 0; i < tracks.camera.size(); ++i)
