@@ -15,12 +15,13 @@ CameraEvaluation evaluate_camera(const Trajectory& truth, const Trajectory& esti
                                  std::int64_t max_difference_ns) {
   PosePairs poses;
   std::set<std::size_t> covered;
-  std::vector<IndexStep> steps;  // a hole is none: both ends are next to each other in the truth
+  std::vector<IndexStep> steps;  // a hole of either side is none
+  const std::vector<bool> is_next = are_next_frames(stamps_of(truth));
   std::size_t last = 0;
   for (const IndexPair& pair :
        associate(stamps_of(truth), stamps_of(estimate), {StampRule::nearest, max_difference_ns})) {
     const std::size_t k = poses.size();
-    if (k > 0 && pair.reference == last + 1) steps.push_back({k - 1, k});
+    if (k > 0 && pair.reference == last + 1 && is_next[pair.reference]) steps.push_back({k - 1, k});
     last = pair.reference;
     poses.stamps_ns.push_back(truth[pair.reference].stamp_ns);
     poses.reference.push_back(truth[pair.reference].pose);

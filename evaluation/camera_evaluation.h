@@ -23,8 +23,8 @@ struct CameraEvaluation {
 };
 
 /// Pairs of nearest stamps (evo's rule); truth and estimate share the world frame. RPE runs
-/// over consecutive poses of the truth; a step with an end that has no estimate is left out. Fewer than 3
-/// pairs leave all figures empty; the caller refuses them.
+/// over consecutive poses of the truth; a step across a hole of the truth (are_next_frames), or with an end
+/// that has no estimate, is left out. Fewer than 3 pairs leave all figures empty; the caller refuses them.
 CameraEvaluation evaluate_camera(const Trajectory& truth, const Trajectory& estimate,
                                  std::int64_t max_difference_ns);
 

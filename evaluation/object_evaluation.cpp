@@ -3,7 +3,9 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/sequence/stamps.h"
 #include "evaluation/align/symmetry.h"
+#include "evaluation/association/stamps.h"
 #include "evaluation/image_overlap.h"
 #include "evaluation/view_arc.h"
 
@@ -94,8 +96,9 @@ void fill_image_overlap(const Ellipsoid& truth, const Ellipsoid& original, const
 }
 
 void fill_relative(const ObjectTrack& truth, std::vector<ObjectFrame>& frames) {
+  const std::vector<bool> is_next = are_next_frames(stamps_of(truth.states));
   for (std::size_t k = 1; k < frames.size(); ++k) {
-    if (!frames[k - 1].estimate || !frames[k].estimate) continue;
+    if (!is_next[k] || !frames[k - 1].estimate || !frames[k].estimate) continue;
     const Pose& a = truth.states[k - 1].ellipsoid.world_from_object;
     const Pose& b = truth.states[k].ellipsoid.world_from_object;
     const Pose& p = frames[k - 1].estimate->world_from_object;

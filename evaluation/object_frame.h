@@ -39,7 +39,8 @@ struct ObjectFrame {
   ErrorsInSigmas in_sigmas;           ///< of the same
   std::optional<double> ape_rotation_naive_rad;  ///< of the estimate as it came
   std::optional<double> rotation_symmetric_rad;  ///< by the class of the true axes; empty for spheres
-  std::optional<PoseError> rpe, motion;          ///< from the truth frame before, when both are estimated
+  /// From the truth frame before; empty where that has no estimate, and after a hole of the truth.
+  std::optional<PoseError> rpe, motion;
   std::optional<double> iou3d, d_shape_m;
   std::optional<MonteCarloIou> iou3d_monte_carlo;
   std::optional<double> iou2d, iou2d_ellipse;  ///< empty where one of the two has no elliptic outline

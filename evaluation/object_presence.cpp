@@ -3,27 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/sequence/stamps.h"
+#include "evaluation/association/stamps.h"
+
 namespace uniquadric {
 namespace {
 
-std::int64_t median_period_ns(const std::vector<ObjectFrame>& frames) {
-  std::vector<std::int64_t> periods;
-  for (std::size_t k = 1; k < frames.size(); ++k)
-    periods.push_back(frames[k].stamp_ns - frames[k - 1].stamp_ns);
-  if (periods.empty()) return 0;
-  const auto middle = periods.begin() + std::ssize(periods) / 2;
-  std::nth_element(periods.begin(), middle, periods.end());
-  return *middle;
-}
-
 double longest_gap_s(const std::vector<ObjectFrame>& frames) {
-  const std::int64_t end = frames.back().stamp_ns + median_period_ns(frames);
+  const std::vector<std::int64_t> stamps = stamps_of(frames);
+  const std::int64_t period = median_period_ns(stamps);
+  const std::vector<bool> is_next = are_next_frames(stamps);
   std::int64_t longest = 0, gap = 0;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     if (frames[k].estimate)
       gap = 0;
     else if (frames[k].visible)
-      gap += (k + 1 < frames.size() ? frames[k + 1].stamp_ns : end) - frames[k].stamp_ns;
+      gap += k + 1 < frames.size() && is_next[k + 1] ? stamps[k + 1] - stamps[k] : period;
     longest = std::max(longest, gap);
   }
   return static_cast<double>(longest) * 1e-9;

@@ -28,8 +28,9 @@ struct ObjectPresence {
   std::size_t visible_frames = 0;
   std::optional<double> coverage;  ///< share of the visible frames with an estimate; empty without any
   std::optional<double> coverage_of_all_frames;  ///< the same over hidden frames too; empty without frames
-  /// Longest time without an estimate, a frame standing until the next one; hidden frames add nothing to it.
-  /// Empty when the object is never visible.
+  /// Longest time without an estimate, a frame standing until the next one, and for a median period before a
+  /// hole of the truth and at its end. Hidden frames and holes add nothing to it and do not end it. Empty
+  /// when the object is never visible.
   std::optional<double> longest_gap_s;
 };
 ObjectPresence object_presence(const std::vector<ObjectFrame>& frames);

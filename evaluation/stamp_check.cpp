@@ -34,6 +34,12 @@ void check_file(const fs::path& file, const Stamps& frames, const Stamps& stamps
         fmt::format("{}: {} of {} stamps lie more than {:g} ms from every frame of the truth, and are "
                     "compared with none",
                     file.string(), stamps.size() - near.size(), stamps.size(), milliseconds(limit_ns)));
+  const std::size_t compared = associate(frames, stamps, {StampRule::one_to_one, limit_ns}).size();
+  if (compared < near.size())
+    faults.push_back(
+        fmt::format("{}: {} of {} stamps lie beside another that is nearer to the truth's frame, and are "
+                    "compared with none",
+                    file.string(), near.size() - compared, stamps.size()));
   if (near.empty()) return;
   const auto middle = near.begin() + std::ssize(near) / 2;
   std::nth_element(near.begin(), middle, near.end());

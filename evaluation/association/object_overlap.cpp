@@ -1,6 +1,7 @@
 #include "evaluation/association/object_overlap.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 
 #include "core/base/hungarian.h"
@@ -31,22 +32,16 @@ void sort_unique(std::vector<std::int64_t>& stamps) {
   stamps.erase(std::unique(stamps.begin(), stamps.end()), stamps.end());
 }
 
-// Truth stamps, and those of estimated states that are near none of them.
-std::vector<std::int64_t> frame_stamps(const Tracks& truth, const Tracks& estimate,
-                                       const StampOptions& options) {
+std::vector<std::int64_t> frame_stamps(const Tracks& truth, std::int64_t max_difference_ns) {
   std::vector<std::int64_t> stamps;
   for (const auto& object : truth.objects)
     for (const auto& state : object.states) stamps.push_back(state.stamp_ns);
   sort_unique(stamps);
-  std::vector<std::int64_t> extra;
-  for (const auto& track : estimate.objects) {
-    const Seen seen = seen_states(track);
-    std::vector<bool> near(seen.states.size());
-    for (const IndexPair& pair : associate(stamps, seen.stamps_ns, options)) near[pair.estimate] = true;
-    for (std::size_t i = 0; i < near.size(); ++i)
-      if (!near[i]) extra.push_back(seen.stamps_ns[i]);
-  }
-  stamps.insert(stamps.end(), extra.begin(), extra.end());
+  const std::vector<std::int64_t> of_objects = stamps;
+  for (const auto& pose : truth.camera)
+    if (of_objects.empty() ||
+        std::abs(of_objects[nearest_index(of_objects, pose.stamp_ns)] - pose.stamp_ns) > max_difference_ns)
+      stamps.push_back(pose.stamp_ns);
   sort_unique(stamps);
   return stamps;
 }
@@ -65,7 +60,7 @@ Presence presence(const ObjectTrack& track, const std::vector<std::int64_t>& sta
 ObjectOverlaps overlap_objects(const Tracks& truth, const Tracks& estimate, std::int64_t max_difference_ns) {
   const StampOptions options{StampRule::one_to_one, max_difference_ns};
   ObjectOverlaps result;
-  result.stamps_ns = frame_stamps(truth, estimate, options);
+  result.stamps_ns = frame_stamps(truth, max_difference_ns);
   const std::size_t frames = result.stamps_ns.size();
   for (const auto& object : truth.objects)
     result.truth.push_back(presence(object, result.stamps_ns, options));

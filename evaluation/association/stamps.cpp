@@ -9,6 +9,9 @@ namespace {
 
 using Stamps = std::vector<std::int64_t>;
 
+// ours: one frame that is missing makes two periods, and stamps of a camera tremble by less than half of one
+constexpr double kLongestStep_periods = 1.5;
+
 std::vector<IndexPair> nearest_pairs(const Stamps& reference, const Stamps& estimate, std::int64_t limit) {
   const bool estimate_is_longer = estimate.size() > reference.size();
   const Stamps& shorter = estimate_is_longer ? reference : estimate;
@@ -53,6 +56,23 @@ std::size_t nearest_index(const Stamps& stamps, std::int64_t stamp) {
   const std::size_t before = static_cast<std::size_t>(after - stamps.begin()) - 1;
   if (after == stamps.end()) return before;
   return stamp - stamps[before] <= *after - stamp ? before : before + 1;
+}
+
+std::int64_t median_period_ns(const Stamps& stamps) {
+  Stamps periods;
+  for (std::size_t k = 1; k < stamps.size(); ++k) periods.push_back(stamps[k] - stamps[k - 1]);
+  if (periods.empty()) return 0;
+  const auto middle = periods.begin() + std::ssize(periods) / 2;
+  std::nth_element(periods.begin(), middle, periods.end());
+  return *middle;
+}
+
+std::vector<bool> are_next_frames(const Stamps& stamps) {
+  const double longest_ns = kLongestStep_periods * static_cast<double>(median_period_ns(stamps));
+  std::vector<bool> next(stamps.size());
+  for (std::size_t k = 1; k < stamps.size(); ++k)
+    next[k] = static_cast<double>(stamps[k] - stamps[k - 1]) <= longest_ns;
+  return next;
 }
 
 std::vector<IndexPair> associate(const Stamps& reference_ns, const Stamps& estimate_ns,

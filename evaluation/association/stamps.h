@@ -25,6 +25,13 @@ struct IndexPair {
 /// least.
 std::size_t nearest_index(const std::vector<std::int64_t>& stamps_ns, std::int64_t stamp_ns);
 
+/// Median time between neighbours; 0 of fewer than two.
+std::int64_t median_period_ns(const std::vector<std::int64_t>& stamps_ns);
+
+/// Of each stamp, increasing, whether it is a frame's after the one before: at most one and a half median
+/// periods later. Of what comes after a hole, or first, it is not.
+std::vector<bool> are_next_frames(const std::vector<std::int64_t>& stamps_ns);
+
 /// Pairs of poses that belong to one time, in order of the reference. Stamps are strictly increasing. Of two
 /// that are equally near the earlier one is taken; of lists of equal length the estimate counts as the
 /// shorter (evo's choice).

@@ -60,6 +60,17 @@ class Evaluate : public testing::Test {
     }
   }
 
+  // The truth without the frames from `first` up to `end`, of the camera as of all objects.
+  void write_hole_in_truth(int first, int end) {
+    const auto cut = [&](const fs::path& file) {
+      Trajectory poses = read_tum(file);
+      poses.erase(poses.begin() + first, poses.begin() + end);
+      write_tum(file, poses);
+    };
+    cut(truth() / "camera.tum");
+    for (const auto& object : kObjects) cut(truth() / "objects" / (std::to_string(object.id) + ".tum"));
+  }
+
   // The truth under other ids (10 for 1, ...), changed by `change`.
   void write_changed(const std::function<void(Tracks&)>& change) {
     Tracks tracks = read_tracks(truth());

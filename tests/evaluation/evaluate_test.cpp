@@ -186,6 +186,24 @@ TEST_F(Evaluate, CameraStepsDoNotBridgeAHole) {
   EXPECT_NEAR(camera["ape"]["translation_m"]["max"], 1, kRounding);
 }
 
+TEST_F(Evaluate, NoStepBridgesAHoleOfTheTruth) {
+  write_changed([](Tracks& tracks) {
+    for (std::size_t i = 15; i < kFrames; ++i) {  // a jump in the hole, which the estimate goes through
+      tracks.camera[i].pose.translation.x() += 1;
+      tracks.objects[0].states[i].ellipsoid.world_from_object.translation.x() += 0.05;
+    }
+  });
+  write_hole_in_truth(10, 15);
+  write_text(estimate() / "run.yaml", "variant: {ego: given}\n");  // no alignment
+  const json result = run();
+  for (const json& figures :
+       {result["camera"]["rpe"], result["objects"][0]["rpe"], result["objects"][0]["motion_error"]}) {
+    EXPECT_EQ(figures["translation_m"]["n"], kFrames - 5 - 2);  // two runs
+    EXPECT_LT(figures["translation_m"]["max"], 0.002);  // a turning body's motion is off by 0.05 m * 0.02
+  }
+  EXPECT_EQ(result["objects"][0]["ape"]["translation_m"]["n"], kFrames - 5);
+}
+
 TEST_F(Evaluate, TwoMatchedFramesGiveNoErrorFigures) {
   write_changed([](Tracks& tracks) { tracks.objects[0].states.resize(2); });
   const json object = run()["objects"][0];
@@ -330,6 +348,16 @@ TEST_F(Evaluate, StampsThatDoNotFitTheTruthsFramesAreNamed) {
                     "0.000000000 s: frame 1, which is the truth's 0); rows are compared by their stamps"));
   write_objects_yaml(truth() / "objects.yaml", kObjects);  // a recording's truth may have holes
   EXPECT_EQ(said(from_1), "");
+  EXPECT_EQ(said([&](Tracks& tracks) {
+              auto& states = tracks.objects[2].states;
+              states.back().frame += 1;
+              states.insert(states.end() - 1, states[kFrames - 2]);
+              states[kFrames - 1].frame += 1;
+              states[kFrames - 1].stamp_ns += 5'000'000;
+            }),
+            warning("objects/30.tum",
+                    "1 of 31 stamps lie beside another that is nearer to the truth's frame, and are "
+                    "compared with none"));
 }
 
 TEST(RunRecord, SaysWhetherPosesWereGivenWhateverItHolds) {

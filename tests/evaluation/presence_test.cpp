@@ -57,6 +57,18 @@ TEST_F(Presence, HiddenFramesAreNoMisses) {
   EXPECT_NEAR(result["tracking"]["idf1"], 2 * 78.0 / (83 + 78), 1e-12);
 }
 
+TEST_F(Presence, AHoleOfTheTruthIsNoGap) {
+  write_changed([](Tracks& tracks) {
+    auto& states = tracks.objects[0].states;
+    states.erase(states.begin() + 15);
+    states.erase(states.begin() + 9);
+  });
+  write_hole_in_truth(10, 15);
+  const json cuboid = run()["objects"][0];
+  EXPECT_EQ(cuboid["frames"], kFrames - 5);
+  EXPECT_NEAR(cuboid["longest_gap_s"], 2 * kPeriodNs * kNs, 1e-12);  // frames 9 and 15
+}
+
 TEST_F(Presence, EnoughIsATenthOfTheSilhouetteAndFiftyPixels) {
   const std::vector<View> views = {{99, 1000}, {100, 1000}, {49, 49}, {50, 50}, {0, 0}};
   write_visibility([&](int frame) { return frame < 5 ? views[frame] : View{}; });

@@ -83,6 +83,43 @@ TEST_F(Evaluate, AFalseTrackCounts) {
   EXPECT_EQ(result["tracking"]["unmatched_ids"], json::array({40}));
 }
 
+// Of an estimate at twice the truth's rate, through a hole of the truth, every other state is at a frame, or
+// none: what is at no frame is neither hit nor false.
+TEST_F(Evaluate, StatesBetweenTheTruthsFramesAreNoFalseTracks) {
+  const auto double_rate = [](Tracks& tracks) {
+    for (ObjectTrack& track : tracks.objects) {
+      std::vector<ObjectState> twice;
+      for (ObjectState state : track.states)
+        for (const std::int64_t later_ns : {std::int64_t{0}, kPeriodNs / 2}) {
+          state.frame = std::ssize(twice);
+          twice.push_back(state);
+          twice.back().stamp_ns += later_ns;
+        }
+      track.states = twice;
+    }
+  };
+  write_changed(double_rate);
+  const auto expect_perfect = [&] {
+    const json tracking = run()["tracking"];
+    for (const char* key : {"hota", "mota", "idf1"}) EXPECT_NEAR(tracking[key], 1, 1e-12) << key;
+  };
+  expect_perfect();
+  write_hole_in_truth(10, 15);
+  expect_perfect();
+}
+
+// The camera's frames are the truth's, in those without an object too: what is seen there is false.
+TEST_F(Evaluate, AStateAtAFrameWithoutObjectsIsFalse) {
+  write_changed([](Tracks&) {});
+  for (const auto& object : kObjects) {
+    const fs::path file = truth() / "objects" / (std::to_string(object.id) + ".tum");
+    Trajectory poses = read_tum(file);
+    poses.resize(20);
+    write_tum(file, poses);
+  }
+  EXPECT_NEAR(run()["tracking"]["mota"], (60.0 - 30) / 60, 1e-12);
+}
+
 // A body frame 0.05 m beside the true one: its own error, none of the motion.
 TEST_F(Evaluate, ABodyOffsetIsNoMotionError) {
   write_changed([](Tracks& tracks) {
