@@ -41,7 +41,7 @@ Trajectory read_states(const fs::path& path) {
 
 void read_truth(const fs::path& path, const Pose& body_from_camera, Recording& recording) {
   RecordedTruth& truth = recording.truth.emplace();
-  truth.camera = trajectory_at(read_states(path), stamps_of(recording.sequence.frames));
+  truth.camera = camera_poses(path, read_states(path), recording);
   for (StampedPose& pose : truth.camera) {
     pose.pose = pose.pose * body_from_camera;
     pose.pose.rotation.normalize();

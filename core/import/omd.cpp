@@ -12,13 +12,13 @@
 namespace uniquadric {
 namespace fs = std::filesystem;
 
-void set_truth(const Trajectory& world_from_camera, const std::map<std::string, Trajectory>& bodies,
+void set_truth(const Trajectory& camera, const std::map<std::string, Trajectory>& bodies,
                const std::function<std::string(const ObjectDescription&)>& name_of, const fs::path& objects,
                Recording& recording) {
   RecordedTruth& truth = recording.truth.emplace();
-  truth.camera = trajectory_at(world_from_camera, stamps_of(recording.sequence.frames));
-  recording.sequence.given_camera = truth.camera;
-  const auto stamps_ns = stamps_of(truth.camera);
+  truth.camera = camera;
+  recording.sequence.given_camera = camera;
+  const auto stamps_ns = stamps_of(camera);
   std::set<std::string> left;
   for (const auto& [name, trajectory] : bodies) left.insert(name);
   if (!objects.empty())

@@ -151,7 +151,7 @@ Recording read_omd_processed(const fs::path& folder, const ImportOmdOptions& opt
   const auto& frames = recording.sequence.frames;
   const fs::path objects = folder / "object_pose.txt";
   set_truth(
-      read_camera_poses(folder / "pose_gt.txt", frames),
+      camera_poses(folder / "pose_gt.txt", read_camera_poses(folder / "pose_gt.txt", frames), recording),
       fs::exists(objects) ? read_object_poses(objects, frames) : std::map<std::string, Trajectory>(),
       [](const auto& object) { return fmt::format("object {}", object.id); }, options.objects, recording);
   return recording;

@@ -91,10 +91,8 @@ void read_truth(const fs::path& path, const Pose& payload_from_camera, const Imp
   }
   vicon.bodies.erase(payload);
   set_truth(
-      world_from_camera, vicon.bodies, [](const auto& object) { return object.name; }, options.objects,
-      recording);
-  if (recording.truth->camera.empty())
-    throw InputError(path, "no image lies within the poses' times: the clocks differ, see --vicon-offset");
+      camera_poses(path, world_from_camera, recording, kMaxPoseGap_s, ", see --vicon-offset"), vicon.bodies,
+      [](const auto& object) { return object.name; }, options.objects, recording);
 }
 
 }  // namespace

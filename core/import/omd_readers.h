@@ -22,10 +22,10 @@ ViconFile read_vicon(const std::filesystem::path& path, double offset_s);
 /// rgbd/ of the raw layout: frames and their images. Says in `left_out` how many indices have one image only.
 void read_rgbd(const std::filesystem::path& folder, Recording& recording);
 
-/// The truth of the camera's poses `world_from_camera` and of the bodies that `options.objects` describes, as
-/// far as `name_of` finds them in `bodies`, at the camera's stamps. Bodies without a description are left
-/// out, and that is said.
-void set_truth(const Trajectory& world_from_camera, const std::map<std::string, Trajectory>& bodies,
+/// The truth of the camera's poses at the frames (camera_poses) and of the bodies that `options.objects`
+/// describes, as far as `name_of` finds them in `bodies`, at the camera's stamps. Bodies without a
+/// description are left out, and that is said.
+void set_truth(const Trajectory& camera, const std::map<std::string, Trajectory>& bodies,
                const std::function<std::string(const ObjectDescription&)>& name_of,
                const std::filesystem::path& objects, Recording& recording);
 

@@ -111,6 +111,25 @@ Trajectory trajectory_at(const Trajectory& trajectory, const std::vector<std::in
   return result;
 }
 
+Trajectory camera_poses(const fs::path& file, const Trajectory& world_from_camera, Recording& recording,
+                        double max_gap_s, const std::string& remedy) {
+  if (world_from_camera.empty()) throw InputError(file, "holds no pose");
+  const auto stamps_ns = stamps_of(recording.sequence.frames);
+  Trajectory poses = trajectory_at(world_from_camera, stamps_ns, max_gap_s);
+  const bool apart = stamps_ns.back() < world_from_camera.front().stamp_ns ||
+                     stamps_ns.front() > world_from_camera.back().stamp_ns;
+  if (poses.empty() && apart)
+    throw InputError(file, "no image lies within the poses' times: the clocks differ" + remedy);
+  if (poses.empty())
+    throw InputError(file,
+                     fmt::format("all images lie in holes of more than {} s between the poses", max_gap_s));
+  if (poses.size() < stamps_ns.size())
+    recording.left_out.push_back(
+        fmt::format("{}: {} of {} images have no pose, outside its times or in a hole of more than {} s",
+                    file.string(), stamps_ns.size() - poses.size(), stamps_ns.size(), max_gap_s));
+  return poses;
+}
+
 std::string recording_name(const fs::path& recording) {
   const fs::path folder = fs::weakly_canonical(recording);
   std::string name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();

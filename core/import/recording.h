@@ -67,6 +67,13 @@ inline constexpr double kMaxPoseGap_s =
 Trajectory trajectory_at(const Trajectory& trajectory, const std::vector<std::int64_t>& stamps_ns,
                          double max_gap_s = kMaxPoseGap_s);
 
+/// trajectory_at() the recording's frames, of poses that stand in `file`; adds to `left_out` how many frames
+/// have none. Throws InputError where none has one: poses of another clock, for which `remedy` may name an
+/// option.
+Trajectory camera_poses(const std::filesystem::path& file, const Trajectory& world_from_camera,
+                        Recording& recording, double max_gap_s = kMaxPoseGap_s,
+                        const std::string& remedy = "");
+
 /// A name for a recording that is plain in files: that of its folder, with _ for what is none of letters,
 /// digits and _-. ; `recording` where the folder has no name.
 std::string recording_name(const std::filesystem::path& recording);

@@ -57,8 +57,7 @@ Recording read_recording(const fs::path& folder, const ImportTumOptions& options
   }
   sequence.rate_hz = nominal_rate_hz(stamps_of(sequence.frames), kBenchmarkRateHz);
   if (const fs::path truth = folder / "groundtruth.txt"; fs::exists(truth))
-    sequence.given_camera =
-        trajectory_at(read_tum(truth), stamps_of(sequence.frames), options.max_pose_gap_s);
+    sequence.given_camera = camera_poses(truth, read_tum(truth), recording, options.max_pose_gap_s);
   return recording;
 }
 

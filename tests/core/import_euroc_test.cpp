@@ -75,6 +75,18 @@ TEST_F(ImportEuroc, WhatARecordingLacksIsNotThere) {
   EXPECT_FALSE(fs::exists(temp_.path() / "other/truth"));
 }
 
+TEST_F(ImportEuroc, StatesOfAnotherClockAreRefused) {
+  const fs::path states = source() / "mav0/state_groundtruth_estimate0/data.csv";
+  std::string text = read_text(states);
+  for (std::size_t at = 0; (at = text.find("\n156", at)) != std::string::npos; ++at) text[at + 1] = '2';
+  write_text(states, text);
+  const std::string refusal = input_error([&] { import(source(), temp_.path() / "other"); });
+  EXPECT_NE(refusal.find("data.csv: no image lies within the poses' times: the clocks differ"),
+            std::string::npos)
+      << refusal;
+  EXPECT_FALSE(fs::exists(temp_.path() / "other"));
+}
+
 // A textured plane, tilted against the camera, in the world of that camera.
 const Eigen::Vector3d kNormal = Eigen::Vector3d(0.25, -0.1, -1).normalized();
 constexpr double kOffset_m = -1.8;

@@ -171,6 +171,9 @@ TEST_F(ImportOmd, ProcessedDepthMayBeMetric) {
   write_omd_processed(world_, source(), 5000);
   ImportOmdOptions options = quiet();
   options.metric_depth = true;
+  const std::string refusal = input_error([&] { import_omd(source(), options, out()); });
+  EXPECT_NE(refusal.find("pose_gt.txt: holds no pose"), std::string::npos) << refusal;
+  fs::remove(source() / "pose_gt.txt");
   import(options);
   const Sequence sequence = open_sequence(out());
   EXPECT_EQ(sequence.depth_units_per_m, 5000);

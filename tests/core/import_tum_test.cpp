@@ -72,7 +72,10 @@ TEST(ImportTum, ReadsBackWhatTheRecordingHolds) {
 TEST(ImportTum, PosesAreInterpolatedInsideTheirSpanAlone) {
   const TempFolder temp;
   const fs::path recording = write_recording(temp), out = temp.path() / "out";
+  testing::internal::CaptureStderr();
   import_tum(recording, quiet(), out);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("groundtruth.txt: 2 of 4 images have no pose"),
+            std::string::npos);
   const auto poses = open_sequence(out).given_camera;
   ASSERT_TRUE(poses.has_value());
   ASSERT_EQ(poses->size(), 2u);  // 1.0 s lies before the first pose, 1.3 s in a gap of 0.25 s
@@ -110,6 +113,14 @@ TEST(ImportTum, BadRecordingsAreRefusedAndLeaveNothing) {
        }},
       {"groundtruth.txt:7: 'nan' is not a finite number",
        [](const auto& r) { append(r / "groundtruth.txt", "2 nan 0 0 0 0 0 1\n"); }},
+      {"groundtruth.txt: no image lies within the poses' times: the clocks differ",
+       [](const auto& r) {
+         write_text(r / "groundtruth.txt", "1001.05 0 0 0 0 0 0 1\n1001.1 0 0 0 0 0 0 1\n");
+       }},
+      {"groundtruth.txt: all images lie in holes of more than 0.1 s between the poses",
+       [](const auto& r) { write_text(r / "groundtruth.txt", "0.95 0 0 0 0 0 0 1\n1.35 0 0 0 0 0 0 1\n"); }},
+      {"groundtruth.txt: holds no pose",
+       [](const auto& r) { write_text(r / "groundtruth.txt", "# comment\n"); }},
       {"1.200000.png: is a truncated image",
        [](const auto& r) {
          fs::resize_file(r / "rgb/1.200000.png", fs::file_size(r / "rgb/1.200000.png") / 2);
@@ -140,7 +151,7 @@ TEST(ImportTum, BadRecordingsAreRefusedAndLeaveNothing) {
     EXPECT_FALSE(fs::exists(out));
     EXPECT_FALSE(fs::exists(out.string() + ".partial"));
   }
-  EXPECT_EQ(refused, 13);
+  EXPECT_EQ(refused, 16);
 }
 
 }  // namespace
