@@ -74,6 +74,7 @@ std::string comparison_json(const ScoreComparison& c) {
        {{"all", c.options.alpha}, {"place", c.options.place_alpha}, {"suspect", c.options.suspect_p}}},
       {"pairs", c.pairing.pairs.size()},
       {"failed_in_both", c.pairing.failed_in_both},
+      {"camera_given", c.pairing.camera_given},
       {"new_failures", to_json(c.pairing.new_failures)},
       {"mended", to_json(c.pairing.mended)},
       {"missing_in_a", to_json(c.pairing.missing_in_a)},

@@ -165,6 +165,8 @@ std::string extent(const ScoreComparison& comparison) {
                   count_of(seeds.size(), "seed"));
   if (comparison.pairing.failed_in_both > 0)
     text += fmt::format("; {} failed in both", comparison.pairing.failed_in_both);
+  if (comparison.pairing.camera_given > 0)
+    text += fmt::format("; {} of cameras whose poses were given", comparison.pairing.camera_given);
   return text;
 }
 

@@ -21,10 +21,15 @@ struct Side {
 
   explicit Side(const ScoreTable& t) : table(t) {
     for (const auto& [key, value] : t.cells) has_figure[key.run] |= value.has_value();
+    for (const RunKey& run : t.failed) has_figure.try_emplace(run, false);
   }
   bool failed_whole(const RunKey& run) const {
     const auto found = has_figure.find(run);
     return found != has_figure.end() && !found->second;
+  }
+  bool is_error(const std::string& metric) const {
+    const auto found = table.lower_is_better.find(metric);
+    return found != table.lower_is_better.end() && found->second;
   }
   Presence presence(const ScoreKey& key) const {
     const auto found = table.cells.find(key);
@@ -55,7 +60,16 @@ struct GapLists {
   Gaps new_failures, mended, missing_in_a, missing_in_b;
 };
 
+bool is_of_given_camera(const ScoreKey& key, const Side& a, const Side& b) {
+  return key.object == "camera" && (a.is_error(key.metric) || b.is_error(key.metric)) &&
+         (a.table.camera_given.contains(key.run) || b.table.camera_given.contains(key.run));
+}
+
 void add_cell(const ScoreKey& key, const Side& a, const Side& b, GapLists& gaps, Pairing& pairing) {
+  if (is_of_given_camera(key, a, b)) {
+    ++pairing.camera_given;
+    return;
+  }
   const Presence in_a = a.presence(key), in_b = b.presence(key);
   const bool no_run_in_a = !a.has_figure.contains(key.run), no_run_in_b = !b.has_figure.contains(key.run);
   if (in_a == Presence::ok && in_b == Presence::ok)
@@ -119,16 +133,17 @@ Pairing pair_scores(const ScoreTable& a, const ScoreTable& b) {
 }
 
 void rename_variant(ScoreTable& table, const std::string& name) {
-  ScoreTable renamed = {table.file, {}, table.lower_is_better, {}};
+  ScoreTable renamed = {table.file, {}, table.lower_is_better};
   for (const auto& [key, value] : table.cells) {
     ScoreKey other = key;
     other.run.variant = name;
     renamed.cells.emplace(other, value);
   }
-  for (RunKey run : table.not_run) {
-    run.variant = name;
-    renamed.not_run.insert(run);
-  }
+  for (const auto runs : {&ScoreTable::not_run, &ScoreTable::failed, &ScoreTable::camera_given})
+    for (RunKey run : table.*runs) {
+      run.variant = name;
+      (renamed.*runs).insert(run);
+    }
   table = std::move(renamed);
 }
 

@@ -28,13 +28,15 @@ struct Pairing {
   std::vector<Gap> mended;                      ///< failed in A, ok in B
   std::vector<Gap> missing_in_a, missing_in_b;  ///< in the other side alone, or not run
   std::size_t failed_in_both = 0;               ///< cells
+  std::size_t camera_given = 0;                 ///< cells: errors of a camera whose poses one side was given
   /// that the other side, which has others, knows nowhere; in order of their names
   std::vector<std::string> metrics_of_a_alone, metrics_of_b_alone;
 };
 
 /// Pairs cells by (sequence, object, variant, seed, metric); variants go by their own names, so name them
-/// alike before. A run all of whose rows failed fails in what it has no row for, too. Throws InputError when
-/// a metric is better in another direction in B.
+/// alike before. A run all of whose rows failed fails in what it has no row for, too. Errors of a camera
+/// whose poses one side was given are no pairs, and none is missing. Throws InputError when a metric is
+/// better in another direction in B.
 Pairing pair_scores(const ScoreTable& a, const ScoreTable& b);
 
 /// Every run's variant as `name`.

@@ -113,6 +113,17 @@ void add_line(const Line& line, const Fields& fields, ScoreTable& table, MetricD
     line.fail("this sequence, object, variant, seed and metric stand twice");
 }
 
+void note_runs(ScoreTable& table) {
+  std::set<RunKey> good, estimated;
+  for (const auto& [key, value] : table.cells) {
+    (value ? good : table.failed).insert(key.run);
+    if (key.object == "camera" && key.metric.starts_with("ape_"))
+      (value == 0.0 ? table.camera_given : estimated).insert(key.run);
+  }
+  for (const RunKey& run : good) table.failed.erase(run);
+  for (const RunKey& run : estimated) table.camera_given.erase(run);
+}
+
 void require_known(const ScoreTable& table, const char* what, const std::string& name,
                    const std::set<std::string>& known) {
   if (!known.contains(name))
@@ -129,7 +140,8 @@ void select(ScoreTable& table, const ScoreSelection& selection) {
     return selection.variant && run.variant != *selection.variant;
   };
   const auto& wanted = selection.metrics;
-  std::erase_if(table.not_run, is_other);
+  for (auto* const runs : {&table.not_run, &table.failed, &table.camera_given})
+    std::erase_if(*runs, is_other);
   std::erase_if(table.cells, [&](const auto& cell) {
     return is_other(cell.first.run) ||
            (!wanted.empty() && std::find(wanted.begin(), wanted.end(), cell.first.metric) == wanted.end());
@@ -159,6 +171,7 @@ ScoreTable read_score_table(const fs::path& path, const ScoreSelection& selectio
       if (cell.status == CellStatus::missing) table.not_run.insert({cell.variant, cell.scene, cell.seed});
   if (table.cells.empty() && table.not_run.empty())
     throw InputError(table.file, header ? "is empty, expected a header" : "has no scores");
+  note_runs(table);
   select(table, selection);
   return table;
 }

@@ -30,7 +30,10 @@ struct ScoreTable {
   std::filesystem::path file;                       ///< for messages
   std::map<ScoreKey, std::optional<double>> cells;  ///< no value: failed
   std::map<std::string, bool> lower_is_better;      ///< by metric
-  std::set<RunKey> not_run;                         ///< that cells.csv says are missing
+  std::set<RunKey> not_run{};                       ///< that cells.csv says are missing
+  // Of all rows, whichever are selected:
+  std::set<RunKey> failed{};        ///< runs whose rows all failed
+  std::set<RunKey> camera_given{};  ///< runs of whose camera every APE is exactly 0: it is no estimate
 };
 
 /// What of a table to compare.

@@ -62,6 +62,50 @@ TEST_F(CompareCommand, AnswersByItsExitCode) {
   expect_answer(b, 2, "missing in B:\n  s6 v seeds 7-8: the whole runs\n");
 }
 
+// Of runs that all failed scores.csv has `all,coverage`, a row of a metric that may not be asked for.
+TEST_F(CompareCommand, AFailedRunIsANewFailureOfWhicheverMetric) {
+  auto b = fabricated_scores(kNoise, 1);
+  std::erase_if(b, [](const FabricatedScore& s) { return s.sequence == "s2"; });
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) b.push_back({"s2", "all", "v", seed, "coverage", 0, true});
+  write("b.csv", b);
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{}, {"--metric", "d_shape_mean_m"}}) {
+    const ProgramRun result = run(options);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_NE(result.out.find("s2 v seeds 1-8: the whole runs"), std::string::npos) << result.out;
+    EXPECT_EQ(result.out.find("missing in"), std::string::npos) << result.out;
+  }
+}
+
+// Half a metre on one side, on the other no error at all, as the poses were given: neither is worse.
+TEST_F(CompareCommand, GivenCameraPosesCompareWithNone) {
+  const auto with_camera = [](double ape_m, const std::string& more) {
+    auto scores = fabricated_scores(kNoise, 1);
+    for (int sequence = 1; sequence <= 6; ++sequence)
+      for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        const std::string name = fmt::format("s{}", sequence);
+        scores.push_back({name, "camera", "v", seed, "ape_translation_rmse_m", ape_m});
+        if (!more.empty()) scores.push_back({name, "camera", "v", seed, more, 0.1});
+      }
+    return scores;
+  };
+  write("given.csv", with_camera(0, ""));
+  write("estimated.csv", with_camera(0.5, "rpe_translation_rmse_m"));
+  const auto answer = [&](const char* a, const char* b, std::vector<std::string> options) {
+    options.insert(options.begin(), {"compare", path(a), path(b), "--json"});
+    const ProgramRun result = run_program(options);
+    EXPECT_EQ(result.exit_code, 0) << a << b << result.out;
+    return json::parse(result.out);
+  };
+  EXPECT_EQ(answer("given.csv", "estimated.csv", {})["camera_given"], 96);
+  EXPECT_EQ(answer("estimated.csv", "given.csv", {})["camera_given"], 96);
+  EXPECT_EQ(answer("given.csv", "given.csv", {})["camera_given"], 48);
+  const json chosen = answer("estimated.csv", "given.csv", {"--metric", "rpe_translation_rmse_m"});
+  EXPECT_EQ(chosen["camera_given"], 48);
+  EXPECT_EQ(chosen["metrics"].size(), 1u);  // of the object
+  EXPECT_EQ(answer("estimated.csv", "estimated.csv", {})["camera_given"], 0);
+}
+
 TEST_F(CompareCommand, WritesJsonAndMarkdown) {
   auto b = another_run();
   scale(b, "iou3d_mean", 0.9);
