@@ -41,8 +41,8 @@ json to_json(const ConfigNode& node) {
 
 std::map<std::string, std::vector<double>> read_timing(const fs::path& estimate) {
   const fs::path file = estimate / "timing.csv";
-  std::map<std::string, std::vector<double>> stages;
-  if (!fs::exists(file)) return stages;
+  if (!fs::exists(file)) return {};
+  std::map<std::string, std::map<long long, double>> sums;
   std::map<long long, double> frames;
   bool header = true;
   for_each_line(
@@ -62,12 +62,14 @@ std::map<std::string, std::vector<double>> read_timing(const fs::path& estimate)
         if (!frame) throw InputError(file, line, fmt::format("column frame: '{}' is no integer", fields[0]));
         if (!ms || *ms < 0 || *ms > kMostMs)
           throw InputError(file, line, fmt::format("column ms: '{}' is no time", fields[2]));
-        stages[std::string(fields[1])].push_back(*ms);
+        sums[std::string(fields[1])][*frame] += *ms;
         frames[*frame] += *ms;
       },
       ',');
-  if (frames.empty() || stages.contains("frame")) return stages;
-  for (const auto& [frame, ms] : frames) stages["frame"].push_back(ms);
+  if (!frames.empty()) sums.try_emplace("frame", frames);
+  std::map<std::string, std::vector<double>> stages;
+  for (auto& [stage, of_frames] : sums)
+    for (const auto& [frame, ms] : frames) stages[stage].push_back(of_frames[frame]);
   return stages;
 }
 

@@ -7,9 +7,9 @@
 
 namespace uniquadric {
 
-/// Milliseconds of each stage, from an estimate's timing.csv (columns frame, stage, ms); empty without the
-/// file. `frame` is added as the sum of a frame's stages where no stage has that name. Throws InputError with
-/// the line.
+/// Milliseconds of each stage in each frame, from an estimate's timing.csv (columns frame, stage, ms; a stage
+/// may run several times in a frame, or not at all: 0); empty without the file. `frame` is added as the sum
+/// of a frame's stages where no stage has that name. Throws InputError with the line.
 std::map<std::string, std::vector<double>> read_timing(const std::filesystem::path& estimate);
 
 /// An estimate's run.yaml as JSON text ("null" without the file): scalars become booleans, numbers or

@@ -277,6 +277,17 @@ TEST_F(Evaluate, TimingAndRunAreCarriedOver) {
   EXPECT_EQ(result["timing_ms"]["frame"]["mean"], 4);
 }
 
+// A stage that runs twice in one frame and in the next not at all.
+TEST_F(Evaluate, TimesAreThoseOfAFrame) {
+  write_changed([](Tracks&) {});
+  write_text(estimate() / "timing.csv", "frame,stage,ms\n0,fit,2\n0,fit,4\n0,read,1\n1,read,3\n");
+  const json timing = run()["timing_ms"];
+  EXPECT_EQ(timing["fit"]["mean"], 3);
+  EXPECT_EQ(timing["fit"]["max"], 6);
+  for (const char* stage : {"fit", "read", "frame"}) EXPECT_EQ(timing[stage]["n"], 2) << stage;
+  EXPECT_EQ(timing["frame"]["mean"], 5);
+}
+
 // Only what says of both sides that they are of two scenes is refused.
 TEST_F(Evaluate, AnEstimateOfAnotherSceneIsRefused) {
   write_changed([](Tracks&) {});
