@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/warning.h"
@@ -12,6 +14,7 @@
 #include "evaluation/object_surface.h"
 #include "evaluation/run_record.h"
 #include "evaluation/stamp_check.h"
+#include "evaluation/unit_check.h"
 
 namespace uniquadric {
 namespace {
@@ -126,6 +129,22 @@ std::optional<MapComparison> compare_surroundings(const fs::path& truth, const f
   return compare_map_points(truth / "map.bt", file, points, {});
 }
 
+// A camera that was never found has its own warning (stamp_check.h).
+void warn_of_units(const fs::path& folder, const Tracks& truth, const Tracks& estimate,
+                   const std::vector<ObjectEvaluation>& objects) {
+  const auto positions = [](const Trajectory& camera) {
+    std::vector<Pose> poses;
+    for (const StampedPose& pose : camera) poses.push_back(pose.pose);
+    return poses;
+  };
+  if (const auto fault = spread_fault(positions(truth.camera), positions(estimate.camera)))
+    warn((folder / "camera.tum").string() + ": " + *fault);
+  const bool none_is_matched =
+      std::ranges::none_of(objects, [](const ObjectEvaluation& o) { return o.matched_id.has_value(); });
+  if (const auto fault = size_fault(truth.objects, estimate.objects); fault && none_is_matched)
+    warn((folder / "objects.csv").string() + ": " + *fault);
+}
+
 }  // namespace
 
 void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, const EvaluateOptions& options,
@@ -165,6 +184,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   for (const std::string& fault :
        stamp_faults(estimate_folder, truth, original, kMaxDifferenceNs, same_frames))
     warn(fault);
+  if (!fits_scale(kind)) warn_of_units(estimate_folder, truth, estimate, evaluation.objects);
 }
 
 }  // namespace uniquadric

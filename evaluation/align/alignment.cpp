@@ -149,6 +149,10 @@ std::optional<AlignmentKind> parse_alignment_kind(std::string_view text) {
   return std::nullopt;
 }
 
+bool fits_scale(AlignmentKind kind) {
+  return kind == AlignmentKind::sim3 || kind == AlignmentKind::scale;
+}
+
 Pose Alignment::operator*(const Pose& pose) const {
   const auto& [rotation, translation] = reference_from_estimate;
   return {rotation * pose.rotation, scale * (rotation * pose.translation) + translation};

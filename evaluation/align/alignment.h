@@ -13,6 +13,7 @@ namespace uniquadric {
 enum class AlignmentKind { none, first, se3, sim3, scale, posyaw, poses };
 const char* to_string(AlignmentKind kind);
 std::optional<AlignmentKind> parse_alignment_kind(std::string_view text);
+bool fits_scale(AlignmentKind kind);
 
 /// x -> scale * (rotation x) + translation, applied to an estimate from the left (world frame).
 struct Alignment {

@@ -9,8 +9,10 @@
 #include "core/base/apart.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/warning.h"
 #include "evaluation/report/trajectory_picture.h"
 #include "evaluation/trajectory_comparison.h"
+#include "evaluation/unit_check.h"
 #include "harness/commands/options.h"
 
 namespace uniquadric {
@@ -97,6 +99,9 @@ void add_trajectory(CLI::App& app, Common& common) {
     options.kitti = kitti;
     require_apart(plot, {reference, estimate_file});
     const TrajectoryComparison comparison = compare_trajectories(reference, estimate_file, options);
+    if (const auto fault = spread_fault(comparison.pairs.reference, comparison.pairs.estimate);
+        fault && !fits_scale(options.alignment))
+      warn(estimate_file + ": " + *fault);
     if (write_picture)
       write_text(plot, write_picture(trajectory_picture(
                            comparison, fmt::format("{} against {}", estimate_file, reference))));

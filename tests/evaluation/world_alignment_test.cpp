@@ -165,6 +165,21 @@ TEST_F(World, AScaledWorldScalesWhatItsObjectsState) {
   EXPECT_NEAR(cuboid["rotation"]["rmse"], 0, 1e-4);
 }
 
+TEST_F(World, AnotherUnitIsWarnedOfUnlessAScaleIsFitted) {
+  const auto said = [&](AlignmentKind kind) {
+    testing::internal::CaptureStderr();
+    run_aligned("seed: 1\n", kind);
+    return testing::internal::GetCapturedStderr();
+  };
+  write_changed([](Tracks& tracks) { move_world(tracks, kMove, 1000); });
+  EXPECT_NE(said(AlignmentKind::poses).find("camera.tum: positions spread over "), std::string::npos);
+  EXPECT_NE(said(AlignmentKind::poses).find("objects.csv: no object overlaps a true one; the semi-axes'"),
+            std::string::npos);
+  EXPECT_EQ(said(AlignmentKind::sim3), "");
+  write_changed([](Tracks& tracks) { move_world(tracks, kMove, 0.5); });
+  EXPECT_EQ(said(AlignmentKind::poses), "");
+}
+
 TEST_F(World, SeThreeRefusesACameraOnALine) {
   write_changed([](Tracks& tracks) {
     for (std::size_t i = 0; i < tracks.camera.size(); ++i)

@@ -166,6 +166,19 @@ TEST_F(TrajectoryCommand, RefusesOfEvoWhatItHasNot) {
     EXPECT_EQ(run({"--align", align, "--compat", "evo", "--association", "nearest"}).exit_code, 0) << align;
 }
 
+TEST_F(TrajectoryCommand, WarnsOfAnotherUnit) {
+  Trajectory millimetres = read_tum(path("ref.tum"));
+  for (StampedPose& pose : millimetres) pose.pose.translation *= 1000;
+  write_tum(path("est.tum"), millimetres);
+  for (const std::string align : {"none", "se3"}) {
+    const ProgramRun result = run({"--align", align});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_NE(result.err.find("est.tum: positions spread over "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("--align sim3"), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(run({"--align", "sim3"}).err, "");
+}
+
 TEST_F(TrajectoryCommand, RefusesBadInputByNameAndLine) {
   expect_refused(run({"--align", "yaw"}), "--align");
   expect_refused(run({"--align-n", "0"}), "--align-n");

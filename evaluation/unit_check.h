@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/sequence/tracks.h"
+
+namespace uniquadric {
+
+// Whether an estimate looks as if it was in another unit than the truth, millimetres for one: its lengths are
+// more than kUnitRatio times as long or short. A hint in words, nothing where they are alike or one is 0.
+inline constexpr double kUnitRatio = 100;  // ours: no estimate of the same scene is off by as much
+
+/// By the root mean square distance of positions from their mean.
+std::optional<std::string> spread_fault(const std::vector<Pose>& reference,
+                                        const std::vector<Pose>& estimate);
+
+/// By the median semi-axis of all states.
+std::optional<std::string> size_fault(const std::vector<ObjectTrack>& truth,
+                                      const std::vector<ObjectTrack>& estimate);
+
+}  // namespace uniquadric
