@@ -111,6 +111,8 @@ std::vector<KittiLabel> read_kitti_labels(const fs::path& path, std::int64_t fra
     const auto box = read_numbers(path, line, Fields(fields.begin() + 10, fields.begin() + kLabelFields));
     if (!(box[0] > 0 && box[1] > 0 && box[2] > 0))
       throw InputError(path, line, fmt::format("a box of {} x {} x {} m", box[2], box[1], box[0]));
+    if (std::abs(box[6]) > 2 * std::numbers::pi)
+      throw InputError(path, line, fmt::format("a rotation_y of {} is no angle in radians", box[6]));
     if (!is_plain_name(label.type)) throw InputError(path, line, "the type is no plain name");
     label.semi_axes_m = Eigen::Vector3d(box[2], box[1], box[0]) / 2;
     label.rectified_from_object = label_pose(box);

@@ -37,8 +37,8 @@ struct KittiLabel {
   Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();
 };
 
-/// label_02/DRIVE.txt without its DontCare regions. A frame beyond `frames`, a size that is not positive and
-/// an object that stands twice in a frame are errors.
+/// label_02/DRIVE.txt without its DontCare regions. A frame beyond `frames`, a size that is not positive, a
+/// turn of more than 2 pi (degrees) and an object that stands twice in a frame are errors.
 std::vector<KittiLabel> read_kitti_labels(const std::filesystem::path& path, std::int64_t frames);
 
 /// poses/DRIVE.txt, 12 numbers a frame (first_camera_from_camera), as world_from_rectified: the world is the

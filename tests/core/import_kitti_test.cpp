@@ -353,6 +353,23 @@ TEST_F(ImportKitti, ScansThatAreTooSlowForPointsTimesAreRefused) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
+TEST_F(ImportKitti, SaysWhereLabelsContradictEachOther) {
+  const fs::path labels = source_.folder / "label_02/0007.txt";
+  std::string text = read_text(labels);
+  text.replace(text.find("1 0 Car"), 7, "1 0 Van");
+  const std::size_t third = text.find("2 0 Car");
+  text.replace(text.find("1.5 1.6 4.2", third), 11, "15 16 42");
+  write_text(labels, text);
+  testing::internal::CaptureStderr();
+  import();
+  const std::string line = "uniquadric: " + labels.string() + ": ";
+  EXPECT_EQ(
+      testing::internal::GetCapturedStderr(),
+      line + "track 0 is a Car, in frame 1 a Van: taken as the former\n" + line +
+          "the box of track 0 in 1 of 4 frames, 2 the first, is off its median size by more than a factor "
+          "2: taken is the median\n");
+}
+
 TEST_F(ImportKitti, RefusesWhatItCannotBelieve) {
   const fs::path calib = "calib/0007.txt", labels = "label_02/0007.txt", poses = "poses/0007.txt";
   expect_refused(calib, "P2:", "P9:", ": has no P2");
@@ -362,6 +379,7 @@ TEST_F(ImportKitti, RefusesWhatItCannotBelieve) {
   expect_refused(labels, "1 0 Car", "4 0 Car", ":3: frame '4' is no whole number from 0 to 3");
   expect_refused(labels, "1 0 Car", "0 0 Car", ":3: track 0 stands twice in frame 0");
   expect_refused(labels, "1.5 1.6 4.2", "1.5 0 4.2", ":2: a box of 4.2 x 0 x 1.5 m");
+  expect_refused(labels, " 0.3\n", " 17\n", ":2: a rotation_y of 17 is no angle in radians");
   expect_refused(labels, "1.5 1.6 4.2", "1.5 4.2", ":2: expected 17 fields, found 16");
   expect_refused(poses, "\n", " 1\n", ":1: expected 12 numbers, found 13");
   expect_refused(poses, "1.000000000000", "# 1", ": has 3 lines for 4 frames");
