@@ -45,9 +45,20 @@ std::vector<std::optional<MatchedState>> states_of_match(const ObjectOverlaps& o
   return matched;
 }
 
-VisibilityTable read_visibility_of(const fs::path& truth) {
-  const fs::path file = truth / "instances/visibility.csv";
-  return fs::exists(file) ? read_visibility(file) : VisibilityTable{};
+VisibilityTable read_visibility_of(const fs::path& folder, const Tracks& truth) {
+  const fs::path file = folder / "instances/visibility.csv";
+  if (!fs::exists(file)) return {};
+  VisibilityTable table = read_visibility(file);
+  std::size_t states = 0, without = 0;
+  for (const ObjectTrack& object : truth.objects)
+    for (const ObjectState& state : object.states) {
+      ++states;
+      without += table.contains({state.frame, object.id}) ? 0 : 1;
+    }
+  if (without > 0)
+    warn(fmt::format("{}: has no row of {} of {} true states, which count as visible", file.string(), without,
+                     states));
+  return table;
 }
 
 // [object][frame]: whether the truth says that the object cannot be seen there.
@@ -162,7 +173,8 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const WorldAlignment alignment = align_world(kind, truth, original, kMaxDifferenceNs);
   const Tracks estimate = in_true_world(alignment, original);
   const auto descriptions = read_descriptions(truth_path);
-  Evaluation evaluation = compare(truth, estimate, descriptions, read_visibility_of(truth_path), options);
+  Evaluation evaluation =
+      compare(truth, estimate, descriptions, read_visibility_of(truth_path, truth), options);
   evaluation.alignment = alignment;
   // that the camera was never found is a result, stamps of another recording are not
   if (evaluation.camera.pairs < kMinPairs && estimate.camera.size() >= kMinPairs)

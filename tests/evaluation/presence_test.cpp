@@ -256,6 +256,23 @@ TEST_F(Arc, IouFromFortyDegreesOnIsThatOfTheFramesWithIt) {
   EXPECT_TRUE(run()["objects"][0]["iou3d_from_40deg"].is_null());  // never seen so widely
 }
 
+TEST_F(Presence, WarnsOfFramesThatTheVisibilityTableLacks) {
+  write_visibility([](int) { return View{}; });
+  write_changed([](Tracks&) {});
+  const auto said = [&] {
+    testing::internal::CaptureStderr();
+    run();
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said(), "");
+  const fs::path file = truth() / "instances/visibility.csv";
+  std::string text = read_text(file);
+  for (int rows = 0; rows < 2; ++rows) text.erase(text.rfind('\n', text.size() - 2) + 1);
+  write_text(file, text);
+  EXPECT_NE(said().find("visibility.csv: has no row of 2 of 90 true states, which count as visible"),
+            std::string::npos);
+}
+
 TEST_F(Presence, RefusesABrokenVisibilityTable) {
   write_changed([](Tracks&) {});
   const std::string header =
