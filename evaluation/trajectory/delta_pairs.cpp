@@ -37,8 +37,8 @@ Distance distance_in(DeltaUnit unit, const std::vector<Pose>& poses,
 }
 
 // The pose after i that is nearest to delta. Path and time only grow, so that the search may end past them;
-// an angle may shrink again: there the first pose that reaches the tolerance's band begins the search and
-// leaving it ends it.
+// an angle may shrink again: there the first run of poses within the tolerance is searched, and a pose beyond
+// it ends the search, also one that is the first to pass delta at all.
 std::optional<std::size_t> step_end(std::size_t i, std::size_t count, const DeltaOptions& options,
                                     const Distance& distance) {
   const double tolerance = options.tolerance * options.delta;

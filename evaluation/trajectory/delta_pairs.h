@@ -36,7 +36,9 @@ struct IndexStep {
 
 /// Steps over `poses` (metres along the path, seconds of the stamps, degrees turned since i), in order of i.
 /// From each start the pose nearest to `delta` is taken, the first of equals; starts that have none within
-/// the tolerance are left out. Throws InputError for a delta that is not positive, or not whole for frames.
+/// the tolerance are left out. In degrees, which may shrink again, the search ends with the first pose that
+/// has turned by more than delta and the tolerance, or that leaves the tolerance after one was in it. Throws
+/// InputError for a delta that is not positive, or not whole for frames.
 std::vector<IndexStep> delta_steps(const std::vector<Pose>& poses, const std::vector<std::int64_t>& stamps_ns,
                                    const DeltaOptions& options);
 

@@ -130,6 +130,8 @@ void add_metric(CLI::App& app, Common& common) {
     if (!std::set<std::string>{"iou3d", "iou2d", "project", "pose"}.contains(kind))
       throw InputError(
           fmt::format("metric '{}' is none of iou3d, iou2d, project, pose, map, depth, surface", kind));
+    if (sub->count("--method") > 0 && kind != "iou3d")
+      throw InputError(fmt::format("--method is of iou3d: {} has one alone", kind));
     for (const char* name : {"--samples", "--seed"})
       if (sub->count(name) > 0 && options.method != "monte-carlo")
         throw InputError(fmt::format("{} requires --method monte-carlo", name));

@@ -93,6 +93,8 @@ TEST_F(Cli, MetricsOfFilesArePrintedAndAsJson) {
   expect_refusal({"metric", "surface", folder() / "points.ply", folder() / "points.ply"},
                  "points.ply: has no faces");
 
+  for (const char* kind : {"pose", "project", "iou2d"})
+    expect_refusal({"metric", kind, "--method", "exact"}, "--method is of iou3d");
   expect_refusal({"metric"}, "is none of");
   expect_refusal({"metric", "maps"}, "'maps' is none of iou3d, iou2d, project, pose, map, depth, surface");
   expect_refusal({"metric", "iou3d", "map", "a.bt", "b.bt"}, "map");
