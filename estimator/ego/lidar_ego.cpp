@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "core/sequence/imu_faults.h"
 #include "core/sequence/stamps.h"
@@ -19,6 +21,8 @@ namespace {
 // What biases are told by, and more than a calibrated sensor has: sound runs end with 0.02 and 0.3 at most,
 // readings in other units or axes, late ones and a LiDAR turned against them with 0.04 or 0.35 and more.
 constexpr double kBiasTime_s = 2, kMostBias_radps = 0.05, kMostBias_mps2 = 0.35;
+constexpr double kOffMap = 0.25;  // of the usual share of points on planes: so few are of another place
+constexpr int kOffMapSweeps = 5;
 constexpr double kStill_m = 0.05, kStill_rad = 0.02;  // over a scan: no more than points' noise at 5 m
 
 const Sequence& with_scans(const Sequence& sequence) {
@@ -144,6 +148,21 @@ std::optional<std::string> LidarEgo::bias_fault() const {
       gyroscope, accelerometer);
 }
 
+// A motion that is lost without the filter's knowing leaves its map behind.
+std::optional<std::string> LidarEgo::map_fault() const {
+  std::vector<double> shares;
+  for (const SweepReport& report : odometry_.reports())
+    if (report.points > 0) shares.push_back(static_cast<double>(report.on_planes) / report.points);
+  if (std::ssize(shares) < 2 * kOffMapSweeps) return std::nullopt;
+  const double usual = quantile(shares, 0.5);
+  const auto off = std::count_if(shares.begin(), shares.end(), [&](double s) { return s < kOffMap * usual; });
+  if (off < kOffMapSweeps) return std::nullopt;
+  return fmt::format(
+      "the points of {} of {} sweeps hardly lie on what was seen before (under {:.1f} % of them, elsewhere "
+      "{:.1f} %): the motion may be wrong there",
+      off, shares.size(), 100 * kOffMap * usual, 100 * usual);
+}
+
 bool LidarEgo::is_known_to_rest(std::size_t scan) const {
   const auto from = odometry_.world_from_camera(sequence_.scans[scan].stamp_ns),
              to = odometry_.world_from_camera(ends_ns_[scan]);
@@ -164,7 +183,8 @@ std::vector<std::string> LidarEgo::scan_faults() const {
         fmt::format("the points of {} of {} scans have no times (one each scan), and the sensor "
                     "moves or is lost: they are taken as if its motion within a scan had been undone before",
                     bent, is_of_an_instant.size()));
-  if (const auto fault = bias_fault()) faults.push_back(*fault);
+  for (const auto& fault : {bias_fault(), map_fault()})
+    if (fault) faults.push_back(*fault);
   return faults;
 }
 

@@ -43,8 +43,8 @@ class LidarEgo {
   /// world_from_camera at these stamps, but those where the sensor was lost.
   Trajectory trajectory() const;
   /// What is wrong with the IMU's readings (imu_faults) and the scans (ScanWatch), whether points have no
-  /// times although the sensor moves, and whether the IMU agrees with the scans by biases alone that none
-  /// has: a sentence each. After finish().
+  /// times although the sensor moves, whether the IMU agrees with the scans by biases alone that none has,
+  /// and whether scans no longer lie on the map: a sentence each. After finish().
   std::vector<std::string> scan_faults() const;
 
   const LidarOdometry& odometry() const { return odometry_; }
@@ -54,6 +54,7 @@ class LidarEgo {
   void note_end(const SequenceScan& scan, const std::vector<LidarPoint>& points);
   bool is_known_to_rest(std::size_t scan) const;
   std::optional<std::string> bias_fault() const;
+  std::optional<std::string> map_fault() const;
 
   const Sequence& sequence_;
   LidarEgoOptions options_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -74,7 +75,7 @@ const LidarMapLevel::Block* LidarMapLevel::find(const std::array<std::int32_t, 3
   return found == place_.end() ? nullptr : &blocks_[found->second];
 }
 
-void LidarMapLevel::add(const Eigen::Vector3d& p) {
+void LidarMapLevel::add(const Eigen::Vector3d& p, double elevation_rad) {
   const auto cell = cell_of(p);
   const auto [found, is_new] = place_.try_emplace(block_of(cell), blocks_.size());
   if (is_new) blocks_.emplace_back().key = found->first;
@@ -89,6 +90,9 @@ void LidarMapLevel::add(const Eigen::Vector3d& p) {
     block.cells.emplace_back();
   }
   Cell& here = block.cells[block.slot[index]];
+  const auto elevation = static_cast<float>(elevation_rad);
+  here.lowest_rad = here.count > 0 ? std::min(here.lowest_rad, elevation) : elevation;
+  here.highest_rad = here.count > 0 ? std::max(here.highest_rad, elevation) : elevation;
   if (++here.count >= options_.max_count) block.full |= bit;
   const Eigen::Vector3d corner = cell_m_ * Eigen::Vector3d(cell[0], cell[1], cell[2]);
   const Eigen::Vector3f q = (p - corner).cast<float>(), before = q - here.mean;
@@ -151,8 +155,11 @@ std::optional<MapPlane> LidarMapLevel::plane_near(const Eigen::Vector3d& p, cons
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
   double points = 0;
+  float lowest_rad = std::numeric_limits<float>::max(), highest_rad = std::numeric_limits<float>::lowest();
   for (int i = 0; i < n; ++i) {
     const auto& [q, cell] = near.cells[near.distances[i].of];
+    lowest_rad = std::min(lowest_rad, cell->lowest_rad);
+    highest_rad = std::max(highest_rad, cell->highest_rad);
     const double count = cell->count;
     const Eigen::Matrix<double, 6, 1> own = cell->square.cast<double>();
     mean += count * q;
@@ -163,6 +170,7 @@ std::optional<MapPlane> LidarMapLevel::plane_near(const Eigen::Vector3d& p, cons
     square(2, 1) += own[5];
     points += count;
   }
+  if (highest_rad - lowest_rad < limits.min_rise_rad) return std::nullopt;
   mean /= points;
   const Eigen::Matrix3d spread = square / points - mean * mean.transpose();  // its lower triangle
   const double most2 = limits.max_thickness_m * limits.max_thickness_m;
@@ -233,8 +241,8 @@ LidarMap::LidarMap(const LidarMapOptions& options) : finest_(static_cast<std::si
     levels_.emplace_back(wide, options.levels + level);
 }
 
-void LidarMap::add(const Eigen::Vector3d& p) {
-  for (LidarMapLevel& level : levels_) level.add(p);
+void LidarMap::add(const Eigen::Vector3d& p, double elevation_rad) {
+  for (LidarMapLevel& level : levels_) level.add(p, elevation_rad);
 }
 
 std::optional<MapPlane> LidarMap::plane_near(const Eigen::Vector3d& p, const PlaneLimits& limits) const {

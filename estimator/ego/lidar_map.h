@@ -40,6 +40,7 @@ struct MapPlane {
 struct PlaneLimits {
   double max_thickness_m = 0;  ///< standard deviation off the plane, at most
   double min_breadth_m = 0;    ///< standard deviation across the longer of its ways, more than
+  double min_rise_rad = 0;     ///< from its lowest beam to its highest, at least
 };
 
 /// Cells of one size, of which each keeps the mean and spread of its points, in a hash of blocks of 4 x 4 x 4
@@ -49,7 +50,8 @@ class LidarMapLevel {
  public:
   LidarMapLevel(const LidarMapOptions& options, int level);
 
-  void add(const Eigen::Vector3d& p);
+  /// `elevation_rad`: of the beam over the sensor's own level.
+  void add(const Eigen::Vector3d& p, double elevation_rad = 0);
   /// The plane through the points of the cells whose means are nearest to p, of the 27 about it. Nothing
   /// where they are too few, not flat, or out of the limits.
   std::optional<MapPlane> plane_near(const Eigen::Vector3d& p, const PlaneLimits& limits) const;
@@ -64,6 +66,7 @@ class LidarMapLevel {
     Eigen::Vector3f mean = Eigen::Vector3f::Zero();                          // relative to the cell's corner
     Eigen::Matrix<float, 6, 1> square = Eigen::Matrix<float, 6, 1>::Zero();  // xx yy zz xy xz yz about it
     std::int32_t count = 0;
+    float lowest_rad = 0, highest_rad = 0;  // elevations of its beams
   };
   struct Block {
     std::array<std::int32_t, 3> key{};
@@ -99,7 +102,8 @@ class LidarMapLevel {
 class LidarMap {
  public:
   explicit LidarMap(const LidarMapOptions& options);
-  void add(const Eigen::Vector3d& p);
+  /// As LidarMapLevel::add().
+  void add(const Eigen::Vector3d& p, double elevation_rad = 0);
   std::optional<MapPlane> plane_near(const Eigen::Vector3d& p, const PlaneLimits& limits) const;
   void trim(const Eigen::Vector3d& centre);
   std::size_t blocks() const;

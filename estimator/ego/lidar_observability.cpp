@@ -40,4 +40,15 @@ LidarNormal without_feigned(const LidarNormal& normal, const SightingSquare& noi
   return {keep * normal.square * keep, keep * normal.side, normal.points};
 }
 
+LidarNormal with_bent_map(const LidarNormal& normal, double velocity_mps, double turn_rate_radps) {
+  static_assert(kGyroscope == kVelocity + 3 && kGyroscope + 3 == kSightingDof);
+  const Eigen::Matrix<double, kSightingDof, 6> by_bend = normal.square.rightCols<6>();
+  Eigen::Matrix<double, 6, 6> bend = by_bend.bottomRows<6>();
+  bend.diagonal().head<3>().array() += 1 / (velocity_mps * velocity_mps);
+  bend.diagonal().tail<3>().array() += 1 / (turn_rate_radps * turn_rate_radps);
+  const Eigen::Matrix<double, kSightingDof, 6> gain = bend.ldlt().solve(by_bend.transpose()).transpose();
+  return {normal.square - gain * by_bend.transpose(), normal.side - gain * normal.side.tail<6>(),
+          normal.points};
+}
+
 }  // namespace uniquadric

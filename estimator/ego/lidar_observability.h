@@ -31,4 +31,10 @@ LidarNormal without_feigned(const LidarNormal& normal, const SightingSquare& noi
                             const std::vector<Eigen::Vector3d>& plane_normals,
                             const ObservabilityOptions& options);
 
+/// What a sweep tells where no IMU does: errors of velocity and turn rate bend the sweeps that became map,
+/// and the next ones alike, which fit. So the motion that a sweep shows by itself counts as off by an error
+/// of these standard deviations, which is eliminated from the sums. Without it that motion and the one from
+/// place to place part, until the map is left.
+LidarNormal with_bent_map(const LidarNormal& normal, double velocity_mps, double turn_rate_radps);
+
 }  // namespace uniquadric

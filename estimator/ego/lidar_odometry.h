@@ -6,51 +6,16 @@
 #include <optional>
 #include <vector>
 
-#include "core/geometry/camera.h"
-#include "core/sequence/imu.h"
 #include "core/sequence/lidar.h"
 #include "core/sequence/trajectory.h"
-#include "estimator/ego/lidar_filter.h"
-#include "estimator/ego/lidar_map.h"
-#include "estimator/ego/lidar_registration.h"
-#include "estimator/ego/lidar_sweep.h"
+#include "estimator/ego/lidar_track.h"
 
 namespace uniquadric {
-
-/// All numbers are ours, chosen on subway_car.
-struct LidarOdometryOptions {
-  bool use_imu = true;  // where the sequence has one
-  SweepOptions sweep;
-  LidarMapOptions map;
-  // Without an IMU: how restless the sensor is.
-  double acceleration_mps2_rthz = 1.0;
-  double angular_acceleration_radps2_rthz = 1.0;
-  LidarSightOptions sight;
-  int iterations = 4;
-  double lost_sigma_m = 1.0;  // of the place: beyond it the sensor is lost
-  double found_share = 0.5;   // of the points that are usually on planes: fewer, and a sensor whose place is
-                              // uncertain by half of lost_sigma_m is not believed to be found
-  double first_velocity_mps = 3;  // standard deviation, of the best of the first velocities that are tried
-  int first_sweeps =
-      10;  // gone through first_passes times at least, for the first motion undoes the first cloud
-  int first_passes = 3;
-  double first_sweep_s = 0.1;     // least length of those sweeps: shorter ones are joined
-  double first_change_mps = 0.3;  // by the last pass, of the first velocity; more: it is not known, and the
-                                  // beginning is put off
-};
-
-/// What the odometry knows of its sensors.
-struct LidarRigView {
-  Pose camera_from_lidar;
-  std::optional<ImuCalibration> imu;  ///< nothing: constant velocity
-  std::optional<Camera> camera;       ///< of the masks; nothing: no masks
-  LidarDataSheet noise{};
-};
 
 /// LiDAR odometry after FAST-LIO2 (arXiv 2107.06829): sweeps of points, each by its own stamp, are put to a
 /// map by an error-state iterated Kalman filter on point-to-plane distances, by an IMU or at constant
 /// velocity. The world has its origin at the camera's first place and z up: by gravity with an IMU, else by
-/// the LiDAR's own up.
+/// the ground that the first scan sees, else by the LiDAR's own up.
 class LidarOdometry {
  public:
   LidarOdometry(const LidarRigView& rig, std::vector<ImuSample> imu, const LidarOdometryOptions& options);

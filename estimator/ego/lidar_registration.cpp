@@ -24,7 +24,7 @@ PointSigmas point_sigmas(const LidarSightOptions& options, const LidarDataSheet&
 
 LidarRegistration::LidarRegistration(const LidarMap& map, const std::vector<TimedPoint>& points,
                                      const SweepPath& path, const Pose& body_from_lidar, double voxel_m,
-                                     const Matrix18d& prior, const PointSigmas& sigmas,
+                                     const Matrix18d& prior, const PointSigmas& sigmas, double row_gap_rad,
                                      const LidarSightOptions& options)
     : map_(map),
       points_(points),
@@ -32,6 +32,7 @@ LidarRegistration::LidarRegistration(const LidarMap& map, const std::vector<Time
       body_from_lidar_(body_from_lidar),
       prior_(prior.topLeftCorner<6, 6>()),
       sigmas_(sigmas),
+      min_rise_rad_(std::max(row_gap_rad / 2, options.min_rise * sigmas.beam_rad)),
       options_(options),
       choice_(choose_points(points, voxel_m)) {
   sights_.reserve(choice_.point_of.size());
@@ -65,7 +66,8 @@ void LidarRegistration::look(Sight& sight, const LidarState& state, const Eigen:
     const double noise = std::hypot(sigmas_.range_m, sigmas_.beam_rad * sight.range_m);
     const Eigen::Vector3d world = world_point(state, sight.point, at_end);
     if (iteration == 0 || (world - sight.sought_at).norm() > options_.search_again_m) {
-      sight.plane = map_.plane_near(world, {options_.max_thickness * noise, options_.min_breadth * noise});
+      sight.plane = map_.plane_near(
+          world, {options_.max_thickness * noise, options_.min_breadth * noise, min_rise_rad_});
       sight.sought_at = world;
     }
   }
@@ -136,15 +138,16 @@ LidarNormal LidarRegistration::normal_at(const LidarState& state, int iteration)
   return without_feigned(normal, noise, faced, options_.observability);
 }
 
-std::vector<Eigen::Vector3d> LidarRegistration::map_points(const LidarState& end) const {
-  std::vector<Eigen::Vector3d> result;
+std::vector<LidarMapPoint> LidarRegistration::map_points(const LidarState& end) const {
+  std::vector<LidarMapPoint> result;
   result.reserve(points_.size());
   for (int i = 0; i < std::ssize(points_); ++i) {
     const auto voxel = static_cast<std::size_t>(choice_.voxel_of[static_cast<std::size_t>(i)]);
     const Sight& sight = sights_[voxel];
     if (sight.is_off) continue;
     const SweepPoint point = choice_.point_of[voxel] == i ? sight.point : place(i);
-    result.push_back(world_point(end, point, end_point(end, path_.end().gyroscope_bias_radps, point)));
+    result.push_back({world_point(end, point, end_point(end, path_.end().gyroscope_bias_radps, point)),
+                      elevation_rad(points_[static_cast<std::size_t>(i)].lidar)});
   }
   return result;
 }

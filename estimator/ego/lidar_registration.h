@@ -20,6 +20,9 @@ struct LidarSightOptions {
   double max_thickness = 1.0;  // of a plane, over the noise of points at that range: thicker are two
   double min_breadth = 2;  // of a plane, over the same noise: points of one ring of a spinning sensor are a
                            // line that noise makes broad, and the plane through them is no wall's
+  double min_rise = 2.5;   // of a plane from its lowest beam to its highest, over the beams' noise, and half
+                           // of the gap between a spinning sensor's rows: one row that goes in and out of a
+                           // facade lies in a plane as well, which goes along with the sensor
   double side_points = 1000;  // that the points facing one way are worth at most: they share their
                               // planes' errors, and walls along a street must not outvote its cross-ways
   double gate_sigmas = 3;     // beyond what the prediction explains, a point is off its plane
@@ -39,6 +42,12 @@ struct PointSigmas {
 /// As the options say, else the sensor's; at least some millimetres, for no wall is flatter.
 PointSigmas point_sigmas(const LidarSightOptions& options, const LidarDataSheet& sensor);
 
+/// What becomes map: a point in the world, and its beam's elevation over the sensor's own level.
+struct LidarMapPoint {
+  Eigen::Vector3d world = Eigen::Vector3d::Zero();
+  double elevation_rad = 0;
+};
+
 /// What became of a sweep.
 struct SweepReport {
   std::int64_t end_ns = 0;
@@ -55,13 +64,13 @@ class LidarRegistration {
   /// `prior` is the covariance at the sweep's end; map and path have to outlive this.
   LidarRegistration(const LidarMap& map, const std::vector<TimedPoint>& points, const SweepPath& path,
                     const Pose& body_from_lidar, double voxel_m, const Matrix18d& prior,
-                    const PointSigmas& sigmas, const LidarSightOptions& options);
+                    const PointSigmas& sigmas, double row_gap_rad, const LidarSightOptions& options);
 
   /// The sums of the points on planes, none where they are too few.
   LidarNormal normal_at(const LidarState& state, int iteration);
   /// All points in the world, but those whose voxel lies off the map's planes: they may be moving, and do not
   /// become map.
-  std::vector<Eigen::Vector3d> map_points(const LidarState& end) const;
+  std::vector<LidarMapPoint> map_points(const LidarState& end) const;
   int on_planes() const { return on_planes_; }
   double share_on_planes() const {
     return static_cast<double>(on_planes_) / std::max(1.0, static_cast<double>(sights_.size()));
@@ -94,6 +103,7 @@ class LidarRegistration {
   Pose body_from_lidar_;
   Eigen::Matrix<double, 6, 6> prior_;
   PointSigmas sigmas_;
+  double min_rise_rad_;
   LidarSightOptions options_;
   VoxelChoice choice_;
   std::vector<Sight> sights_;

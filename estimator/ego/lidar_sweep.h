@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +24,11 @@ struct SweepOptions {
 /// max_scan_s.
 std::vector<TimedPoint> clean_points(std::int64_t start_ns, const std::vector<LidarPoint>& points,
                                      const SweepOptions& options);
+
+/// Of a beam over the sensor's own level.
+inline double elevation_rad(const Eigen::Vector3f& lidar) {
+  return std::atan2(lidar.z(), lidar.head<2>().norm());
+}
 
 /// The readings of an IMU between two times: pieces in which they hardly change.
 struct ReadingPiece {

@@ -29,18 +29,22 @@ std::vector<Eigen::Vector3d> points_of(const cv::Mat& depth, const cv::Mat& mask
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> find_up(const cv::Mat& depth, const cv::Mat& masks, const Camera& camera,
+std::optional<Eigen::Vector3d> find_up(std::vector<Eigen::Vector3d> points, const Eigen::Vector3d& upright,
                                        const UprightOptions& options, RandomStream& random) {
-  if (depth.empty()) return std::nullopt;
-  auto points = points_of(depth, masks, camera, options);
   if (points.size() < kMinPoints) return std::nullopt;
   const double least = std::cos(options.max_tilt_deg * std::numbers::pi / 180);
   for (const Plane& plane :
        find_planes(std::move(points), options.plane_threshold_m, options.min_share, kMostPlanes, random)) {
-    const Eigen::Vector3d up = plane.normal.y() < 0 ? plane.normal : Eigen::Vector3d(-plane.normal);
-    if (-up.y() >= least) return up;
+    const double cosine = plane.normal.dot(upright);
+    if (std::abs(cosine) >= least) return std::copysign(1, cosine) * plane.normal;
   }
   return std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> find_up(const cv::Mat& depth, const cv::Mat& masks, const Camera& camera,
+                                       const UprightOptions& options, RandomStream& random) {
+  if (depth.empty()) return std::nullopt;
+  return find_up(points_of(depth, masks, camera, options), -Eigen::Vector3d::UnitY(), options, random);
 }
 
 Pose upright_world_from_camera(const Eigen::Vector3d& up_in_camera) {

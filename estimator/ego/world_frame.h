@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <vector>
 
 #include "core/base/random.h"
 #include "core/geometry/camera.h"
@@ -19,8 +20,12 @@ struct UprightOptions {
   int step_px = 8;  // between the pixels that are looked at
 };
 
-/// The world's up in a camera's frame, unit length: the normal of the largest plane of the depth image that
-/// is level for a camera held roughly upright (floor, table, ceiling). Nothing when there is none. `depth`
+/// The normal of the largest plane of points that is level for a sensor held roughly as `upright` says (the
+/// world's up in its frame, unit length): floor, road, table, ceiling. Unit length, pointing up; nothing when
+/// there is none. Of the options thresholds, share and tilt count.
+std::optional<Eigen::Vector3d> find_up(std::vector<Eigen::Vector3d> points, const Eigen::Vector3d& upright,
+                                       const UprightOptions& options, RandomStream& random);
+/// The world's up in a camera's frame, by the points of its depth image. `depth`
 /// CV_32FC1 [m, 0 none]; `masks` CV_16UC1 or empty: labels other than 0 are left out.
 std::optional<Eigen::Vector3d> find_up(const cv::Mat& depth, const cv::Mat& masks, const Camera& camera,
                                        const UprightOptions& options, RandomStream& random);

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "core/base/quantile.h"
 #include "estimator/perception/pixel_grid.h"
 #include "estimator/perception/surface_descriptor.h"
 #include "estimator/shape/even_choice.h"
@@ -124,16 +125,34 @@ std::vector<Neighbour> neighbours_of(const ImagePoint& here, const std::vector<I
   return result;
 }
 
+// The points nearest to each one, itself among them.
+std::vector<std::vector<std::size_t>> nearest_points(const std::vector<ImagePoint>& points, double reach_px,
+                                                     std::size_t count) {
+  const PixelGrid grid(points, reach_px, count);
+  std::vector<std::vector<std::size_t>> near(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { near[i] = grid.nearest(points[i].pixel, count); });
+  return near;
+}
+
+// What v is multiplied by for rows to be as near as the points in them.
+double rows_together(const std::vector<ImagePoint>& points, const PointPlaneOptions& options) {
+  std::vector<double> steps_px;
+  const auto near = nearest_points(points, options.reach_px, 2);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (near[i].size() == 2) steps_px.push_back((points[near[i][1]].pixel - points[i].pixel).norm());
+  return steps_px.empty() ? 1 : std::min(1.0, quantile(std::move(steps_px), 0.5) / options.row_gap_px);
+}
+
 }  // namespace
 
 std::vector<PointPlane> point_planes(const std::vector<ImagePoint>& points,
                                      const PointPlaneOptions& options) {
   if (points.empty()) return {};
-  const auto neighbours = static_cast<std::size_t>(options.neighbours);
-  const PixelGrid grid(points, options.reach_px, neighbours);
-  std::vector<std::vector<std::size_t>> near(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(),
-                    [&](std::size_t i) { near[i] = grid.nearest(points[i].pixel, neighbours); });
+  std::vector<ImagePoint> drawn = points;
+  if (options.row_gap_px > 0)
+    for (const double scale = rows_together(points, options); ImagePoint & p : drawn) p.pixel.y() *= scale;
+  const auto near = nearest_points(drawn, options.reach_px, static_cast<std::size_t>(options.neighbours));
   std::vector<bool> keep(points.size(), true);
   if (options.one_body) keep = on_body(points, surfaces(points, near, options.max_jump));
   std::vector<std::optional<PointPlane>> found(points.size());

@@ -29,12 +29,14 @@ struct PointPlaneOptions {
   int min_neighbours = 5;  // of them on it
   double max_jump = 0.03;  // relative depth to a neighbour on the same surface
   bool one_body = false;   // whether slivers of other things are among the points
+  double row_gap_px = 0;   // between the rows of a spinning sensor, along v; 0: there are none
 };
 
 /// The paper's depth of a feature from LiDAR (spherical projection, k nearest, a plane that the line of sight
 /// cuts), at every point of one body: planes by least squares through its nearest neighbours in the image,
 /// those across a jump in depth left out. Points with too few neighbours on their surface are left out
-/// themselves.
+/// themselves. Where rows are further apart than points in them, what is near is reckoned with the rows drawn
+/// together: the nearest points of all would be one row's, and tell no plane.
 std::vector<PointPlane> point_planes(const std::vector<ImagePoint>& points, const PointPlaneOptions& options);
 
 /// Depth [m] of the pixels with a label (masks CV_16UC1; empty: all are 0) along their lines of sight: on the

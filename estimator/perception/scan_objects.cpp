@@ -136,6 +136,7 @@ class ScanObjects {
     std::vector<ImagePoint> points;
     std::vector<cv::Point> hull;
     double depth_m = 0;
+    double row_gap_px = 0;  // between the sensor's rows on it
   };
 
   bool at_rim(const cv::Point2f& pixel) const {
@@ -186,7 +187,7 @@ class ScanObjects {
     seen.track = track;
     const Pose camera_from_world = world_from_camera.inverse();
     std::vector<cv::Point> pixels;
-    std::vector<double> depths;
+    std::vector<double> depths, row_gaps_px;
     for (const int i : cluster) {
       Eigen::Vector3d p = points.world.col(i);
       p.head<2>() += track.velocity_mps * points.ago_s[i];
@@ -197,9 +198,11 @@ class ScanObjects {
       seen.points.push_back({pixel, 1 / in_camera.z()});
       pixels.emplace_back(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())));
       depths.push_back(in_camera.z());
+      row_gaps_px.push_back(camera_.fy * points.rises_m[i] / in_camera.z());
     }
     cv::convexHull(pixels, seen.hull);
     seen.depth_m = quantile(std::move(depths), 0.5);
+    seen.row_gap_px = quantile(std::move(row_gaps_px), 0.5);
     return seen;
   }
 
@@ -235,6 +238,7 @@ class ScanObjects {
       body.id = seen[i].track.id;
       PointPlaneOptions planes = options_.planes;
       planes.one_body = true;
+      planes.row_gap_px = seen[i].row_gap_px;
       SurfacePoints surface =
           surface_points(point_planes(seen[i].points, planes), camera_, options_.max_points);
       body.points = std::move(surface.points);
@@ -284,7 +288,7 @@ ScanPoints points_at(const std::vector<TimedPoint>& timed, std::int64_t end_ns, 
     points.pixels.push_back(pixel_or_far(camera, in_camera));
     points.depths_m.push_back(static_cast<float>(in_camera.z()));
     ranges_m.push_back(p.lidar.cast<double>().norm());
-    elevations_rad.push_back(std::atan2(p.lidar.z(), p.lidar.head<2>().norm()));
+    elevations_rad.push_back(elevation_rad(p.lidar));
   }
   points.rises_m = row_gaps(elevations_rad);
   for (std::size_t i = 0; i < ranges_m.size(); ++i) points.rises_m[i] *= ranges_m[i];

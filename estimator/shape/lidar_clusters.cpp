@@ -18,6 +18,7 @@ namespace {
 constexpr double kVoxelShare = 1.0 / 3;  // of the tolerance: points of one voxel hang together anyhow
 constexpr double kRowSlack = 1.2;        // times the distance of two rows: a sensor sways, a body leans
 constexpr double kElevationBin = 0.1 * std::numbers::pi / 180;  // [rad]: rows are wider apart
+constexpr int kRowBins = 4;        // of a row at most: what is broader are many beams
 constexpr double kRowShare = 0.1;  // of the points in a bin of elevation on average: fewer are no row
 
 // The number of a cell along an axis. Of places that no integer counts, and of none, that of a far one.
@@ -160,6 +161,7 @@ std::vector<double> row_gaps(const std::vector<double>& elevations_rad) {
   struct Row {
     int first, last;
     double middle() const { return kElevationBin * (first + last + 1) / 2; }
+    bool is_one() const { return last - first < kRowBins; }
   };
   std::vector<Row> rows;  // bins without a gap
   for (const auto& [bin, count] : counts) {
@@ -172,10 +174,12 @@ std::vector<double> row_gaps(const std::vector<double>& elevations_rad) {
     const auto next =
         std::find_if(rows.begin(), rows.end(), [&](const Row& row) { return row.last >= bin_of(elevation); });
     const auto row = next == rows.end() ? std::prev(rows.end()) : next;
-    double gap = 0;
-    if (row != rows.begin()) gap = row->middle() - std::prev(row)->middle();
-    if (std::next(row) != rows.end()) gap = std::max(gap, std::next(row)->middle() - row->middle());
-    gaps.push_back(gap);
+    const auto gap_to = [&](const Row& other) {
+      return row->is_one() && other.is_one() ? std::abs(row->middle() - other.middle()) : 0.0;
+    };
+    const double below = row != rows.begin() ? gap_to(*std::prev(row)) : 0;
+    const double above = std::next(row) != rows.end() ? gap_to(*std::next(row)) : 0;
+    gaps.push_back(std::max(below, above));
   }
   return gaps;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/base/random.h"
 #include "estimator/ego/lidar_observability.h"
 #include "tests/ego/room_run.h"
 
@@ -117,6 +118,38 @@ TEST(LidarOdometry, NoPointsNoPoses) {
   LidarOdometry nothing(LidarRigView(), {}, {});
   nothing.finish();
   EXPECT_FALSE(nothing.world_from_camera(0));
+}
+
+// The second way: the bend as parameters of its own in one least-squares problem.
+TEST(LidarObservability, ABentMapIsAnErrorOfItsOwn) {
+  RandomStream random(6, "bend");
+  const double bend_mps = 0.3, bend_radps = 0.1;
+  Eigen::Matrix<double, 18, 18> square = Eigen::Matrix<double, 18, 18>::Zero();
+  Eigen::Matrix<double, 18, 1> side = Eigen::Matrix<double, 18, 1>::Zero();
+  LidarNormal normal;
+  for (int i = 0; i < 50; ++i) {
+    Eigen::Matrix<double, 1, 18> row;
+    for (int k = 0; k < kSightingDof; ++k) row[k] = random.normal();
+    row.tail<6>() = row.segment<6>(kVelocity);
+    const double residual = random.normal();
+    square += row.transpose() * row;
+    side += residual * row.transpose();
+    normal.square += row.head<kSightingDof>().transpose() * row.head<kSightingDof>();
+    normal.side += residual * row.head<kSightingDof>().transpose();
+    ++normal.points;
+  }
+  square.diagonal().tail<6>() +=
+      (Eigen::Matrix<double, 6, 1>() << Vector3d::Constant(1 / (bend_mps * bend_mps)),
+       Vector3d::Constant(1 / (bend_radps * bend_radps)))
+          .finished();
+  const LidarNormal told = with_bent_map(normal, bend_mps, bend_radps);
+  // Their sums do not tell velocity from bend but by the prior of both: as the filter's covariance, here 1.
+  const SightingSquare known = SightingSquare::Identity();
+  square.topLeftCorner<kSightingDof, kSightingDof>() += known;
+  const Eigen::Matrix<double, 18, 1> both = square.ldlt().solve(side);
+  const Eigen::Matrix<double, kSightingDof, 1> step = (told.square + known).ldlt().solve(told.side);
+  EXPECT_LT((step - both.head<kSightingDof>()).norm(), 1e-10);
+  EXPECT_EQ(told.points, normal.points);
 }
 
 TEST(LidarObservability, NoiseOfNormalsTellsNothingAndFacingPlanesDo) {

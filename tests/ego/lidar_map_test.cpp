@@ -49,6 +49,23 @@ TEST(LidarMap, SmallFacesHaveTheirOwnPlanes) {
   EXPECT_GT(std::abs(wall->normal.x()), 0.9999);
 }
 
+// A fence 0.3 m before a wall by one row of a spinning sensor, and a wall by several.
+TEST(LidarMap, OneRowOfBeamsTellsNoPlane) {
+  const PlaneLimits limits{.max_thickness_m = kNoise_m, .min_breadth_m = 0.06, .min_rise_rad = 0.02};
+  LidarMap one_row{LidarMapOptions()}, rows{LidarMapOptions()};
+  for (int i = -100; i < 100; ++i) {
+    const double x = 0.02 * i;
+    one_row.add({x, i % 2 ? 20 : 20.3, 1.0}, 0.05);
+    for (int row = -4; row < 5; ++row) rows.add({x, 20, 1.0 + 0.1 * row}, 0.05 + 0.005 * row);
+  }
+  const Vector3d on_wall(-1, 20, 1);
+  EXPECT_FALSE(one_row.plane_near(on_wall, limits));
+  EXPECT_TRUE(one_row.plane_near(on_wall, {kNoise_m, 0.06}));  // or else the row's own plane
+  const auto wall = rows.plane_near(on_wall, limits);
+  ASSERT_TRUE(wall);
+  EXPECT_GT(std::abs(wall->normal.y()), 0.9999);
+}
+
 // One point a cell, about the origin: the cells' places come back, those of a single sight do not.
 TEST(LidarMap, GivesBackTheMeansOfItsFinestCells) {
   LidarMap map{LidarMapOptions()};

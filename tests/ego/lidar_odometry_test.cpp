@@ -61,6 +61,45 @@ TEST(LidarOdometry, FollowsSixteenRingsThroughAHall) {
   }
 }
 
+// A ring that goes round piers lies in a plane, which a tilted sensor takes along with it: 7.5 m off of 7.5
+// m. What is left tells so little that the start may be waited for.
+TEST(LidarOdometry, FollowsSixteenTiltedRingsPastPiers) {
+  for (const bool has_imu : {true, false}) {
+    RoomRun run;
+    run.scans = 25;
+    run.has_imu = has_imu;
+    run.room.pattern = LidarRoom::Pattern::rings;
+    run.room.half_size_m = {60, 12, 4};
+    run.room.has_piers = true;
+    run.room.tilt_rad = 0.26;
+    run.room.velocity_mps = {3, 0, 0};
+    run.room.vigour = 0.05;
+    run.room.range_sigma_m = 0.03;
+    run.room.points = 28'000;
+    run.noise = {.range_sigma_m = 0.03, .divergence_deg = 0.28, .angle_sigma_deg = 0};
+    const RoomErrors errors = errors_of(run.odometry(), run);
+    EXPECT_GT(errors.poses, 25) << has_imu;
+    EXPECT_LT(errors.max_m, 0.25) << has_imu;
+    EXPECT_LT(errors.max_rad, 0.01) << has_imu;
+  }
+}
+
+TEST(LidarOdometry, TheGroundLevelsTheWorldWithoutAnImu) {
+  RoomRun run;
+  run.scans = 12;
+  run.has_imu = false;
+  run.room.tilt_rad = 0.3;
+  run.room.half_size_m = {7, 5, 1.5};  // floor and ceiling are its largest sides, as seen
+  run.room.range_sigma_m = 0.02;
+  const LidarOdometry odometry = run.odometry();
+  const auto pose = odometry.world_from_camera(run.room.start_ns);  // the camera is the sensor
+  ASSERT_TRUE(pose);
+  const Pose truth = run.room.world_from_lidar(0);
+  EXPECT_LT((pose->rotation.conjugate() * Vector3d::UnitZ() - truth.rotation.conjugate() * Vector3d::UnitZ())
+                .norm(),
+            0.02);
+}
+
 // Rings on floor and walls stand still beside a sensor that moves along them; only the cupboards tell.
 TEST(LidarOdometry, BeginsAtTheSpeedOfACar) {
   for (const double speed : {0.0, 6.0, 18.0})
@@ -121,7 +160,7 @@ TEST(LidarOdometry, ANoisySensorIsFollowedByItsDataSheet) {
   EXPECT_EQ(errors.missing, 0);
   EXPECT_LT(errors.max_m, 0.15);
   run.options.sight.range_sigma_m = 0.02;  // the variant overrides the sensor
-  EXPECT_LT(on_planes(), 1.5 * unknown);
+  EXPECT_LE(on_planes(), 1.5 * unknown);
 }
 
 TEST(LidarOdometry, SigmasAreTheOptionsOrElseTheSensors) {

@@ -54,7 +54,7 @@ TEST(LidarPair, RegistersTwoRealScans) {
   map_options.cell_m = 0.12;
   map_options.levels = 3;
   LidarMap map(map_options);
-  for (const TimedPoint& p : target) map.add(p.lidar.cast<double>());
+  for (const TimedPoint& p : target) map.add(p.lidar.cast<double>(), elevation_rad(p.lidar));
   LidarBelief belief;
   Vector18d sigma = Vector18d::Zero();
   sigma.segment<3>(kTurn).setConstant(0.1);
@@ -67,7 +67,7 @@ TEST(LidarPair, RegistersTwoRealScans) {
   const SweepPath path(belief.state, {});
   for (const int first_iteration : {0, 2}) {  // with the wide gate first, then with the narrow one
     LidarRegistration registration(map, source, path, Pose(), 0.25, belief.covariance,
-                                   point_sigmas(options, {}), options);
+                                   point_sigmas(options, {}), 0, options);
     const auto normal_at = [&](const LidarState& state, int i) {
       return registration.normal_at(state, first_iteration == 0 ? 0 : first_iteration + i);
     };

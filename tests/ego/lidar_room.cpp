@@ -41,6 +41,19 @@ const std::array<Box, 6> kCupboards = {{{{5.5, -4, -2.5}, {7, -2.5, 0.5}},
                                         {{-2, 4, -2.5}, {0, 5, 0}},
                                         {{1, -5, -2.5}, {2.5, -4, 1.5}}}};
 
+// Half a metre deep, from floor to ceiling, as facades have them between windows, at uneven steps: at even
+// ones a motion by a step more a scan would look the same.
+std::vector<Box> piers(const Vector3d& half) {
+  std::vector<Box> boxes;
+  double x = -half.x();
+  for (int k = 0; x + 1.5 < half.x(); x += 2.2 + 1.7 * std::fmod(0.618034 * ++k, 1.0))
+    for (const double side : {-1.0, 1.0}) {
+      const double y = side * (half.y() - 0.25);
+      boxes.push_back({{x, y - 0.25, -half.z()}, {x + 1.5, y + 0.25, half.z()}});
+    }
+  return boxes;
+}
+
 // To where a ray from outside enters a box; nothing: it passes by.
 std::optional<double> range_to(const Box& box, const Vector3d& from, const Vector3d& ray) {
   const Eigen::Array3d a = (box.low - from).array() / ray.array(),
@@ -59,7 +72,8 @@ double off_box_m(const Box& box, const Vector3d& p) {
 Pose LidarRoom::world_from_lidar(double t) const {
   const double v = vigour;
   return {exp_so3(0.3 * v *
-                  Vector3d(0.3 * std::sin(1.7 * t), 0.4 * std::sin(1.3 * t + 0.5), 1.5 * std::sin(0.9 * t))),
+                  Vector3d(0.3 * std::sin(1.7 * t), 0.4 * std::sin(1.3 * t + 0.5), 1.5 * std::sin(0.9 * t))) *
+              exp_so3({0, tilt_rad, 0}),
           v * Vector3d(1.2 * std::sin(0.8 * t), 0.7 * std::sin(1.1 * t + 1), 0.2 * std::sin(1.9 * t)) +
               t * velocity_mps};
 }
@@ -70,6 +84,11 @@ std::int64_t LidarRoom::scan_start_ns(int scan) const {
 
 std::vector<LidarPoint> LidarRoom::scan(int scan) const {
   RandomStream random(7, "lidar_room", static_cast<std::uint64_t>(scan));
+  std::vector<Box> boxes;
+  if (has_piers)
+    boxes = piers(half_size_m);
+  else if (!is_bare)
+    boxes.assign(kCupboards.begin(), kCupboards.end());
   std::vector<LidarPoint> result;
   for (int i = 0; i < points; ++i) {
     const double u = static_cast<double>(i) / points;
@@ -83,8 +102,8 @@ std::vector<LidarPoint> LidarRoom::scan(int scan) const {
     for (int k = 0; k < 3; ++k)
       range = std::min(
           range, (half_size_m[k] - std::copysign(1.0, ray[k]) * pose.translation[k]) / std::abs(ray[k]));
-    for (const Box& box : kCupboards)
-      if (!is_bare) range = std::min(range, range_to(box, pose.translation, ray).value_or(range));
+    for (const Box& box : boxes)
+      range = std::min(range, range_to(box, pose.translation, ray).value_or(range));
     if (const Vector3d at = mover_m(time_s); mover_half_m.x() > 0)
       range = std::min(
           range, range_to({at - mover_half_m, at + mover_half_m}, pose.translation, ray).value_or(range));

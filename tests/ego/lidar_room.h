@@ -21,7 +21,9 @@ struct LidarRoom {
   double rate_hz = 10;
   double vigour = 1;                                       // of the motion: 1 m/s and 0.5 rad/s
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();  // besides
+  double tilt_rad = 0;                                     // of the sensor, nose down
   bool is_bare = false;                                    // no cupboards
+  bool has_piers = false;                                  // along both long walls, in their place
   double max_range_m = 1e9;                                // what is farther gives no return
   std::int64_t start_ns = 0;
   Eigen::Vector3d gyroscope_bias_radps = Eigen::Vector3d::Zero(),

@@ -238,6 +238,27 @@ TEST(PointPlanes, NeighboursAcrossAJumpAreLeftOutAndSlantsKept) {
   }
 }
 
+// Rows 16 px apart of points 1.6 px apart, as a VLP-16's in an image of 460 px: the nearest of all lie in one
+// row, which tells no slope across it.
+TEST(PointPlanes, OfRowsFarApartAreLaidThroughSeveral) {
+  const auto inverse_depth = [](const Eigen::Vector2d& p) { return 0.1 + 1e-5 * p.x() + 3e-5 * p.y(); };
+  std::vector<ImagePoint> points;
+  for (int row = 0; row < 5; ++row)
+    for (int i = 0; i < 60; ++i) {
+      const Eigen::Vector2d pixel(1.6 * i, 16.0 * row);
+      points.push_back({pixel, inverse_depth(pixel)});
+    }
+  EXPECT_TRUE(point_planes(points, {}).empty());
+  PointPlaneOptions options;
+  options.row_gap_px = 16;
+  const std::vector<PointPlane> planes = point_planes(points, options);
+  EXPECT_EQ(planes.size(), points.size());
+  for (const PointPlane& plane : planes) {
+    EXPECT_NEAR(plane.inverse_depth, inverse_depth(plane.pixel), 1e-9);
+    EXPECT_NEAR(plane.slope_per_px.y(), 3e-5, 1e-9);
+  }
+}
+
 TEST(PointPlanes, SliversOfOtherThingsAreNotTheBody) {
   RandomStream random(3, "slivers");
   std::vector<ImagePoint> points;
