@@ -23,6 +23,7 @@ constexpr double kLevelTime_s = 0.2;  // whose mean force tells up from down at 
 // Of the ground that tells it where there is no force: of noise at 30 m twice the threshold.
 constexpr UprightOptions kGround{
     .plane_threshold_m = 0.05, .min_share = 0.1, .max_tilt_deg = 40, .max_range_m = 30};
+constexpr double kUpsideDown = -0.7;  // cosine between the LiDAR's up and the camera's
 constexpr double kGroundVoxel_m = 0.5;
 constexpr double kWholeShare = 0.9;   // of first_sweep_s: scans come unevenly
 constexpr double kBentThickness = 6;  // over the noise of points
@@ -98,7 +99,9 @@ Vector3d LidarStart::likely_up() const {
       force += sample.specific_force_mps2;
   if (force.norm() == 0 && !setting_.imu.empty()) force = setting_.imu.front().specific_force_mps2;
   if (force.norm() > 0) return force;
-  const Vector3d sensors_own = setting_.body_from_lidar.rotation * Vector3d::UnitZ();
+  Vector3d sensors_own = setting_.body_from_lidar.rotation * Vector3d::UnitZ();
+  const Vector3d cameras = -(setting_.body_from_camera.rotation * Vector3d::UnitY());
+  if (cameras.dot(sensors_own) < kUpsideDown) sensors_own = -sensors_own;
   if (!setting_.imu.empty()) return sensors_own;
   const std::vector<TimedPoint>& scan = sweeps_.front().points;
   std::vector<Vector3d> points;

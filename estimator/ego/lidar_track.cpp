@@ -1,6 +1,8 @@
 #include "estimator/ego/lidar_track.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace uniquadric {
@@ -13,11 +15,29 @@ constexpr double kAccelerometerSigma_mps2 = 0.1;  // of its bias before it is se
 constexpr double kGravitySigma_mps2 = 0.5;        // across the first force: a vehicle's own acceleration
 constexpr double kMagnitudeSigma_mps2 = 0.01;     // gravity's, over the Earth's places
 
-InertialNoise noise_of(const LidarSetting& setting) {
+constexpr std::int64_t kHeld_ns = 120'000'000;  // without a reading: what is held tells no motion any more
+// Of a reading that is only held: some m/s^2 and tenths of a radian a second off.
+constexpr double kHeldForce_mps2_rthz = 3, kHeldTurnRate_radps_rthz = 0.5;
+
+bool is_held(const std::vector<ImuSample>& samples, std::int64_t from_ns, std::int64_t to_ns) {
+  const auto after = std::lower_bound(samples.begin(), samples.end(), to_ns,
+                                      [](const ImuSample& s, std::int64_t t) { return s.stamp_ns < t; });
+  const auto before = std::upper_bound(samples.begin(), samples.end(), from_ns,
+                                       [](std::int64_t t, const ImuSample& s) { return t < s.stamp_ns; });
+  return (after == samples.end() ? to_ns : after->stamp_ns) -
+             (before == samples.begin() ? from_ns : std::prev(before)->stamp_ns) >
+         kHeld_ns;
+}
+
+// Of the readings between two times.
+InertialNoise noise_of(const LidarSetting& setting, std::int64_t from_ns, std::int64_t to_ns) {
   const LidarOdometryOptions& options = setting.options;
   if (setting.imu.empty())
     return {0, options.angular_acceleration_radps2_rthz, options.acceleration_mps2_rthz, 0};
   const ImuCalibration& imu = *setting.rig.imu;
+  if (is_held(setting.imu, from_ns, to_ns))
+    return {kHeldTurnRate_radps_rthz, imu.gyroscope_walk_radps2_rthz, kHeldForce_mps2_rthz,
+            imu.accelerometer_walk_mps3_rthz};
   return {imu.gyroscope_noise_radps_rthz, imu.gyroscope_walk_radps2_rthz, imu.accelerometer_noise_mps2_rthz,
           imu.accelerometer_walk_mps3_rthz};
 }
@@ -81,7 +101,7 @@ void LidarTrack::go_on(const LidarSweep& sweep) {
   const auto pieces = readings_between(setting_->imu, belief_.state.stamp_ns, sweep.end_ns);
   const SweepPath path(belief_.state, pieces);
   for (const auto& [end_ns, reading] : pieces)
-    belief_ = propagated(belief_, reading, noise_of(*setting_), end_ns);
+    belief_ = propagated(belief_, reading, noise_of(*setting_, belief_.state.stamp_ns, end_ns), end_ns);
   SweepReport report{sweep.end_ns, static_cast<int>(sweep.points.size()), 0, sweep.on_bodies, 0};
   if (sweep.points.empty()) return note(report);
   LidarRegistration registration(map_, sweep.points, path, setting_->body_from_lidar, options.sweep.voxel_m,

@@ -100,6 +100,22 @@ TEST(LidarOdometry, TheGroundLevelsTheWorldWithoutAnImu) {
             0.02);
 }
 
+// The same of one that hangs upside down beside a camera that does not.
+TEST(LidarOdometry, ALidarUpsideDownIsToldByItsCamera) {
+  RoomRun run;
+  run.scans = 12;
+  run.has_imu = false;
+  run.room.half_size_m = {7, 5, 1.5};
+  run.room.range_sigma_m = 0.02;
+  Eigen::Matrix3d R;  // of the camera's axes (right, down, forward), the LiDAR's z being down
+  R << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  run.camera_from_lidar.rotation = Eigen::Quaterniond(R);
+  const LidarOdometry odometry = run.odometry();
+  const auto pose = odometry.world_from_camera(run.room.start_ns);
+  ASSERT_TRUE(pose);
+  EXPECT_LT((pose->rotation * -Vector3d::UnitY() - Vector3d::UnitZ()).norm(), 0.2);  // it sways by 0.1 rad
+}
+
 // Rings on floor and walls stand still beside a sensor that moves along them; only the cupboards tell.
 TEST(LidarOdometry, BeginsAtTheSpeedOfACar) {
   for (const double speed : {0.0, 6.0, 18.0})
@@ -139,6 +155,17 @@ TEST(LidarOdometry, TheImuCarriesItThroughASecondWithoutScans) {
   EXPECT_EQ(errors.missing, 0);
   EXPECT_LT(errors.max_m, 0.08);
   EXPECT_LT(errors.max_rad, 0.006);
+}
+
+// A reading that is held for good tells nothing of the motion (3.8 m off), the scans do.
+TEST(LidarOdometry, AnImuThatEndsLeavesTheScansToTell) {
+  RoomRun run;
+  run.room.range_sigma_m = 0.02;
+  run.change_imu = [](auto& samples) { samples.resize(samples.size() * 3 / 8); };
+  const RoomErrors errors = errors_of(run.odometry(), run);
+  EXPECT_EQ(errors.missing, 0);
+  EXPECT_LT(errors.max_m, 0.15);
+  EXPECT_LT(errors.max_rad, 0.06);
 }
 
 // Ranges as noisy as 0.15 m: to a sensor that is thought to be good to 0.02 m no wall is thin enough to be

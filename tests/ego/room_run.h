@@ -16,16 +16,20 @@ struct RoomRun {
   LidarOdometryOptions options;
   bool has_imu = true;
   int scans = 40;
+  std::function<void(std::vector<ImuSample>&)> change_imu = [](auto&) {};
+  Pose camera_from_lidar;
   std::function<bool(int scan)> is_dropped = [](int) { return false; };
   std::function<void(int scan, std::vector<LidarPoint>&)> change = [](int, auto&) {};
 
   LidarOdometry odometry() const {
     LidarRigView rig;
     rig.noise = noise;
+    rig.camera_from_lidar = camera_from_lidar;
     std::vector<ImuSample> samples;
     if (has_imu) {
       rig.imu = ImuCalibration();
       samples = room.imu(scans / room.rate_hz);
+      change_imu(samples);
     }
     LidarOdometry odometry(rig, samples, options);
     for (int i = 0; i < scans; ++i) {
