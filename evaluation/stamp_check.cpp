@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdlib>
+#include <utility>
 
+#include "core/base/quantile.h"
 #include "core/sequence/stamps.h"
 #include "core/sequence/trajectory.h"
 #include "evaluation/association/stamps.h"
@@ -41,13 +42,12 @@ void check_file(const fs::path& file, const Stamps& frames, const Stamps& stamps
                     "compared with none",
                     file.string(), near.size() - compared, stamps.size()));
   if (near.empty()) return;
-  const auto middle = near.begin() + std::ssize(near) / 2;
-  std::nth_element(near.begin(), middle, near.end());
-  if (*middle > kBeside_ns)
+  const std::int64_t usual_ns = upper_median(std::move(near));
+  if (usual_ns > kBeside_ns)
     faults.push_back(
         fmt::format("{}: stamps lie {:.3g} ms from the truth's frames (median), and are compared with "
                     "the nearest; a shifted clock moves every error",
-                    file.string(), milliseconds(*middle)));
+                    file.string(), milliseconds(usual_ns)));
 }
 
 void check_frame_numbers(const fs::path& file, const Stamps& frames, const Tracks& estimate,

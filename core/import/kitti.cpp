@@ -9,9 +9,11 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/quantile.h"
 #include "core/base/text.h"
 #include "core/import/kitti_recording.h"
 
@@ -82,8 +84,7 @@ Eigen::Vector3d median_size(const std::vector<const KittiLabel*>& labels) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> sizes;
     for (const KittiLabel* label : labels) sizes.push_back(label->semi_axes_m[axis]);
-    std::nth_element(sizes.begin(), sizes.begin() + std::ssize(sizes) / 2, sizes.end());
-    median[axis] = sizes[sizes.size() / 2];
+    median[axis] = upper_median(std::move(sizes));
   }
   return median;
 }

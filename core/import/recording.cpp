@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cctype>
 #include <iostream>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/folder_hashes.h"
 #include "core/base/progress.h"
+#include "core/base/quantile.h"
 #include "core/base/version.h"
 
 namespace uniquadric {
@@ -142,9 +144,7 @@ double nominal_rate_hz(const std::vector<std::int64_t>& stamps_ns, double fallba
   std::vector<std::int64_t> intervals_ns;
   for (std::size_t i = 1; i < stamps_ns.size(); ++i) intervals_ns.push_back(stamps_ns[i] - stamps_ns[i - 1]);
   if (intervals_ns.empty()) return fallback_hz;
-  const auto middle = intervals_ns.begin() + std::ssize(intervals_ns) / 2;
-  std::nth_element(intervals_ns.begin(), middle, intervals_ns.end());
-  return 1e9 / static_cast<double>(*middle);
+  return 1e9 / static_cast<double>(upper_median(std::move(intervals_ns)));
 }
 
 }  // namespace uniquadric

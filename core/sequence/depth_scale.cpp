@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "core/base/config.h"
 #include "core/base/error.h"
+#include "core/base/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -35,11 +37,10 @@ std::optional<std::string> depth_scale_fault(const Sequence& sequence) {
   for (std::size_t i = 0; i < images; ++i)
     add_depths(sequence, *frames[i * frames.size() / images], depths_m);
   if (depths_m.empty()) return std::nullopt;
-  const auto middle = depths_m.begin() + std::ssize(depths_m) / 2;
-  std::nth_element(depths_m.begin(), middle, depths_m.end());
-  if (*middle >= kLeast_m && *middle <= kMost_m) return std::nullopt;
+  const float usual_m = upper_median(std::move(depths_m));
+  if (usual_m >= kLeast_m && usual_m <= kMost_m) return std::nullopt;
   return fmt::format("depth.units_per_m: {} gives a median depth of {:.3g} m, expected {:g} to {:g} m",
-                     sequence.depth_units_per_m, *middle, kLeast_m, kMost_m);
+                     sequence.depth_units_per_m, usual_m, kLeast_m, kMost_m);
 }
 
 std::optional<double> stated_depth_units_per_m(const fs::path& images) {

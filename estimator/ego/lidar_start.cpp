@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLevelTime_s = 0.2;  // whose mean force tells up from down at first
-// Of the ground that tells it where there is no force: of noise at 30 m twice the threshold.
+// Of the ground that tells it where there is no force; within twice the ranges' noise of a plane.
 constexpr UprightOptions kGround{
     .plane_threshold_m = 0.05, .min_share = 0.1, .max_tilt_deg = 40, .max_range_m = 30};
 constexpr double kUpsideDown = -0.7;  // cosine between the LiDAR's up and the camera's

@@ -20,10 +20,8 @@ constexpr std::int64_t kHeld_ns = 120'000'000;  // without a reading: what is he
 constexpr double kHeldForce_mps2_rthz = 3, kHeldTurnRate_radps_rthz = 0.5;
 
 bool is_held(const std::vector<ImuSample>& samples, std::int64_t from_ns, std::int64_t to_ns) {
-  const auto after = std::lower_bound(samples.begin(), samples.end(), to_ns,
-                                      [](const ImuSample& s, std::int64_t t) { return s.stamp_ns < t; });
-  const auto before = std::upper_bound(samples.begin(), samples.end(), from_ns,
-                                       [](std::int64_t t, const ImuSample& s) { return t < s.stamp_ns; });
+  const auto after = std::ranges::lower_bound(samples, to_ns, {}, &ImuSample::stamp_ns);
+  const auto before = std::ranges::upper_bound(samples, from_ns, {}, &ImuSample::stamp_ns);
   return (after == samples.end() ? to_ns : after->stamp_ns) -
              (before == samples.begin() ? from_ns : std::prev(before)->stamp_ns) >
          kHeld_ns;

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <tuple>
+#include <utility>
+
+#include "core/base/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -61,10 +64,7 @@ std::size_t nearest_index(const Stamps& stamps, std::int64_t stamp) {
 std::int64_t median_period_ns(const Stamps& stamps) {
   Stamps periods;
   for (std::size_t k = 1; k < stamps.size(); ++k) periods.push_back(stamps[k] - stamps[k - 1]);
-  if (periods.empty()) return 0;
-  const auto middle = periods.begin() + std::ssize(periods) / 2;
-  std::nth_element(periods.begin(), middle, periods.end());
-  return *middle;
+  return periods.empty() ? 0 : upper_median(std::move(periods));
 }
 
 std::vector<bool> are_next_frames(const Stamps& stamps) {

@@ -11,6 +11,18 @@ namespace {
 
 using Eigen::Vector3d;
 
+// A VLP-16's rings and noise, in a room as large.
+RoomRun run_of_rings(const Vector3d& half_size_m, double speed_mps, int points = 20'000) {
+  RoomRun run;
+  run.room.pattern = LidarRoom::Pattern::rings;
+  run.room.half_size_m = half_size_m;
+  run.room.velocity_mps = {speed_mps, 0, 0};
+  run.room.range_sigma_m = 0.03;
+  run.room.points = points;
+  run.noise = {.range_sigma_m = 0.03, .divergence_deg = 0.28, .angle_sigma_deg = 0};
+  return run;
+}
+
 TEST(LidarOdometry, FollowsASpinningLidarThroughARoom) {
   RoomRun run;
   run.room.range_sigma_m = 0.02;
@@ -45,15 +57,9 @@ TEST(LidarOdometry, FollowsANarrowRosette) {
 // noise makes a plane of it that goes along with the sensor.
 TEST(LidarOdometry, FollowsSixteenRingsThroughAHall) {
   for (const bool has_imu : {true, false}) {
-    RoomRun run;
+    RoomRun run = run_of_rings({20, 12, 3}, 1.2);
     run.has_imu = has_imu;
-    run.room.pattern = LidarRoom::Pattern::rings;
-    run.room.half_size_m = {20, 12, 3};
-    run.room.velocity_mps = {1.2, 0, 0};
     run.room.vigour = 0.3;
-    run.room.range_sigma_m = 0.03;
-    run.room.points = 20'000;
-    run.noise = {.range_sigma_m = 0.03, .divergence_deg = 0.28, .angle_sigma_deg = 0};
     const RoomErrors errors = errors_of(run.odometry(), run);
     EXPECT_EQ(errors.missing, 0);
     EXPECT_LT(errors.max_m, 0.01 * 1.2 * 4);
@@ -65,18 +71,12 @@ TEST(LidarOdometry, FollowsSixteenRingsThroughAHall) {
 // m. What is left tells so little that the start may be waited for.
 TEST(LidarOdometry, FollowsSixteenTiltedRingsPastPiers) {
   for (const bool has_imu : {true, false}) {
-    RoomRun run;
+    RoomRun run = run_of_rings({60, 12, 4}, 3, 28'000);
     run.scans = 25;
     run.has_imu = has_imu;
-    run.room.pattern = LidarRoom::Pattern::rings;
-    run.room.half_size_m = {60, 12, 4};
     run.room.has_piers = true;
     run.room.tilt_rad = 0.26;
-    run.room.velocity_mps = {3, 0, 0};
     run.room.vigour = 0.05;
-    run.room.range_sigma_m = 0.03;
-    run.room.points = 28'000;
-    run.noise = {.range_sigma_m = 0.03, .divergence_deg = 0.28, .angle_sigma_deg = 0};
     const RoomErrors errors = errors_of(run.odometry(), run);
     EXPECT_GT(errors.poses, 25) << has_imu;
     EXPECT_LT(errors.max_m, 0.25) << has_imu;
@@ -120,17 +120,11 @@ TEST(LidarOdometry, ALidarUpsideDownIsToldByItsCamera) {
 TEST(LidarOdometry, BeginsAtTheSpeedOfACar) {
   for (const double speed : {0.0, 6.0, 18.0})
     for (const bool has_imu : {true, false}) {
-      RoomRun run;
+      RoomRun run = run_of_rings({60, 9, 3}, speed);
       run.scans = 20;
       run.has_imu = has_imu;
-      run.room.pattern = LidarRoom::Pattern::rings;
-      run.room.half_size_m = {60, 9, 3};
       run.room.max_range_m = 35;
-      run.room.velocity_mps = {speed, 0, 0};
       run.room.vigour = 0.2;
-      run.room.range_sigma_m = 0.03;
-      run.room.points = 20'000;
-      run.noise = {.range_sigma_m = 0.03, .divergence_deg = 0.28, .angle_sigma_deg = 0};
       const RoomErrors errors = errors_of(run.odometry(), run);
       EXPECT_EQ(errors.missing, 0) << speed << has_imu;
       EXPECT_LT(errors.max_m, 0.05 + 0.01 * speed * 2) << speed << has_imu;
