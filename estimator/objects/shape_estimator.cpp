@@ -258,7 +258,7 @@ std::optional<Shape> ShapeEstimator::solve_by_extents() const {
   std::vector<StageTime> unasked;
   Stopwatch watch(views_.back().frame, times_ ? *times_ : unasked);
   const auto found = shape_by_extents(
-      {camera_, views_, boxes_, sphere_belief(), kThinnest * radius_m_, fusion(), window}, shape_);
+      {camera_, views_, boxes_, options_.sphere_sigma, kThinnest * radius_m_, fusion(), window}, shape_);
   watch.stop(kLongWindowStage);
   return found;
 }

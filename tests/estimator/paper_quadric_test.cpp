@@ -51,5 +51,27 @@ TEST(BodyEstimator, ThePapersQuadricIsAboutTheEllipsoidOfNoisyOutlines) {
   EXPECT_LT(errors.axes_m, 0.04);
 }
 
+// Of what shows one side only the depth is a guess: as long as the side is across, not as the mean of its
+// ways, and said to be one. The camera goes along with the box, and never sees another side of it.
+TEST(BodyEstimator, ThePapersQuadricOfOneSideIsAsDeepAsItIsHigh) {
+  const Eigen::Vector3d axes(0.9, 0.12, 0.15);
+  const auto sliding = [](double t) { return Pose{Eigen::Quaterniond::Identity(), {0.3 * t, 0, 1}}; };
+  SyntheticOptions options;
+  options.world_from_camera = [&](double t) { return looking_at({0.31 * t, -2.2, 1}, {0.31 * t, 0, 1}); };
+  const SyntheticPerception perception = synthetic_perception({box_body(axes, sliding)}, options);
+  BodyEstimator estimator(1, perception.camera, paper(), 1);
+  std::optional<BodyState> state;
+  for (const PerceivedFrame& frame : perception.frames) state = estimator.step(frame, &frame.bodies.at(0));
+  ASSERT_TRUE(state);
+  const Eigen::Matrix3d in_body =
+      (state->world_from_body.rotation * state->shape.body_from_object.rotation).toRotationMatrix();
+  Eigen::Index depth = 0;
+  in_body.row(1).cwiseAbs().maxCoeff(&depth);
+  const double half_m = state->shape.semi_axes_m[depth];
+  EXPECT_LT(half_m, 0.25);  // 0.37 is the mean of the ways
+  EXPECT_GT(half_m, 0.06);
+  EXPECT_GT(std::sqrt(state->shape.variances[depth]), std::abs(half_m - axes.y()) / 3);
+}
+
 }  // namespace
 }  // namespace uniquadric
