@@ -157,16 +157,17 @@ LidarBelief propagated(const LidarBelief& belief, const InertialReading& reading
           F * belief.covariance * F.transpose() + propagation_noise(noise, dt)};
 }
 
-LidarBelief with_gravity(const LidarBelief& belief, double magnitude_mps2, double sigma_mps2) {
-  const Eigen::Vector3d& gravity = belief.state.gravity_mps2;
-  const double found_mps2 = gravity.norm();
+LidarBelief with_gravity(const LidarBelief& belief, double magnitude_mps2) {
+  const double found_mps2 = belief.state.gravity_mps2.norm();
   if (found_mps2 == 0) return belief;
-  Vector18d row = Vector18d::Zero();
-  row.segment<3>(kGravity) = gravity / found_mps2;
-  const Vector18d spread = belief.covariance * row;
-  const Vector18d gain = spread / (row.dot(spread) + sigma_mps2 * sigma_mps2);
-  return {moved(belief.state, gain * (magnitude_mps2 - found_mps2)),
-          belief.covariance - gain * spread.transpose()};
+  const Vector3d down = belief.state.gravity_mps2 / found_mps2;
+  LidarBelief result = belief;
+  result.state.gravity_mps2 = magnitude_mps2 * down;
+  Matrix18d by_error = Matrix18d::Identity();
+  by_error.block<3, 3>(kGravity, kGravity) =
+      magnitude_mps2 / found_mps2 * (Matrix3d::Identity() - down * down.transpose());
+  result.covariance = by_error * belief.covariance * by_error.transpose();
+  return result;
 }
 
 // At an iterate x the prior is of mean -e and covariance P in x's own error d, whose logarithm from the prior

@@ -91,9 +91,10 @@ struct LidarBelief {
 /// The belief propagated under one reading.
 LidarBelief propagated(const LidarBelief& belief, const InertialReading& reading, const InertialNoise& noise,
                        std::int64_t to_ns);
-/// The belief, gravity being known to be so strong. (FAST-LIO2 keeps gravity on a sphere instead.) Without it
-/// a constant acceleration that is not there is taken for a tilt.
-LidarBelief with_gravity(const LidarBelief& belief, double magnitude_mps2, double sigma_mps2);
+/// The belief, gravity being put back on the sphere of its strength, as in FAST-LIO2: its direction alone is
+/// unknown. Without it a constant acceleration that is not there is taken for a tilt. (A measurement of the
+/// length in its place, linearised where gravity was taken to point at first, holds it there.)
+LidarBelief with_gravity(const LidarBelief& belief, double magnitude_mps2);
 /// The iterated update (FAST-LIO2, Eq. 12-18; the gain is written with neither the covariance's inverse nor
 /// one of the size of the points). `normal_at` is asked for the points' sums at each iterate, and which it
 /// is; iterations end when a step turns and shifts by less than the limits.

@@ -38,6 +38,29 @@ constexpr double kVague_mps = 0.4;    // of one that is not told: where it is, w
 constexpr double kLedBack_mps = 0.6;  // where sweeps tell the velocity, other starts end within 0.3 of it
 constexpr double kAsWell = 0.95;      // of the points on planes: another start fits as well
 
+constexpr double kLean = 0.05;          // [rad] of the mean force: less, and the motion tells no better
+constexpr double kGravityOff_mps2 = 2;  // of its strength: more, and the motion that it is told by is wrong
+
+// Gravity in the world of the fixes: what the sensor's places are bent by besides its force.
+Vector3d gravity_of(const LidarTrack& track, const std::vector<ImuSample>& imu) {
+  const std::vector<LidarFix>& fixes = track.fixes();
+  LidarState by_force = fixes.front().state;
+  by_force.velocity_mps.setZero(), by_force.gravity_mps2.setZero(),
+      by_force.accelerometer_bias_mps2.setZero();
+  by_force.gyroscope_bias_radps = track.belief().state.gyroscope_bias_radps;
+  const auto n = static_cast<Eigen::Index>(fixes.size());
+  Eigen::MatrixX3d design(n, 3), places(n, 3);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const LidarState& found = fixes[static_cast<std::size_t>(k)].state;
+    for (const auto& [end_ns, reading] : readings_between(imu, by_force.stamp_ns, found.stamp_ns))
+      by_force = propagated(by_force, reading, end_ns);
+    const double t = static_cast<double>(found.stamp_ns - fixes.front().state.stamp_ns) * 1e-9;
+    design.row(k) << 1, t, t * t / 2;
+    places.row(k) = (found.world_from_body.translation - by_force.world_from_body.translation).transpose();
+  }
+  return design.colPivHouseholderQr().solve(places).row(2).transpose();
+}
+
 double points_on_planes(const LidarTrack& track) {
   double sum = 0;
   for (const SweepReport& report : track.reports()) sum += report.on_planes;
@@ -74,9 +97,10 @@ std::optional<LidarTrack> LidarStart::add(LidarSweep sweep) {
 
 std::optional<LidarTrack> LidarStart::finish() {
   if (sweeps_.empty()) return std::nullopt;
-  up_in_body_ = likely_up();
   row_gap_rad_ = row_gap_of(sweeps_.front().points);
-  LidarTrack track = settled(likely_velocity());
+  const auto level = level_start();
+  up_in_body_ = level ? level->up_in_body : likely_up();
+  LidarTrack track = settled(level ? level->velocity_mps : likely_velocity());
   if (!has_found_start(track) || is_one_of_many(track)) return std::nullopt;
   return track;
 }
@@ -90,8 +114,7 @@ bool LidarStart::is_last_whole() const {
          1e9 * kWholeShare * setting_.options.first_sweep_s;
 }
 
-// At rest a mean force points up; a vehicle's own acceleration is in the error. Without an IMU the ground
-// tells, or else the sensor's own up.
+// At rest a mean force points up. Without an IMU the ground tells, or else the sensor's own up.
 Vector3d LidarStart::likely_up() const {
   Vector3d force = Vector3d::Zero();
   for (const ImuSample& sample : setting_.imu)
@@ -111,6 +134,27 @@ Vector3d LidarStart::likely_up() const {
       points.emplace_back(setting_.body_from_lidar * p);
   RandomStream random(0, "lidar_ground", static_cast<std::uint64_t>(start_ns_));
   return find_up(std::move(points), sensors_own, kGround, random).value_or(sensors_own);
+}
+
+// What the force tells of up from down once the motion is known, which turns and scans alone tell at first,
+// as in Zhu et al., "Robust real-time LiDAR-inertial initialization", arXiv 2202.11006: its mean would take a
+// vehicle's own acceleration for a tilt.
+std::optional<LidarStart::LevelStart> LidarStart::level_start() const {
+  if (!feels_force(setting_)) return std::nullopt;
+  const LidarSetting turns = without_force(setting_);
+  LidarStart start(turns);
+  start.start_ns_ = start_ns_, start.sweeps_ = sweeps_;
+  start.up_in_body_ = likely_up(), start.row_gap_rad_ = row_gap_rad_;
+  const LidarTrack track = start.settled(start.likely_velocity());
+  if (track.fixes().size() <= kFewFixes || !start.has_found_start(track)) return std::nullopt;
+  const Vector3d gravity = gravity_of(track, setting_.imu);
+  if (std::abs(gravity.norm() - setting_.rig.imu->gravity_mps2) > kGravityOff_mps2) return std::nullopt;
+  const LidarState& first = track.fixes().front().state;
+  const Eigen::Quaterniond body_from_world = first.world_from_body.rotation.conjugate();
+  const Vector3d told = (body_from_world * -gravity).normalized(), mean = start.up_in_body_.normalized();
+  const Vector3d up = (told - mean).norm() > kLean ? told : mean;
+  const auto world_from_body = Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ());
+  return LevelStart{up, world_from_body * (body_from_world * first.velocity_mps)};
 }
 
 LidarState LidarStart::first_guess(const Vector3d& velocity_mps) const {

@@ -27,6 +27,10 @@ class LidarStart {
  private:
   bool is_last_whole() const;
   Eigen::Vector3d likely_up() const;
+  struct LevelStart {
+    Eigen::Vector3d up_in_body, velocity_mps;
+  };
+  std::optional<LevelStart> level_start() const;
   LidarState first_guess(const Eigen::Vector3d& velocity_mps) const;
   double share_from(const Eigen::Vector3d& velocity_mps, std::size_t sweeps) const;
   Eigen::Vector3d likely_velocity() const;

@@ -12,8 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double kShareGain = 0.1;                // a sweep's, in the running mean
 constexpr double kAccelerometerSigma_mps2 = 0.1;  // of its bias before it is seen at work
-constexpr double kGravitySigma_mps2 = 0.5;        // across the first force: a vehicle's own acceleration
-constexpr double kMagnitudeSigma_mps2 = 0.01;     // gravity's, over the Earth's places
+constexpr double kGravitySigma_mps2 = 0.5;        // across what is first taken for it
 
 constexpr std::int64_t kHeld_ns = 120'000'000;  // without a reading: what is held tells no motion any more
 // Of a reading that is only held: some m/s^2 and tenths of a radian a second off.
@@ -52,6 +51,18 @@ LidarSetting lidar_setting(const LidarRigView& rig, std::vector<ImuSample> imu,
   return setting;
 }
 
+LidarSetting without_force(LidarSetting setting) {
+  for (ImuSample& sample : setting.imu) sample.specific_force_mps2.setZero();
+  if (!setting.rig.imu) return setting;
+  setting.rig.imu->gravity_mps2 = 0;
+  setting.rig.imu->accelerometer_noise_mps2_rthz = setting.options.acceleration_mps2_rthz;
+  return setting;
+}
+
+bool feels_force(const LidarSetting& setting) {
+  return !setting.imu.empty() && setting.rig.imu->gravity_mps2 > 0;
+}
+
 LidarTrack::LidarTrack(const LidarSetting& setting, double row_gap_rad)
     : setting_(&setting),
       row_gap_rad_(row_gap_rad),
@@ -60,13 +71,13 @@ LidarTrack::LidarTrack(const LidarSetting& setting, double row_gap_rad)
 
 void LidarTrack::begin_at(const LidarState& start, bool is_guess) {
   const Matrix18d known = belief_.covariance;
-  const bool has_imu = !setting_->imu.empty();
+  const bool has_imu = !setting_->imu.empty(), has_force = feels_force(*setting_);
   const double velocity = is_guess ? setting_->options.first_velocity_mps : 0.3;
   const double turn = has_imu ? 0.02 : is_guess ? 1.0 : 0.1;
   Vector18d sigma;
   sigma << Vector3d::Constant(1e-4), Vector3d::Constant(1e-4), Vector3d::Constant(velocity),
-      Vector3d::Constant(turn), Vector3d::Constant(has_imu ? kAccelerometerSigma_mps2 : 0.0),
-      has_imu ? Vector3d(kGravitySigma_mps2, kGravitySigma_mps2, kMagnitudeSigma_mps2) : Vector3d::Zero();
+      Vector3d::Constant(turn), Vector3d::Constant(has_force ? kAccelerometerSigma_mps2 : 0.0),
+      has_force ? Vector3d(kGravitySigma_mps2, kGravitySigma_mps2, 0) : Vector3d::Zero();
   belief_ = {start, sigma.cwiseAbs2().asDiagonal()};
   for (const int part : {kVelocity, kGyroscope})
     if (!is_guess) belief_.covariance.block<3, 3>(part, part) += known.block<3, 3>(part, part);
@@ -109,16 +120,14 @@ void LidarTrack::go_on(const LidarSweep& sweep) {
       belief_,
       [&](const LidarState& state, int iteration) {
         const LidarNormal normal = registration.normal_at(state, iteration);
-        return setting_->imu.empty() ? with_bent_map(normal, options.bend_mps, options.bend_radps) : normal;
+        return feels_force(*setting_) ? normal : with_bent_map(normal, options.bend_mps, options.bend_radps);
       },
       options.iterations);
   const double share = registration.share_on_planes();
   const bool is_uncertain = place_sigma_m() > options.lost_sigma_m / 2;
   if (is_uncertain && share < options.found_share * usual_share_) return note(report);  // put to wrong walls
   if (share > 0) usual_share_ = usual_share_ > 0 ? usual_share_ + kShareGain * (share - usual_share_) : share;
-  belief_ = setting_->imu.empty()
-                ? found
-                : with_gravity(found, setting_->rig.imu->gravity_mps2, kMagnitudeSigma_mps2);
+  belief_ = feels_force(*setting_) ? with_gravity(found, setting_->rig.imu->gravity_mps2) : found;
   // Where lost, a map would be one of another place, and be taken for known soon after.
   if (map_.blocks() == 0 || place_sigma_m() <= options.lost_sigma_m)
     for (const LidarMapPoint& p : registration.map_points(belief_.state)) map_.add(p.world, p.elevation_rad);

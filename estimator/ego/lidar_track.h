@@ -56,6 +56,9 @@ struct LidarSetting {
 /// Readings that the options or the rig do not know of are left out.
 LidarSetting lidar_setting(const LidarRigView& rig, std::vector<ImuSample> imu,
                            const LidarOdometryOptions& options);
+/// Of whose IMU the turn rates alone count: its velocity is as restless as without one.
+LidarSetting without_force(LidarSetting setting);
+bool feels_force(const LidarSetting& setting);
 
 /// The points of a stretch of time in the order of their stamps, without those on bodies.
 struct LidarSweep {

@@ -178,13 +178,14 @@ TEST(LidarFilter, GravityIsAsStrongAsItIsKnownToBe) {
   LidarBelief belief;
   belief.state.gravity_mps2 = {1, 0, -9.81};
   belief.covariance.block<3, 3>(kGravity, kGravity).diagonal() << 0.25, 0.25, 1;
-  const LidarBelief found = with_gravity(belief, 9.81, 0.001);
-  EXPECT_NEAR(found.state.gravity_mps2.norm(), 9.81, 1e-3);
+  const LidarBelief found = with_gravity(belief, 9.81);
+  EXPECT_NEAR(found.state.gravity_mps2.norm(), 9.81, 1e-12);
   const Vector3d g = belief.state.gravity_mps2.normalized();
-  EXPECT_NEAR(g.dot(found.covariance.block<3, 3>(kGravity, kGravity) * g), 1e-6, 1e-8);  // along it known
-  EXPECT_NEAR(found.covariance(kGravity + 1, kGravity + 1), 0.25, 1e-12);  // across it as before
+  EXPECT_NEAR(g.dot(found.covariance.block<3, 3>(kGravity, kGravity) * g), 0, 1e-12);  // along it known
+  const double shrunk = 9.81 / belief.state.gravity_mps2.norm();  // a direction's error is an angle
+  EXPECT_NEAR(found.covariance(kGravity + 1, kGravity + 1), 0.25 * shrunk * shrunk, 1e-12);
   belief.state.gravity_mps2.setZero();
-  EXPECT_EQ(with_gravity(belief, 9.81, 0.001).covariance, belief.covariance);
+  EXPECT_EQ(with_gravity(belief, 9.81).covariance, belief.covariance);
 }
 
 }  // namespace

@@ -131,6 +131,29 @@ TEST(LidarOdometry, BeginsAtTheSpeedOfACar) {
     }
 }
 
+// A mean force leans by half a g here, and says that the world does.
+TEST(LidarOdometry, AStartUnderAccelerationLeavesTheWorldLevel) {
+  for (const double braking : {3.0, 5.0}) {
+    RoomRun run = run_of_rings({60, 9, 3}, 2.5 * braking);
+    run.scans = 20;
+    run.room.vigour = 0.2;
+    run.room.velocity_mps.x() -= 10;
+    run.room.acceleration_mps2.x() = -braking;
+    const LidarOdometry odometry = run.odometry();
+    const RoomErrors errors = errors_of(odometry, run);
+    EXPECT_EQ(errors.missing, 0) << braking;
+    EXPECT_LT(errors.max_m, 0.1) << braking;
+    const auto pose = odometry.world_from_camera(run.room.start_ns);
+    ASSERT_TRUE(pose) << braking;
+    const Pose truth = run.room.world_from_lidar(0);
+    EXPECT_LT(
+        (pose->rotation.conjugate() * Vector3d::UnitZ() - truth.rotation.conjugate() * Vector3d::UnitZ())
+            .norm(),
+        0.01)
+        << braking;
+  }
+}
+
 TEST(LidarOdometry, FindsTheBiasesOfItsImu) {
   RoomRun run;
   run.room.gyroscope_bias_radps = {0.01, -0.02, 0.015};

@@ -75,7 +75,7 @@ Pose LidarRoom::world_from_lidar(double t) const {
                   Vector3d(0.3 * std::sin(1.7 * t), 0.4 * std::sin(1.3 * t + 0.5), 1.5 * std::sin(0.9 * t))) *
               exp_so3({0, tilt_rad, 0}),
           v * Vector3d(1.2 * std::sin(0.8 * t), 0.7 * std::sin(1.1 * t + 1), 0.2 * std::sin(1.9 * t)) +
-              t * velocity_mps};
+              t * velocity_mps + t * t / 2 * acceleration_mps2};
 }
 
 std::int64_t LidarRoom::scan_start_ns(int scan) const {
