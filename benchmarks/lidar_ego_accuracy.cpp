@@ -17,13 +17,22 @@
 namespace uniquadric {
 namespace {
 
+// On a straight path the positions leave the turn about it open, and the first pose tells it.
+Alignment closest(const PosePairs& pairs) {
+  try {
+    return align(AlignmentKind::se3, pairs.reference, pairs.estimate);
+  } catch (const OpenAlignment&) {
+    return align(AlignmentKind::first, pairs.reference, pairs.estimate);
+  }
+}
+
 void show(PosePairs pairs) {
   std::vector<IndexStep> steps;
   for (std::size_t i = 1; i < pairs.size(); ++i) steps.push_back({i - 1, i});
   const double path = path_m(pairs);
   const auto relative = relative_errors(pairs, steps);
   const auto drift = *maximum_drift(pairs);
-  const Alignment alignment = align(AlignmentKind::se3, pairs.reference, pairs.estimate);
+  const Alignment alignment = closest(pairs);
   for (Pose& pose : pairs.estimate) pose = alignment * pose;
   const auto errors = absolute_errors(pairs);
   const double end = (pairs.estimate.back().translation - pairs.reference.back().translation).norm();
