@@ -20,6 +20,10 @@ namespace {
 
 // What biases are told by, and more than a calibrated sensor has: sound runs end with 0.02 and 0.3 at most,
 // readings in other units or axes, late ones and a LiDAR turned against them with 0.04 or 0.35 and more.
+constexpr double kRestlessStep_s = 0.09, kRestlessSpan_s = 0.5;  // over which a place's noise is little
+constexpr std::ptrdiff_t kRestlessSteps = 5;
+constexpr double kRestless_mps2 = 5,
+                 kRestless_radps2 = 2;  // vehicles: under 3.5 and 0.2; swung by hand: 6 and 2
 constexpr double kBiasTime_s = 2, kMostBias_radps = 0.05, kMostBias_mps2 = 0.35;
 constexpr double kOffMap = 0.25;  // of the usual share of points on planes: so few are of another place
 constexpr int kOffMapSweeps = 5;
@@ -163,6 +167,39 @@ std::optional<std::string> LidarEgo::map_fault() const {
       off, shares.size(), 100 * kOffMap * usual, 100 * usual);
 }
 
+// Without an IMU a motion is constant within a sweep. A vehicle's nearly is; of one that is not, hand-swung,
+// the estimate itself tells, be it right or wrong.
+std::optional<std::string> LidarEgo::restless_fault() const {
+  if (sequence_.imu && options_.odometry.use_imu) return std::nullopt;
+  std::vector<std::pair<double, Pose>> places;
+  for (const std::int64_t end_ns : ends_ns_) {
+    const double time_s = seconds(ends_ns_.front(), end_ns);
+    if (!places.empty() && time_s < places.back().first + kRestlessStep_s) continue;
+    if (const auto pose = odometry_.world_from_camera(end_ns)) places.emplace_back(time_s, *pose);
+  }
+  std::vector<double> accelerations_mps2, turns_radps2;
+  for (std::size_t i = 2; i < places.size(); ++i) {
+    const auto& [t0, a] = places[i - 2];
+    const auto& [t1, b] = places[i - 1];
+    const auto& [t2, c] = places[i];
+    if (t2 - t0 > kRestlessSpan_s) continue;
+    const Eigen::Vector3d v = (b.translation - a.translation) / (t1 - t0),
+                          w = (c.translation - b.translation) / (t2 - t1);
+    accelerations_mps2.push_back((w - v).norm() / (t2 - t1));
+    const Eigen::Vector3d turn = log_so3(a.rotation.conjugate() * b.rotation) / (t1 - t0),
+                          next = log_so3(b.rotation.conjugate() * c.rotation) / (t2 - t1);
+    turns_radps2.push_back((next - turn).norm() / (t2 - t1));
+  }
+  if (std::ssize(accelerations_mps2) < kRestlessSteps) return std::nullopt;
+  const double acceleration_mps2 = quantile(accelerations_mps2, 0.5),
+               turn_radps2 = quantile(turns_radps2, 0.5);
+  if (acceleration_mps2 <= kRestless_mps2 && turn_radps2 <= kRestless_radps2) return std::nullopt;
+  return fmt::format(
+      "the sensor accelerates by {:.1f} m/s^2 and {:.1f} rad/s^2 (medians), and without an IMU its motion is "
+      "taken for constant within a sweep: poses may be off by decimetres and more",
+      acceleration_mps2, turn_radps2);
+}
+
 bool LidarEgo::is_known_to_rest(std::size_t scan) const {
   const auto from = odometry_.world_from_camera(sequence_.scans[scan].stamp_ns),
              to = odometry_.world_from_camera(ends_ns_[scan]);
@@ -183,7 +220,7 @@ std::vector<std::string> LidarEgo::scan_faults() const {
         fmt::format("the points of {} of {} scans have no times (one each scan), and the sensor "
                     "moves or is lost: they are taken as if its motion within a scan had been undone before",
                     bent, is_of_an_instant.size()));
-  for (const auto& fault : {bias_fault(), map_fault()})
+  for (const auto& fault : {bias_fault(), map_fault(), restless_fault()})
     if (fault) faults.push_back(*fault);
   return faults;
 }

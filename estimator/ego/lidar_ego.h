@@ -44,7 +44,8 @@ class LidarEgo {
   Trajectory trajectory() const;
   /// What is wrong with the IMU's readings (imu_faults) and the scans (ScanWatch), whether points have no
   /// times although the sensor moves, whether the IMU agrees with the scans by biases alone that none has,
-  /// and whether scans no longer lie on the map: a sentence each. After finish().
+  /// whether scans no longer lie on the map, and whether the sensor is too restless to be followed without an
+  /// IMU: a sentence each. After finish().
   std::vector<std::string> scan_faults() const;
 
   const LidarOdometry& odometry() const { return odometry_; }
@@ -55,6 +56,7 @@ class LidarEgo {
   bool is_known_to_rest(std::size_t scan) const;
   std::optional<std::string> bias_fault() const;
   std::optional<std::string> map_fault() const;
+  std::optional<std::string> restless_fault() const;
 
   const Sequence& sequence_;
   LidarEgoOptions options_;

@@ -175,6 +175,28 @@ TEST(LidarEgo, BiasesThatNoImuHasAreTold) {
   EXPECT_TRUE(is_told("hardly lie on what was seen before"));  // the map is left with so wrong a motion
 }
 
+TEST(LidarEgo, AMotionThatAsksForAnImuIsToldWithoutOne) {
+  const auto is_told = [](double vigour, bool has_imu) {
+    const TempFolder temp;
+    LidarRoom room;
+    room.range_sigma_m = 0.02;
+    room.vigour = vigour;
+    std::vector<std::pair<std::int64_t, std::vector<LidarPoint>>> scans;
+    for (int i = 0; i < 20; ++i) scans.emplace_back(room.scan_start_ns(i), room.scan(i));
+    const Sequence sequence = recording(temp.path(), scans, room.imu(2.5));
+    LidarEgoOptions options;
+    options.odometry.use_imu = has_imu;
+    LidarEgo ego(sequence, options);
+    ego.finish();
+    return std::ranges::any_of(ego.scan_faults(), [](const std::string& fault) {
+      return fault.find("constant within a sweep") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(is_told(1, false));
+  EXPECT_TRUE(is_told(6, false));
+  EXPECT_FALSE(is_told(6, true));
+}
+
 TEST(LidarEgo, ScansWithTimesThatNoneHasAreRefusedByName) {
   const TempFolder temp;
   const Sequence sequence = recording(temp.path(), {{0, {LidarPoint{.x = 5, .offset_ns = 3'000'000'000}}}});
