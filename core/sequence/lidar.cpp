@@ -15,6 +15,7 @@ namespace uniquadric {
 namespace {
 
 constexpr double kLeastShareOfScan = 0.1;  // ours: of its time; a wrong unit makes it a thousandth
+constexpr double kMostShareOfScan = 1.5;   // likewise: a scan ends before the next but one begins
 
 double at_least_0(const ConfigNode& node, const char* key) {
   const double value = node.get<double>(key);
@@ -97,9 +98,9 @@ std::vector<LidarPoint> read_lidar_points(const std::filesystem::path& path) {
 
 std::optional<std::string> point_times_fault(std::int64_t widest_ns, double rate_hz) {
   const double share = 1e-9 * static_cast<double>(widest_ns) * rate_hz;
-  if (widest_ns == 0 || share >= kLeastShareOfScan) return std::nullopt;
-  return fmt::format("the points' times span {:.3g} s of a scan at most, of {:.3g} s: in another unit?",
-                     1e-9 * static_cast<double>(widest_ns), 1 / rate_hz);
+  if (widest_ns == 0 || (share >= kLeastShareOfScan && share <= kMostShareOfScan)) return std::nullopt;
+  return fmt::format("the points' times span {:.3g} s of a scan{}, of {:.3g} s: in another unit?",
+                     1e-9 * static_cast<double>(widest_ns), share < 1 ? " at most" : "", 1 / rate_hz);
 }
 
 }  // namespace uniquadric

@@ -60,7 +60,7 @@ void write_lidar_points(const std::filesystem::path& path, const std::vector<Lid
 std::vector<LidarPoint> read_lidar_points(const std::filesystem::path& path);
 
 /// What is wrong with points' times when of no scan they span more than `widest_ns`: where that is some, but
-/// less than a tenth of a scan's time, the unit is in doubt. A sentence.
+/// less than a tenth of a scan's time, or more than one and a half of it, the unit is in doubt. A sentence.
 std::optional<std::string> point_times_fault(std::int64_t widest_ns, double rate_hz);
 
 }  // namespace uniquadric

@@ -48,7 +48,7 @@ LidarSetting lidar_setting(const LidarRigView& rig, std::vector<ImuSample> imu,
   const Pose camera_from_body = setting.imu.empty() ? rig.camera_from_lidar : rig.imu->camera_from_imu;
   setting.body_from_camera = camera_from_body.inverse();
   setting.body_from_lidar = setting.body_from_camera * rig.camera_from_lidar;
-  return setting;
+  return feels_force(setting) ? setting : without_force(std::move(setting));
 }
 
 LidarSetting without_force(LidarSetting setting) {

@@ -53,7 +53,7 @@ struct LidarSetting {
   LidarOdometryOptions options;
   Pose body_from_lidar, body_from_camera;  ///< the body is the IMU, without one the LiDAR
 };
-/// Readings that the options or the rig do not know of are left out.
+/// Readings that the options or the rig do not know of are left out, and forces where there is no gravity.
 LidarSetting lidar_setting(const LidarRigView& rig, std::vector<ImuSample> imu,
                            const LidarOdometryOptions& options);
 /// Of whose IMU the turn rates alone count: its velocity is as restless as without one.

@@ -154,6 +154,18 @@ TEST(LidarOdometry, AStartUnderAccelerationLeavesTheWorldLevel) {
   }
 }
 
+TEST(LidarOdometry, ForcesWithoutGravityAreLeftOut) {
+  LidarRigView rig;
+  rig.imu = ImuCalibration();
+  const std::vector<ImuSample> samples = LidarRoom().imu(0.1);
+  EXPECT_EQ(lidar_setting(rig, samples, {}).imu.front().specific_force_mps2,
+            samples.front().specific_force_mps2);
+  rig.imu->gravity_mps2 = 0;
+  const LidarSetting setting = lidar_setting(rig, samples, {});
+  EXPECT_EQ(setting.imu.front().specific_force_mps2, Vector3d::Zero());
+  EXPECT_EQ(setting.imu.front().angular_velocity_radps, samples.front().angular_velocity_radps);
+}
+
 TEST(LidarOdometry, FindsTheBiasesOfItsImu) {
   RoomRun run;
   run.room.gyroscope_bias_radps = {0.01, -0.02, 0.015};

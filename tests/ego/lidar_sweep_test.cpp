@@ -15,6 +15,14 @@ namespace {
 
 using Eigen::Vector3d;
 
+TEST(LidarSweep, TimesThatDoNotSpanAScanAreInAnotherUnit) {
+  EXPECT_FALSE(point_times_fault(0, 10));  // of an instant
+  EXPECT_FALSE(point_times_fault(99'000'000, 10));
+  EXPECT_TRUE(point_times_fault(99'000, 10));
+  EXPECT_EQ(point_times_fault(990'000'000, 10),
+            "the points' times span 0.99 s of a scan, of 0.1 s: in another unit?");
+}
+
 TEST(LidarSweep, RefusesTimesThatNoScanHas) {
   LidarPoint point{.x = 5, .offset_ns = 3'000'000'000};
   EXPECT_THROW(clean_points(0, {point}, {}), std::invalid_argument);
