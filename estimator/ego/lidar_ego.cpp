@@ -20,13 +20,13 @@ namespace {
 
 // What biases are told by, and more than a calibrated sensor has: sound runs end with 0.02 and 0.3 at most,
 // readings in other units or axes, late ones and a LiDAR turned against them with 0.04 or 0.35 and more.
-constexpr double kRestlessStep_s = 0.09, kRestlessSpan_s = 0.5;  // over which a place's noise is little
-constexpr std::ptrdiff_t kRestlessSteps = 5;
-constexpr double kRestless_mps2 = 5,
-                 kRestless_radps2 = 2;  // vehicles: under 3.5 and 0.2; swung by hand: 6 and 2
 constexpr double kBiasTime_s = 2, kMostBias_radps = 0.05, kMostBias_mps2 = 0.35;
 constexpr double kOffMap = 0.25;  // of the usual share of points on planes: so few are of another place
 constexpr int kOffMapSweeps = 5;
+// What is restless: accelerations of vehicles are under 3.5 m/s^2 and 0.2 rad/s^2, of hands 6 and 2 and more.
+constexpr double kRestless_mps2 = 5, kRestless_radps2 = 2;
+constexpr double kRestlessStep_s = 0.09, kRestlessSpan_s = 0.5;  // over which a place's noise is little
+constexpr std::ptrdiff_t kRestlessSteps = 5;
 constexpr double kStill_m = 0.05, kStill_rad = 0.02;  // over a scan: no more than points' noise at 5 m
 
 const Sequence& with_scans(const Sequence& sequence) {
