@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/hash.h"
+#include "core/base/resource_usage.h"
 #include "core/base/seconds.h"
 #include "core/base/source_hashes.h"
 #include "core/base/text.h"
@@ -141,8 +142,10 @@ Perception kept_perception(const Sequence& sequence, const Variant& variant, con
   if (replace == Replace::always || !is_kept) {
     if (replace != Replace::always) require_own_folder(folder);
     if (replace == Replace::its_own) require_same_sequence(folder, sequence);
+    const UsageMeter meter;
     PendingFolder pending(folder, true);
     perceive_into(pending.path(), sequence, variant, options, key);
+    write_usage(pending.path(), meter.used());
     pending.commit();
   }
   Perception perception(folder);
@@ -289,11 +292,15 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   const auto threads = static_cast<std::size_t>(threads_to_use(options.threads));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   const bool is_own = options.perception.empty();
+  const UsageMeter own;
   const fs::path perceived = is_own ? pending.path() / "perception" : options.perception;
   const Perception perception =
       is_own
           ? perceive_into(perceived, sequence, variant, options, "")
           : kept_perception(sequence, variant, options, options.force ? Replace::sequence : Replace::its_own);
+  // from here on, and before it what the perception took, whoever made it and when
+  const ResourceUsage before = is_own ? own.used() : read_usage(perceived).value_or(ResourceUsage{});
+  const UsageMeter backend;
   BackendResult result = variant.backend == Backend::single_frame
                              ? estimate_single_frames(perception, variant, options.seed)
                              : estimate_windows(perception, variant, options.seed);
@@ -311,6 +318,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   write_text(pending.path() / "run.yaml",
              run_yaml(sequence, variant, options, perception, tracks, without_state));
   if (is_own) fs::remove_all(perceived);
+  write_usage(pending.path(), before + backend.used());
   pending.commit();
   warn_of_little(perception, tracks, !sequence.frames.empty());
 }

@@ -186,6 +186,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
                    evaluation);
   evaluation.map = compare_surroundings(truth_path, estimate_folder, alignment.truth_from_estimate);
   evaluation.timing_ms = read_timing(estimate_folder);
+  evaluation.usage = read_usage(estimate_folder);
   PendingFolder pending(out, options.force);
   write_text(pending.path() / "evaluation.json", evaluation_json(evaluation, options, run_config));
   write_text(pending.path() / "frames.csv", frames_csv(evaluation.objects));

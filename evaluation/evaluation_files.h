@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/resource_usage.h"
 #include "core/sequence/tracks.h"
 #include "evaluation/association/tracking_scores.h"
 #include "evaluation/camera_evaluation.h"
@@ -25,7 +26,8 @@ struct Evaluation {
   std::vector<int> unmatched_ids;  ///< estimated tracks that belong to no truth object
   std::optional<TrackingScores> tracking;
   std::map<std::string, std::vector<double>> timing_ms;
-  std::optional<MapComparison> map;  ///< of the surroundings, where the estimate wrote one
+  std::optional<ResourceUsage> usage;  ///< of the whole run, where it says
+  std::optional<MapComparison> map;    ///< of the surroundings, where the estimate wrote one
 };
 
 /// evaluation.json: keys sorted, doubles that read back the same. `run_config_json` is the estimate's

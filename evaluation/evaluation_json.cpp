@@ -212,6 +212,10 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
   root["timing_ms"] = json::object();
   for (const auto& [stage, values] : evaluation.timing_ms)
     root["timing_ms"][stage] = to_json(statistics(values));
+  if (const auto& usage = evaluation.usage)
+    root["usage"] = {{"wall_time_s", usage->wall_time_s},
+                     {"cpu_time_s", usage->cpu_time_s},
+                     {"peak_memory_mb", usage->peak_memory_mb}};
   require_finite(root, "");
   root["config"] = {{"estimate", run_config},
                     {"evaluate",

@@ -54,8 +54,9 @@ struct Tracks {
   std::optional<Camera> calibration;  ///< camera that the poses belong to, where known
 };
 
-/// Reads a truth folder (objects.yaml: constant semi-axes) or an estimate folder (objects.csv: states over
-/// time). Throws InputError with file and line.
+/// Reads a truth folder (objects.yaml: constant semi-axes) or an estimate folder: this program's (camera.tum,
+/// objects.csv, objects/ID.tum) or another's, of which camera.tum or objects are enough
+/// (read_estimated_objects). Throws InputError with file and line.
 Tracks read_tracks(const std::filesystem::path& folder);
 
 /// Writes `camera.tum`, `objects/ID.tum` and `objects.csv` of an estimate into an existing folder. A variance

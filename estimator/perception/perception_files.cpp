@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/hash.h"
+#include "core/base/resource_usage.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
@@ -289,8 +290,8 @@ void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_cam
 }
 
 std::vector<fs::path> foreign_files(const fs::path& folder) {
-  const std::set<std::string> own = {"perception.yaml", "camera.yaml", "camera.tum",
-                                     kObservations,     "timing.csv",  kMapFile};
+  const std::set<std::string> own = {"perception.yaml", "camera.yaml", "camera.tum", kObservations,
+                                     "timing.csv",      kUsageFile,    kMapFile};
   std::vector<fs::path> foreign;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path name = entry.path().filename();

@@ -133,6 +133,13 @@ bool read_camera_given(const json& root) {
   return true;
 }
 
+std::string read_isolation(const json& root) {
+  const json config = root.value("config", json());
+  const json run = config.is_object() ? config.value("estimate", json()) : json();
+  const json isolation = run.is_object() ? run.value("isolation", json("")) : json("");
+  return isolation.is_string() ? isolation.get<std::string>() : "";
+}
+
 }  // namespace
 
 CellEvaluation read_cell_evaluation(const fs::path& folder) {
@@ -156,6 +163,7 @@ CellEvaluation read_cell_evaluation(const fs::path& folder) {
     if (SubjectFigures figures = read_figures(file, root, base, subject, scope); !figures.value.empty())
       evaluation.subjects.push_back(std::move(figures));
   evaluation.camera_given = read_camera_given(root);
+  evaluation.isolation = read_isolation(root);
   evaluation.stage_ms = read_stages(file, root);
   evaluation.series = read_series(folder / "frames.csv", names);
   return evaluation;

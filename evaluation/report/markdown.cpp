@@ -60,6 +60,9 @@ std::string failures(const Results& results) {
     if (cell.status != CellStatus::ok)
       text += line({cell.scene, cell.variant, std::to_string(cell.seed),
                     cell.status == CellStatus::failed ? markdown_cell(cell.message) : "not run"});
+  for (const Cell& cell : results.not_applicable)
+    text += line({cell.scene, cell.variant, std::to_string(cell.seed),
+                  "not applicable: " + markdown_cell(cell.message)});
   if (text.empty()) return "";
   return "\n## Runs without a result\n" + line({"scene", "variant", "seed", "why"}) +
          line({"---", "---", "---:", "---"}) + text;

@@ -108,7 +108,17 @@ constexpr Metric kMetrics[] = {
      "beside it.",
      true},
     {"frame_time_mean_ms", "frame time", "ms", kLower, kAll, "/timing_ms/frame/mean",
-     "Mean computing time of the estimator per frame. The one figure that differs between equal runs."},
+     "Mean computing time of the estimator per frame. Measured: it differs between equal runs.", true},
+    {"wall_time_s", "wall time", "s", kLower, kAll, "/usage/wall_time_s",
+     "Time from start to end of the estimator, with that of a perception stage it shares. Measured.", true},
+    {"cpu_time_s", "processor time", "s", kLower, kAll, "/usage/cpu_time_s",
+     "Processor time of all processes and threads of the estimator, with that of a perception stage it "
+     "shares. "
+     "Measured.",
+     true},
+    {"peak_memory_mb", "peak memory", "MB", kLower, kAll, "/usage/peak_memory_mb",
+     "Most memory resident at a time in all processes of the estimator together [10^6 bytes]. Measured.",
+     true},
 };
 
 constexpr const char* kSummary[] = {"ape_translation_rmse_m",

@@ -96,6 +96,8 @@ const char* to_string(CellStatus status) {
       return "failed";
     case CellStatus::missing:
       return "missing";
+    case CellStatus::not_applicable:
+      return "not applicable";
   }
   return "";
 }
@@ -112,6 +114,7 @@ json cell_json(const Cell& cell, int digits) {
           {"status", to_string(cell.status)},
           {"folder", cell.folder.generic_string()},
           {"message", cell.message},
+          {"not_isolated", cell.evaluation && cell.evaluation->isolation == "none"},
           {"alignment", cell.evaluation ? cell.evaluation->alignment : ""},
           {"stage_ms", stages},
           {"series", series}};
@@ -159,6 +162,7 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
     paper[row.object] = {{"single_frame_obb", figures_json(row.single_frame_obb)},
                          {"proposed", figures_json(row.proposed)}};
   for (const Cell& cell : results.cells) cells.push_back(cell_json(cell, options.series_digits));
+  for (const Cell& cell : results.not_applicable) cells.push_back(cell_json(cell, options.series_digits));
   for (const LidarRoutes& routes : results.lidar) lidar.push_back(lidar_json(routes));
   const json data = {{"name", results.name},
                      {"report_program", kProgram},

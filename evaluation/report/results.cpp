@@ -22,7 +22,9 @@ CellStatus parse_cell_status(const fs::path& file, int line, std::string_view te
   if (text == "ok") return CellStatus::ok;
   if (text == "failed") return CellStatus::failed;
   if (text == "missing") return CellStatus::missing;
-  throw InputError(file, line, fmt::format("status '{}' is none of ok, failed, missing", text));
+  if (text == "not_applicable") return CellStatus::not_applicable;
+  throw InputError(file, line,
+                   fmt::format("status '{}' is none of ok, failed, missing, not_applicable", text));
 }
 
 Cell parse_cell(const fs::path& file, int line, const std::vector<std::string_view>& fields) {
@@ -116,7 +118,9 @@ Results read_results(const fs::path& folder) {
     throw InputError(folder, "is no results folder: it has no cells.csv");
   Results results;
   results.folder = folder;
-  results.cells = read_cells(folder / "cells.csv");
+  for (Cell& cell : read_cells(folder / "cells.csv"))
+    (cell.status == CellStatus::not_applicable ? results.not_applicable : results.cells)
+        .push_back(std::move(cell));
   results.config = read_optional(folder / "bench.yaml");
   results.command = read_optional(folder / "command.txt");
   results.hardware = read_optional(folder / "hardware.txt");

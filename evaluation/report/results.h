@@ -29,13 +29,14 @@ struct ObjectSeries {
 struct CellEvaluation {
   std::string program;                     ///< that evaluated, with version; empty where absent
   std::string alignment;                   ///< of the estimate's world; empty where absent
+  std::string isolation;                   ///< of another program's run: bubblewrap or none; empty: ours
   bool camera_given = false;               ///< the camera's poses were given to the estimator, not estimated
   std::vector<SubjectFigures> subjects;    ///< objects in their order, then `camera`, then `all`
   std::vector<ObjectSeries> series;        ///< objects in order of their ids
   std::map<std::string, double> stage_ms;  ///< a frame, by stage; `frame` is all of them
 };
 
-enum class CellStatus { ok, failed, missing };
+enum class CellStatus { ok, failed, missing, not_applicable };
 
 /// One (scene, variant, seed) of a bench.
 struct Cell {
@@ -55,6 +56,7 @@ struct Results {
   std::string program;                    ///< program.txt: version and commit; empty where absent
   std::vector<std::string> inputs;        ///< inputs.csv: "scene cube_cuboid 0123456789abcdef"
   std::vector<Cell> cells;                ///< in order of cells.csv
+  std::vector<Cell> not_applicable;       ///< the same of variants that cannot run on their sequence
   std::vector<LidarRoutes> lidar;  ///< of scenes whose LiDAR took the paper's way, a (scene, seed) each
 };
 

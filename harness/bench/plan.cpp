@@ -1,12 +1,14 @@
 #include "harness/bench/plan.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "core/base/hash.h"
 #include "harness/bench/keys.h"
+#include "harness/external/external_variant.h"
 #include "simulator/lidar_files.h"
 #include "simulator/scene/noise_scale.h"
 #include "simulator/scene/scene.h"
@@ -16,13 +18,47 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-std::vector<Variant> load_variants(const BenchConfig& config) {
-  std::vector<Variant> variants;
-  for (const auto& item : config.variants) {
-    variants.push_back(load_variant(item.path));
-    variants.back().output = config.output.value_or(variants.back().output);
+// A variant of ours, or a program of somebody else.
+struct PlannedVariant {
+  std::optional<Variant> own;
+  std::optional<ExternalVariant> external;
+  std::string yaml;  // that the estimate depends on
+};
+
+PlannedVariant load_planned(const BenchConfig& config, const BenchItem& item) {
+  PlannedVariant planned;
+  if (is_external(item.path)) {
+    planned.external = load_external_variant(item.path);
+    planned.yaml = external_yaml(*planned.external);
+  } else {
+    planned.own = load_variant(item.path);
+    planned.own->output = config.output.value_or(planned.own->output);
+    planned.yaml = variant_yaml(*planned.own);
   }
+  return planned;
+}
+
+std::vector<PlannedVariant> load_variants(const BenchConfig& config) {
+  std::vector<PlannedVariant> variants;
+  for (const BenchItem& item : config.variants) variants.push_back(load_planned(config, item));
   return variants;
+}
+
+// Of the sequence that will be simulated.
+std::vector<std::string> sensors_of(const Scene& scene) {
+  std::vector<std::string> sensors = {"rgb", "masks"};
+  if (scene.depth) sensors.push_back("depth");
+  if (scene.lidar) sensors.push_back("lidar");
+  if (scene.imu) sensors.push_back("imu");
+  if (scene.given_camera) sensors.push_back("given_camera");
+  return sensors;
+}
+
+// Why a variant cannot run where these sensors are; empty: it can, or that is found out when it runs.
+std::string fault_of(const PlannedVariant& variant, const std::vector<std::string>& sensors) {
+  if (!variant.external) return "";
+  const auto missing = missing_sensors(variant.external->sensors, sensors);
+  return missing.empty() ? "" : fmt::format("the sequence has no {}", fmt::join(missing, ", "));
 }
 
 // The index of the perception that the variant shares with others, which may be a new one.
@@ -35,6 +71,17 @@ std::optional<std::size_t> share_perception(BenchSimulation& simulation, const V
   const auto position = static_cast<std::size_t>(found - all.begin());
   if (found == all.end()) all.push_back({key, index});
   return position;
+}
+
+BenchCell plan_cell(BenchSimulation& simulation, const PlannedVariant& variant, std::size_t index,
+                    const std::vector<std::string>& sensors) {
+  BenchCell cell;
+  cell.variant = index;
+  cell.is_external = variant.external.has_value();
+  cell.estimate_key = estimate_key(simulation.key, variant.yaml, simulation.seed);
+  cell.not_applicable = fault_of(variant, sensors);
+  if (variant.own) cell.perception = share_perception(simulation, *variant.own, index);
+  return cell;
 }
 
 bool takes_the_papers_way(const Scene& scene) {
@@ -111,6 +158,7 @@ BenchStage BenchPlan::perceive(const BenchSimulation& simulation, std::size_t pe
 }
 
 std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, const BenchCell& cell) const {
+  if (!cell.not_applicable.empty()) return {};
   const fs::path folder = out / cell_folder(simulation, cell), log = folder / "log.txt";
   const fs::path data = simulation_folder(*this, simulation), estimate = folder / "estimate",
                  evaluation = folder / "evaluation", overlays = folder / "overlays";
@@ -126,7 +174,8 @@ std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, con
     inputs.push_back(perceive(simulation, *cell.perception).folder);
     command.insert(command.end(), {"--perception", inputs.back()});
   }
-  if (config.output) command.insert(command.end(), {"--output", to_string(*config.output)});
+  if (config.output && !cell.is_external)
+    command.insert(command.end(), {"--output", to_string(*config.output)});
   std::vector<BenchStage> stages = {
       stage(estimate, cell.estimate_key, std::move(command), std::move(inputs), log),
       stage(evaluation, evaluation_key(cell.estimate_key), {"evaluate", data / "truth", estimate, evaluation},
@@ -142,7 +191,7 @@ std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, con
 BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out) {
   BenchPlan plan{load_bench_config(bench_file), out, {}, {}};
   const BenchConfig& config = plan.config;
-  const std::vector<Variant> variants = load_variants(config);
+  const std::vector<PlannedVariant> variants = load_variants(config);
   plan.made_from.push_back({"bench", config.name, hex(hash_file(bench_file))});
   for (const BenchItem& variant : config.variants)
     plan.made_from.push_back({"variant", variant.name, hex(hash_file(variant.path))});
@@ -155,8 +204,7 @@ BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out) {
       BenchSimulation simulation{s,          seed, simulation_key(scene.hash, seed, config.frames),
                                  has_routes, {},   {}};
       for (std::size_t v = 0; v < variants.size(); ++v)
-        simulation.cells.push_back({v, share_perception(simulation, variants[v], v),
-                                    estimate_key(simulation.key, variant_yaml(variants[v]), seed)});
+        simulation.cells.push_back(plan_cell(simulation, variants[v], v, sensors_of(scene)));
       plan.simulations.push_back(std::move(simulation));
     }
   }

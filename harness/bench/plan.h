@@ -21,11 +21,13 @@ struct BenchStage {
 
 /// One (scene, variant, seed).
 struct BenchCell {
-  std::size_t variant;                    ///< of the configuration's
+  std::size_t variant = 0;                ///< of the configuration's
+  bool is_external = false;               ///< the variant is a program of somebody else
   std::optional<std::size_t> perception;  ///< of the simulation's; nothing: it runs joined with the back end
   std::string estimate_key;
-  bool is_missing = false;   ///< there is no result, and nothing says why
-  std::string failure = {};  ///< why it failed; empty: it did not
+  std::string not_applicable;  ///< why the variant cannot run on that sequence; empty: it can
+  bool is_missing = false;     ///< there is no result, and nothing says why
+  std::string failure;         ///< why it failed; empty: it did not
 };
 
 /// What cells whose variants agree in their perception share.
@@ -66,7 +68,8 @@ struct BenchPlan {
 
   BenchStage simulate(const BenchSimulation& simulation) const;
   BenchStage perceive(const BenchSimulation& simulation, std::size_t perception) const;
-  /// One after the other: estimate, evaluate, and overlay where the configuration wants some.
+  /// One after the other: estimate, evaluate, and overlay where the configuration wants some; none of a cell
+  /// that is not applicable.
   std::vector<BenchStage> stages(const BenchSimulation& simulation, const BenchCell& cell) const;
 };
 

@@ -42,6 +42,7 @@ std::string hardware() {
 }
 
 const char* status(const BenchCell& cell) {
+  if (!cell.not_applicable.empty()) return "not_applicable";
   if (cell.is_missing) return "missing";
   return cell.failure.empty() ? "ok" : "failed";
 }
@@ -52,7 +53,8 @@ std::string cells_csv(const BenchPlan& plan) {
     for (const BenchCell& cell : simulation.cells)
       text += fmt::format("{},{},{},{},{},{}\n", plan.config.scenes[simulation.scene].name,
                           plan.config.variants[cell.variant].name, simulation.seed, status(cell),
-                          plan.cell_folder(simulation, cell).string(), csv_quoted(cell.failure));
+                          plan.cell_folder(simulation, cell).string(),
+                          csv_quoted(cell.not_applicable.empty() ? cell.failure : cell.not_applicable));
   return text;
 }
 

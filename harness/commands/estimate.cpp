@@ -7,12 +7,25 @@
 #include <iostream>
 
 #include "core/base/apart.h"
+#include "core/base/error.h"
 #include "core/base/warning.h"
 #include "estimator/estimate.h"
 #include "harness/commands/options.h"
 #include "harness/estimate_text.h"
+#include "harness/external/run_external.h"
 
 namespace uniquadric {
+
+namespace {
+
+// Options that only our own estimator has; those of `sub` that were given are refused.
+void refuse_own_options(const CLI::App* sub, const std::string& variant) {
+  for (const char* option : {"--perception", "--perception-seed", "--output"})
+    if (sub->get_option(option)->count() > 0)
+      throw InputError(variant, fmt::format("is a variant with a command, which takes no {}", option));
+}
+
+}  // namespace
 
 void add_estimate(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "estimate", "sequence -> 9-DoF tracks of every object", common);
@@ -34,7 +47,7 @@ void add_estimate(CLI::App& app, Common& common) {
                       "states as of their frame (causal) or of the end (final), instead of the variant's")
           ->check(CLI::IsMember({"causal", "final"}));
   add_stage_options(sub, common);
-  sub->callback([&common, as_of, own_seed] {
+  sub->callback([&common, sub, as_of, own_seed] {
     if (own_seed->count() > 0) options.perception_seed = perception_seed;
     options.threads = common.threads;
     options.quiet = common.quiet;
@@ -43,6 +56,12 @@ void add_estimate(CLI::App& app, Common& common) {
     options.prompts = parse_prompts(prompt);
     require_apart(out, {sequence, variant, perception, options.prompts.path});
     require_apart(perception, {sequence, variant, options.prompts.path});
+    if (!variant.empty() && is_external(variant)) {
+      refuse_own_options(sub, variant);
+      const ExternalVariant external = load_external_variant(variant);
+      const ExternalOptions run{options.seed, options.prompts.path, options.force};
+      return make_stage(common, out, [&] { run_external(sequence, external, run, out); });
+    }
     Variant chosen = variant.empty() ? default_variant() : load_variant(variant);
     if (as_of->count() > 0) chosen.output = output == "causal" ? Output::causal : Output::final;
     make_stage(common, out, [&] {

@@ -6,17 +6,23 @@ const subjects = scenes.flatMap((scene) => distinct(data.cells.filter((cell) => 
 const object_hash = (scene, object) => `#object/${encodeURIComponent(scene)}/${encodeURIComponent(object)}`;
 
 function draw_facts() {
-  const good = data.cells.filter((cell) => cell.status === "ok").length, all = data.cells.length;
+  const good = data.cells.filter((cell) => cell.status === "ok").length;
+  const all = data.cells.filter((cell) => cell.status !== "not applicable").length;
   const fact = (name, value, bad) => el("div", { class: bad ? "bad" : null }, el("dt", {}, name), el("dd", {}, value));
   by_id("facts").replaceChildren(fact("runs with a result", `${good} / ${all}`, good < all),
     fact("scenes", scenes.length), fact("objects", subjects.length), fact("variants", variants.length), fact("seeds", data.seeds.length));
+}
+
+function failure(cell) {
+  if (cell.status === "not applicable") return `not applicable: ${cell.message}`;
+  return cell.status === "failed" ? cell.message : "not run";
 }
 
 function draw_failures() {
   const failed = data.cells.filter((cell) => cell.status !== "ok");
   by_id("failures").hidden = failed.length === 0;
   by_id("failures").querySelector("tbody").replaceChildren(...failed.map((cell) => el("tr", {}, el("td", {}, cell.scene),
-    el("td", {}, cell.variant), el("td", { class: "number" }, cell.seed), el("td", {}, cell.status === "failed" ? cell.message : "not run"))));
+    el("td", {}, cell.variant), el("td", { class: "number" }, cell.seed), el("td", {}, failure(cell)))));
 }
 
 function draw_definitions() {
@@ -35,7 +41,7 @@ function draw_made() {
     ...entry("seeds", data.seeds.join(", ")), ...entry("hardware", data.hardware));
   by_id("config").textContent = data.config || "not recorded";
   by_id("run-table").tBodies[0].replaceChildren(...data.cells.map((cell) => el("tr", {}, el("td", {}, cell.scene), el("td", {}, cell.variant),
-    el("td", { class: "number" }, cell.seed), el("td", { class: `status-${cell.status}` }, cell.status),
+    el("td", { class: "number" }, cell.seed), el("td", { class: `status-${cell.status}` }, cell.not_isolated ? `${cell.status}, not isolated` : cell.status),
     el("td", {}, ...(cell.status !== "ok" ? [] : [el("a", { href: `${cell.folder}/evaluation/evaluation.json` }, "evaluation.json"), " ",
       el("a", { href: `${cell.folder}/evaluation/frames.csv` }, "frames.csv")])))));
 }

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/sequence/tracks.h"
+
+namespace uniquadric {
+
+/// The columns of objects.csv, in the order in which this program writes them.
+inline constexpr const char* kStateHeader =
+    "frame,timestamp_ns,id,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m,exponent_q,var_semi_axis_x_m2,"
+    "var_semi_axis_y_m2,var_semi_axis_z_m2,var_translation_x_m2,var_translation_y_m2,var_translation_z_m2,"
+    "var_rotation_x_rad2,var_rotation_y_rad2,var_rotation_z_rad2,state,motion,exponent_upper_q,"
+    "exponent_lower_q,profile_axis";
+inline constexpr std::string_view kAxisNames = "xyz";
+
+/// objects/ID.tum of a folder of tracks.
+std::filesystem::path trajectory_file(const std::filesystem::path& folder, int id);
+
+/// What is wrong with these semi-axes; empty: nothing.
+std::string semi_axes_fault(const Eigen::Vector3d& semi_axes_m);
+
+/// Whether objects.yaml is of the short form `ID: {size_m: [x, y, z]}` of other programs' results, and not a
+/// truth's.
+bool is_size_list(const std::filesystem::path& objects_yaml);
+
+/// The objects of an estimate: poses of objects/ID.tum with the states of objects.csv, of which
+/// `timestamp_ns` and `id` are needed and the other columns may be left out, in any order; sizes that it does
+/// not have stand in objects.yaml, `ID: {size_m: [x, y, z]}` (a box) or `semi_axes_m` (an ellipsoid), with
+/// `shape` as `metric` takes it. None of the three: no objects. Throws InputError with file and line.
+std::vector<ObjectTrack> read_estimated_objects(const std::filesystem::path& folder);
+
+}  // namespace uniquadric

@@ -1,0 +1,70 @@
+#include "harness/external/sandbox.h"
+
+#include <algorithm>
+
+#include "harness/external/process_tree.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+// What the system's programs and libraries are in; links among them stay links.
+constexpr const char* kSystem[] = {"/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc"};
+constexpr const char* kGpuPrefixes[] = {"nvidia", "dri", "kfd"};
+
+using Arguments = std::vector<std::string>;
+
+void add(Arguments& arguments, std::initializer_list<std::string> more) {
+  arguments.insert(arguments.end(), more);
+}
+
+void add_system(Arguments& arguments) {
+  for (const fs::path path : kSystem) {
+    if (fs::is_symlink(path))
+      add(arguments, {"--symlink", fs::read_symlink(path), path});
+    else if (fs::exists(path))
+      add(arguments, {"--ro-bind", path, path});
+  }
+}
+
+void add_devices(Arguments& arguments, const Sandbox& sandbox) {
+  add(arguments, {"--proc", "/proc", "--dev", "/dev"});
+  if (sandbox.gpu) {
+    for (const auto& entry : fs::directory_iterator("/dev"))
+      if (std::ranges::any_of(kGpuPrefixes, [&](const std::string& prefix) {
+            return entry.path().filename().string().starts_with(prefix);
+          }))
+        add(arguments, {"--dev-bind", entry.path(), entry.path()});
+    add(arguments, {"--ro-bind", "/sys", "/sys"});
+  }
+  add(arguments, {"--bind", sandbox.scratch / "shm", "/dev/shm", "--remount-ro", "/dev"});
+}
+
+}  // namespace
+
+bool can_isolate() {
+  static const bool can = [] {
+    const TreeCommand command{{"bwrap", "--unshare-all", "--ro-bind", "/", "/", "true"},
+                              {"PATH=/usr/local/bin:/usr/bin:/bin"},
+                              "/"};
+    TreeLimits limits;
+    limits.time_s = 10;  // ours: it takes milliseconds
+    return run_tree(command, limits, Printing::hidden).failure.empty();
+  }();
+  return can;
+}
+
+std::vector<std::string> isolated(const std::vector<std::string>& command, const Sandbox& sandbox) {
+  Arguments arguments = {"bwrap", "--unshare-all", "--die-with-parent", "--new-session", "--cap-drop", "ALL"};
+  add_system(arguments);
+  add_devices(arguments, sandbox);
+  add(arguments, {"--bind", sandbox.scratch / "tmp", "/tmp"});
+  add(arguments, {"--tmpfs", kInsideSequence});
+  for (const auto& [outside, inside] : sandbox.readable) add(arguments, {"--ro-bind", outside, inside});
+  add(arguments, {"--remount-ro", kInsideSequence, "--bind", sandbox.out, kInsideOut});
+  add(arguments, {"--dir", sandbox.folder, "--chdir", sandbox.folder, "--remount-ro", "/", "--"});
+  arguments.insert(arguments.end(), command.begin(), command.end());
+  return arguments;
+}
+
+}  // namespace uniquadric
