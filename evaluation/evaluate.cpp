@@ -8,6 +8,7 @@
 #include "core/base/files.h"
 #include "core/base/warning.h"
 #include "core/sequence/calibration.h"
+#include "core/sequence/sequence.h"
 #include "evaluation/association/hidden_objects.h"
 #include "evaluation/association/object_overlap.h"
 #include "evaluation/evaluation_files.h"
@@ -31,6 +32,12 @@ std::map<int, ObjectDescription> read_descriptions(const fs::path& truth) {
     for (const ObjectDescription& object : read_objects_yaml(truth / "objects.yaml"))
       descriptions[object.id] = object;
   return descriptions;
+}
+
+// A recording without a truth: its camera's poses, where another system knows them, and no objects.
+Tracks truth_of_sequence(const fs::path& folder) {
+  const Sequence sequence = open_sequence(folder);
+  return {sequence.given_camera.value_or(Trajectory{}), {}, sequence.camera};
 }
 
 // For each truth state the track's state in the same frame.
@@ -166,18 +173,23 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
   const std::string of_truth = scene_of(truth_path), of_estimate = scene_of(estimate_folder);
   require_one_scene({truth_path, of_truth}, {estimate_folder, of_estimate});
-  const Tracks truth = read_tracks(truth_path), original = read_tracks(estimate_folder);
+  const bool knows_objects = !fs::exists(truth_path / "sequence.yaml");
+  const Tracks truth = knows_objects ? read_tracks(truth_path) : truth_of_sequence(truth_path);
+  const Tracks original = read_tracks(estimate_folder);
   const std::string run_config = read_run_config(estimate_folder);
+  const bool is_aligned = !truth.camera.empty() && !camera_was_given(run_config);
   const AlignmentKind kind =
-      options.alignment.value_or(camera_was_given(run_config) ? AlignmentKind::none : AlignmentKind::poses);
+      options.alignment.value_or(is_aligned ? AlignmentKind::poses : AlignmentKind::none);
   const WorldAlignment alignment = align_world(kind, truth, original, kMaxDifferenceNs);
   const Tracks estimate = in_true_world(alignment, original);
   const auto descriptions = read_descriptions(truth_path);
   Evaluation evaluation =
       compare(truth, estimate, descriptions, read_visibility_of(truth_path, truth), options);
   evaluation.alignment = alignment;
+  evaluation.sizes = size_steadiness(estimate.objects);
+  if (!knows_objects) evaluation.unmatched_ids.clear();  // no truth says that they belong to none
   // that the camera was never found is a result, stamps of another recording are not
-  if (evaluation.camera.pairs < kMinPairs && estimate.camera.size() >= kMinPairs)
+  if (!truth.camera.empty() && evaluation.camera.pairs < kMinPairs && estimate.camera.size() >= kMinPairs)
     throw InputError(
         estimate_folder / "camera.tum",
         fmt::format("{} of {} poses lie within 0.01 s of the truth's {}, at least {} are needed",

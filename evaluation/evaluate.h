@@ -20,7 +20,8 @@ struct EvaluateOptions {
   bool force = false;  ///< replace an existing output folder
 };
 
-/// Compares an estimate with the truth and writes `evaluation.json` (CLI contract: keys sorted, units in
+/// Compares an estimate with the truth, a folder of Tracks or, of a recording whose truth nobody knows, its
+/// sequence folder, and writes `evaluation.json` (CLI contract: keys sorted, units in
 /// names), `frames.csv` (one row per frame and object) and `poses.csv` (both sides' poses and semi-axes, in
 /// the truth's world) to `out`. Throws InputError for folders that cannot be read or compared: an estimate of
 /// another scene, stamps of another recording. Stamps that do not fit the truth's frames are warned of on

@@ -14,6 +14,7 @@
 #include "evaluation/evaluate.h"
 #include "evaluation/metrics/map_comparison.h"
 #include "evaluation/object_evaluation.h"
+#include "evaluation/size_steadiness.h"
 #include "evaluation/world_alignment.h"
 
 namespace uniquadric {
@@ -25,6 +26,7 @@ struct Evaluation {
   std::vector<ObjectEvaluation> objects;
   std::vector<int> unmatched_ids;  ///< estimated tracks that belong to no truth object
   std::optional<TrackingScores> tracking;
+  std::vector<SizeSteadiness> sizes;  ///< of all estimated objects, whether or not a truth speaks of them
   std::map<std::string, std::vector<double>> timing_ms;
   std::optional<ResourceUsage> usage;  ///< of the whole run, where it says
   std::optional<MapComparison> map;    ///< of the surroundings, where the estimate wrote one

@@ -162,8 +162,24 @@ json to_json(const WorldAlignment& alignment) {
 }
 
 json to_json(const CameraEvaluation& camera) {
-  return {{"frames", camera.truth_poses}, {"pairs", camera.pairs},      {"coverage", camera.coverage},
-          {"ape", to_json(camera.ape)},   {"rpe", to_json(camera.rpe)}, {"drift", to_json(camera.drift)}};
+  return {{"frames", camera.truth_poses},
+          {"pairs", camera.pairs},
+          {"coverage", camera.truth_poses > 0 ? json(camera.coverage) : json()},
+          {"ape", to_json(camera.ape)},
+          {"rpe", to_json(camera.rpe)},
+          {"drift", to_json(camera.drift)}};
+}
+
+json to_json(const std::vector<SizeSteadiness>& sizes) {
+  json list = json::array();
+  for (const SizeSteadiness& size : sizes) {
+    const Eigen::Vector3d& a = size.semi_axes_m;
+    list.push_back({{"id", size.id},
+                    {"states", size.states},
+                    {"semi_axes_median_m", {a.x(), a.y(), a.z()}},
+                    {"spread", size.spread}});
+  }
+  return list;
 }
 
 json to_json(const std::optional<MapComparison>& map) {
@@ -209,6 +225,8 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
   root["objects"] = json::array();
   for (const ObjectEvaluation& object : evaluation.objects)
     root["objects"].push_back(to_json(object, options));
+  root["estimated_objects"] = to_json(evaluation.sizes);
+  root["size_spread_mean"] = or_null(mean_spread(evaluation.sizes));
   root["timing_ms"] = json::object();
   for (const auto& [stage, values] : evaluation.timing_ms)
     root["timing_ms"][stage] = to_json(statistics(values));

@@ -176,11 +176,12 @@ SlowSegmenter slow_segmenter(const Sequence& sequence, Segmenter segmenter, cons
                              std::uint64_t seed) {
   const bool is_simulated = segmenter.source == MaskSource::sequence;
   const auto fixed_ns = static_cast<std::int64_t>(std::llround(options.latency_s * 1e9));
-  const bool is_fixed = !is_simulated || options.latency == AotLatency::fixed;
+  const bool is_fixed = options.latency == AotLatency::fixed;
   SlowSegmenter slow;
   slow.latency_ns = [=](const SequenceFrame& frame) -> std::optional<std::int64_t> {
     if (is_simulated && frame.masks.empty()) return std::nullopt;
-    return is_fixed ? fixed_ns : frame.masks_arrival_ns - frame.stamp_ns;
+    if (is_fixed) return fixed_ns;
+    return is_simulated ? frame.masks_arrival_ns - frame.stamp_ns : 0;
   };
   slow.segment = [&sequence, segmenter = std::move(segmenter), seed](const SegmenterInput& input) {
     return segment(segmenter, sequence, input, seed);

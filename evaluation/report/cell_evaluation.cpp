@@ -140,6 +140,40 @@ std::string read_isolation(const json& root) {
   return isolation.is_string() ? isolation.get<std::string>() : "";
 }
 
+SizeSteadiness read_size(const fs::path& file, const json& root, std::size_t index) {
+  const std::string base = fmt::format("/estimated_objects/{}", index);
+  const json& item = root["estimated_objects"][index];
+  if (!item.is_object()) fail(file, field_name(base), "expected an object with named values");
+  const auto whole = [&](const char* name) {
+    const json value = item.value(name, json());
+    if (!value.is_number_integer())
+      fail(file, field_name(fmt::format("{}/{}", base, name)), "expected an integer");
+    return value.get<std::int64_t>();
+  };
+  const auto number = [&](const std::string& name) {
+    const auto value = number_at(file, root, base + name);
+    if (!value) fail(file, field_name(base + name), "expected a number");
+    return *value;
+  };
+  if (item.value("semi_axes_median_m", json()).size() != 3)
+    fail(file, field_name(base + "/semi_axes_median_m"), "expected three numbers");
+  SizeSteadiness size{static_cast<int>(whole("id")), static_cast<std::size_t>(whole("states")),
+                      Eigen::Vector3d::Zero(), number("/spread")};
+  for (int axis = 0; axis < 3; ++axis)
+    size.semi_axes_m[axis] = number(fmt::format("/semi_axes_median_m/{}", axis));
+  return size;
+}
+
+// Older evaluations have none.
+std::vector<SizeSteadiness> read_sizes(const fs::path& file, const json& root) {
+  std::vector<SizeSteadiness> sizes;
+  if (!root.contains("estimated_objects")) return sizes;
+  const json& list = root["estimated_objects"];
+  if (!list.is_array()) fail(file, "estimated_objects", "expected a list");
+  for (std::size_t i = 0; i < list.size(); ++i) sizes.push_back(read_size(file, root, i));
+  return sizes;
+}
+
 }  // namespace
 
 CellEvaluation read_cell_evaluation(const fs::path& folder) {
@@ -164,6 +198,7 @@ CellEvaluation read_cell_evaluation(const fs::path& folder) {
       evaluation.subjects.push_back(std::move(figures));
   evaluation.camera_given = read_camera_given(root);
   evaluation.isolation = read_isolation(root);
+  if (names.empty()) evaluation.sizes = read_sizes(file, root);
   evaluation.stage_ms = read_stages(file, root);
   evaluation.series = read_series(folder / "frames.csv", names);
   return evaluation;

@@ -54,6 +54,26 @@ std::string table(const std::vector<SummaryRow>& summary) {
   return text;
 }
 
+// Of scenes and recordings without a true object.
+std::string sizes(const Results& results) {
+  std::string text;
+  for (const Cell& cell : results.cells)
+    if (cell.evaluation)
+      for (const SizeSteadiness& size : cell.evaluation->sizes) {
+        const Eigen::Vector3d size_m = 2 * size.semi_axes_m;
+        text += line({cell.scene, cell.variant, std::to_string(cell.seed), std::to_string(size.id),
+                      std::to_string(size.states),
+                      fmt::format("{:.3f} x {:.3f} x {:.3f}", size_m.x(), size_m.y(), size_m.z()),
+                      format_figure(size.spread)});
+      }
+  if (text.empty()) return "";
+  return "\n## Estimated objects where no true one is known\nSize: the median over time. Spread: the root "
+         "mean "
+         "square relative deviation from it.\n\n" +
+         line({"scene", "variant", "seed", "id", "states", "size [m]", "spread"}) +
+         line({"---", "---", "---:", "---:", "---:", "---", "---:"}) + text;
+}
+
 std::string failures(const Results& results) {
   std::string text;
   for (const Cell& cell : results.cells)
@@ -75,8 +95,8 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
       "# {}\nMedians over seeds; runs: with a result / all; the best of an object's variants with the most "
       "results in bold; given: poses of the camera that were not estimated.\n\n",
       results.name);
-  text += table(summary) + arc_markdown(results) + lidar_markdown(results.lidar) + failures(results) +
-          "\n## How it was made\n";
+  text += table(summary) + arc_markdown(results) + lidar_markdown(results.lidar) + sizes(results) +
+          failures(results) + "\n## How it was made\n";
   if (!results.command.empty()) text += fmt::format("- command: `{}`\n", results.command);
   text += fmt::format("- program: {} (report: {})\n", fmt::join(programs_of(results), ", "), kProgram);
   if (!results.program.empty()) text += fmt::format("- gathered by: {}\n", results.program);

@@ -98,6 +98,11 @@ constexpr Metric kMetrics[] = {
      "Multiple-object tracking accuracy: 1 - (misses + false tracks + id switches) / true objects."},
     {"idf1", "IDF1", "", kHigher, kAll, "/tracking/idf1",
      "F1 score of identities kept over the whole sequence."},
+    {"size_spread_mean", "size spread", "", kLower, kAll, "/size_spread_mean",
+     "How steady the estimated sizes are over time, which needs no truth: root mean square relative "
+     "deviation "
+     "of semi-axes from their median over a track, mean over the tracks.",
+     true},
     {"map_precision", "map precision", "", kHigher, kAll, "/map/precision",
      "Of the voxels that the map which the LiDAR was followed by has occupied, those that are in the true "
      "map of "

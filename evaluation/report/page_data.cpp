@@ -102,6 +102,18 @@ const char* to_string(CellStatus status) {
   return "";
 }
 
+json sizes_json(const std::vector<SizeSteadiness>& sizes) {
+  json list = json::array();
+  for (const SizeSteadiness& size : sizes) {
+    const Eigen::Vector3d size_m = 2 * size.semi_axes_m;
+    list.push_back({{"id", size.id},
+                    {"states", size.states},
+                    {"size_m", {size_m.x(), size_m.y(), size_m.z()}},
+                    {"spread", size.spread}});
+  }
+  return list;
+}
+
 json cell_json(const Cell& cell, int digits) {
   json series = json::array(), stages = json::object();
   if (cell.evaluation)
@@ -117,6 +129,7 @@ json cell_json(const Cell& cell, int digits) {
           {"not_isolated", cell.evaluation && cell.evaluation->isolation == "none"},
           {"alignment", cell.evaluation ? cell.evaluation->alignment : ""},
           {"stage_ms", stages},
+          {"sizes", cell.evaluation ? sizes_json(cell.evaluation->sizes) : json::array()},
           {"series", series}};
 }
 

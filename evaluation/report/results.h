@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "evaluation/report/lidar_routes.h"
+#include "evaluation/size_steadiness.h"
 
 namespace uniquadric {
 
@@ -32,6 +33,7 @@ struct CellEvaluation {
   std::string isolation;                   ///< of another program's run: bubblewrap or none; empty: ours
   bool camera_given = false;               ///< the camera's poses were given to the estimator, not estimated
   std::vector<SubjectFigures> subjects;    ///< objects in their order, then `camera`, then `all`
+  std::vector<SizeSteadiness> sizes;       ///< of estimated objects, where no true one is known
   std::vector<ObjectSeries> series;        ///< objects in order of their ids
   std::map<std::string, double> stage_ms;  ///< a frame, by stage; `frame` is all of them
 };

@@ -59,14 +59,15 @@ void run_cell(const Run& run, const BenchSimulation& simulation, BenchCell& cell
   }
 }
 
-// Removes a sequence that nobody needs any more, and what was perceived of it.
+// Removes a sequence that nobody needs any more, and what was perceived of it; a recording stays.
 void release(const Run& run, const BenchSimulation& simulation) {
   const bool any_failed = std::any_of(simulation.cells.begin(), simulation.cells.end(),
                                       [](const BenchCell& c) { return !c.failure.empty(); });
   if (any_failed || run.keep_sequences) return;  // it is needed to try again, or to see why
-  const fs::path folder = run.plan.simulate(simulation).folder;
-  forget_key(folder);
-  fs::remove_all(folder);
+  if (const auto simulate = run.plan.simulate(simulation)) {
+    forget_key(simulate->folder);
+    fs::remove_all(simulate->folder);
+  }
   fs::remove_all(run.plan.perceptions_folder(simulation));
 }
 
@@ -100,18 +101,22 @@ bool has_kept_routes(const Run& run, const BenchSimulation& simulation) {
   return !simulation.has_routes || is_current(run.plan.routes_folder(simulation), simulation.key);
 }
 
+// The sequence, where cells wait for it or the report lacks what it shows of the LiDAR.
+ProcessResult simulate(const Run& run, const BenchSimulation& simulation, bool is_wanted) {
+  const auto stage = run.plan.simulate(simulation);
+  const bool has_routes = has_kept_routes(run, simulation);
+  if (!stage || (!is_wanted && has_routes)) return {true, ""};
+  if (!has_routes) forget_key(stage->folder);
+  fs::remove(stage->log);
+  return run_stage(run, *stage);
+}
+
 void run_simulation(const Run& run, BenchSimulation& simulation) {
   std::vector<BenchCell*> waiting;
   for (BenchCell& cell : simulation.cells)
     if (!is_done(run.plan, simulation, cell)) waiting.push_back(&cell);
   run.progress.advance(std::ssize(simulation.cells) - std::ssize(waiting));
-  ProcessResult result{true, ""};
-  const BenchStage stage = run.plan.simulate(simulation);
-  if (!has_kept_routes(run, simulation)) forget_key(stage.folder);
-  if (!waiting.empty() || !has_kept_routes(run, simulation)) {
-    fs::remove(stage.log);
-    result = run_stage(run, stage);
-  }
+  const ProcessResult result = simulate(run, simulation, !waiting.empty());
   if (waiting.empty()) return release(run, simulation);
   const auto work = std::make_shared<Work>(simulation);
   work->unfinished = static_cast<int>(waiting.size());

@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <functional>
 #include <set>
 
 #include "core/base/config.h"
 #include "core/base/text.h"
+#include "core/base/warning.h"
 #include "simulator/scene/noise_scale.h"
 
 namespace uniquadric {
 namespace {
+namespace fs = std::filesystem;
 
 // The file that `node` names, relative to the bench's.
 BenchItem read_file(const ConfigNode& root, const ConfigNode& node) {
@@ -35,15 +38,58 @@ std::vector<std::uint64_t> read_seeds(const ConfigNode& node) {
   return seeds;
 }
 
+// The folder of a recording, named by its own name. It need not exist where it is `optional`.
+BenchItem read_recording(const ConfigNode& root, const ConfigNode& node, bool is_optional) {
+  const fs::path path = (root.file().parent_path() / node.as<std::string>()).lexically_normal();
+  const fs::path folder = path.has_filename() ? path : path.parent_path();
+  std::error_code too_long;
+  const bool is_there = fs::is_directory(folder, too_long);
+  if (!is_there && !is_optional) node.fail(fmt::format("folder {} does not exist", folder.string()));
+  if (is_there && !fs::exists(folder / "sequence.yaml") && !fs::exists(folder / "sequence/sequence.yaml"))
+    node.fail(fmt::format("folder {} holds no sequence; `uniquadric import` makes one of a recording",
+                          folder.string()));
+  return {folder.filename().string(), folder};
+}
+
+// KIND:FILE, the file relative to the bench's.
+std::string read_prompt(const ConfigNode& root, const ConfigNode& node) {
+  const std::string text = node.as<std::string>();
+  const std::size_t colon = text.find(':');
+  const std::string kind = text.substr(0, colon);
+  if (colon == std::string::npos || (kind != "boxes" && kind != "points"))
+    node.fail("expected boxes:FILE or points:FILE");
+  const fs::path file = (root.file().parent_path() / text.substr(colon + 1)).lexically_normal();
+  std::error_code too_long;
+  if (!fs::exists(file, too_long)) node.fail(fmt::format("{} does not exist", file.string()));
+  return kind + ":" + file.string();
+}
+
+bool is_there(const BenchItem& item) {
+  return fs::exists(item.path);
+}
+
+BenchScene read_item_of_scene(const ConfigNode& root, const ConfigNode& node,
+                              const std::vector<std::uint64_t>& seeds) {
+  if (const auto recording = node.find("recording")) {
+    const bool is_optional = node.get<bool>("optional", false);
+    return {read_recording(root, *recording, is_optional), true, 1, {0}, ""};
+  }
+  BenchScene scene{read_file(root, node.at("scene")), false, node.get<double>("noise_scale", 1), seeds, ""};
+  if (!(scene.noise_scale >= 0 && scene.noise_scale <= kMostNoiseScale))
+    node.at("noise_scale").fail(fmt::format("expected 0 to {}", kMostNoiseScale));
+  return scene;
+}
+
 // A path, or a map with what is other than usual.
 BenchScene read_scene(const ConfigNode& root, const ConfigNode& node,
                       const std::vector<std::uint64_t>& seeds) {
-  if (!node.is_map()) return {read_file(root, node), 1, seeds};
-  BenchScene scene{read_file(root, node.at("scene")), node.get<double>("noise_scale", 1), seeds};
+  if (!node.is_map()) return {read_file(root, node), false, 1, seeds, ""};
+  BenchScene scene = read_item_of_scene(root, node, seeds);
   scene.name = node.name("name", scene.name);
-  if (!(scene.noise_scale >= 0 && scene.noise_scale <= kMostNoiseScale))
-    node.at("noise_scale").fail(fmt::format("expected 0 to {}", kMostNoiseScale));
-  if (scene.name == "." || scene.name == "..") node.at("name").fail("names a folder that is there already");
+  if (!is_plain_name(scene.name) || scene.name == "." || scene.name == "..")
+    node.fail(fmt::format("'{}' cannot be a name in the results; give another `name`", scene.name));
+  if (const auto prompt = node.find("prompt"); prompt && is_there(scene))
+    scene.prompt = read_prompt(root, *prompt);
   if (node.has("seeds")) scene.seeds = read_seeds(node);
   node.refuse_unknown_keys();
   return scene;
@@ -63,17 +109,33 @@ auto read_items(const ConfigNode& root, const std::string& key, const Read& read
   return items;
 }
 
+// Optional recordings whose folders do not exist.
+void leave_out_absent(const ConfigNode& root, std::vector<BenchScene>& scenes) {
+  for (const BenchScene& scene : scenes)
+    if (!is_there(scene))
+      warn(fmt::format("{}: recording {} is not there and is left out", root.file().string(), scene.name));
+  std::erase_if(scenes, std::not_fn(is_there));
+  if (scenes.empty()) root.at("scenes").fail("none of them is there");
+}
+
 std::vector<std::string> quoted_names(const std::vector<BenchItem>& items) {
   std::vector<std::string> result;
   for (const auto& item : items) result.push_back(yaml_quoted(item.name));
   return result;
 }
 
+// Without the folders of this machine.
+std::string prompt_name(const std::string& prompt) {
+  const std::size_t colon = prompt.find(':');
+  return yaml_quoted(prompt.substr(0, colon + 1) + fs::path(prompt.substr(colon + 1)).filename().string());
+}
+
 // A scene's name, or a map where it differs from what stands for all.
 std::vector<std::string> scene_entries(const BenchConfig& config) {
   std::vector<std::string> result;
   for (const BenchScene& scene : config.scenes) {
-    std::string extra;
+    std::string extra = scene.is_recording ? ", recording: true" : "";
+    if (!scene.prompt.empty()) extra += fmt::format(", prompt: {}", prompt_name(scene.prompt));
     if (scene.noise_scale != 1) extra += fmt::format(", noise_scale: {}", scene.noise_scale);
     if (scene.seeds != config.seeds) extra += fmt::format(", seeds: [{}]", fmt::join(scene.seeds, ", "));
     const std::string name = yaml_quoted(scene.name);
@@ -91,6 +153,7 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
   config.seeds = read_seeds(root);
   config.scenes = read_items(root, "scenes",
                              [&](const ConfigNode& node) { return read_scene(root, node, config.seeds); });
+  leave_out_absent(root, config.scenes);
   config.variants =
       read_items(root, "variants", [&](const ConfigNode& node) { return read_file(root, node); });
   if (const auto frames = root.find("frames")) {

@@ -16,10 +16,12 @@ struct BenchItem {
   std::filesystem::path path;
 };
 
-/// A scene with what the bench makes of it.
+/// A scene with what the bench makes of it, or a recording.
 struct BenchScene : BenchItem {
-  double noise_scale = 1;            ///< of the amplitudes of all its noise
-  std::vector<std::uint64_t> seeds;  ///< its own, or the bench's
+  bool is_recording = false;         ///< `path` is a folder that `import` made, else a scene file
+  double noise_scale = 1;            ///< of a scene: of the amplitudes of all its noise
+  std::vector<std::uint64_t> seeds;  ///< its own, or the bench's; of a recording [0] by default
+  std::string prompt;                ///< boxes:FILE or points:FILE; empty: none
 };
 
 /// scenes x variants x seeds (configs/bench/README.md).

@@ -31,6 +31,15 @@ std::string simulation_key(const std::string& scene_hash, std::uint64_t seed,
       .hex();
 }
 
+std::string recording_key(const fs::path& sequence, const fs::path& truth) {
+  Hash hash;
+  hash.add("recording");
+  for (const fs::path& folder : {sequence, truth})
+    if (!folder.empty())
+      hash.add(fs::exists(folder / kHashesFile) ? read_text(folder / kHashesFile) : list_hashes(folder));
+  return hash.hex();
+}
+
 std::string perception_key(const std::string& simulation_key, const std::string& perception_yaml,
                            std::uint64_t seed) {
   return stage("perceive", kestimator_sources).add(simulation_key).add(perception_yaml).add(seed).hex();

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "core/base/folder_hashes.h"
 #include "core/base/hash.h"
+#include "core/sequence/sequence.h"
 #include "harness/bench/keys.h"
 #include "harness/external/external_variant.h"
 #include "simulator/lidar_files.h"
@@ -54,18 +57,38 @@ std::vector<std::string> sensors_of(const Scene& scene) {
   return sensors;
 }
 
+// What a variant of ours cannot do without.
+std::vector<std::string> needed_sensors(const Variant& variant) {
+  const PerceptionOptions& o = variant.perception;
+  std::vector<std::string> sensors;
+  if (o.ego == EgoSource::given) sensors = {"given_camera"};
+  if (o.ego == EgoSource::rgbd) sensors = {"rgb", "depth"};
+  if (o.ego == EgoSource::lidar || o.depth == DepthSource::lidar) sensors.push_back("lidar");
+  if (o.ego == EgoSource::given && o.depth == DepthSource::images) sensors.push_back("depth");
+  return sensors;
+}
+
 // Why a variant cannot run where these sensors are; empty: it can, or that is found out when it runs.
 std::string fault_of(const PlannedVariant& variant, const std::vector<std::string>& sensors) {
-  if (!variant.external) return "";
-  const auto missing = missing_sensors(variant.external->sensors, sensors);
+  const auto missing =
+      missing_sensors(variant.own ? needed_sensors(*variant.own) : variant.external->sensors, sensors);
   return missing.empty() ? "" : fmt::format("the sequence has no {}", fmt::join(missing, ", "));
+}
+
+// What an estimate depends on beside its variant; empty: no prompt.
+std::string prompt_key(const std::string& prompt) {
+  if (prompt.empty()) return "";
+  const std::size_t colon = prompt.find(':');
+  const fs::path file = prompt.substr(colon + 1);
+  const std::string content = fs::is_directory(file) ? list_hashes(file) : hex(hash_file(file));
+  return fmt::format("prompt: {} {} {}\n", prompt.substr(0, colon), file.filename().string(), content);
 }
 
 // The index of the perception that the variant shares with others, which may be a new one.
 std::optional<std::size_t> share_perception(BenchSimulation& simulation, const Variant& variant,
-                                            std::size_t index) {
+                                            const std::string& prompt, std::size_t index) {
   if (variant.feedback == Feedback::backend) return std::nullopt;
-  const std::string key = perception_key(simulation.key, perception_yaml(variant), simulation.seed);
+  const std::string key = perception_key(simulation.key, perception_yaml(variant) + prompt, simulation.seed);
   auto& all = simulation.perceptions;
   const auto found = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.key == key; });
   const auto position = static_cast<std::size_t>(found - all.begin());
@@ -74,24 +97,25 @@ std::optional<std::size_t> share_perception(BenchSimulation& simulation, const V
 }
 
 BenchCell plan_cell(BenchSimulation& simulation, const PlannedVariant& variant, std::size_t index,
-                    const std::vector<std::string>& sensors) {
+                    const std::vector<std::string>& sensors, const std::string& prompt) {
   BenchCell cell;
   cell.variant = index;
   cell.is_external = variant.external.has_value();
-  cell.estimate_key = estimate_key(simulation.key, variant.yaml, simulation.seed);
+  cell.estimate_key = estimate_key(simulation.key, variant.yaml + prompt, simulation.seed);
   cell.not_applicable = fault_of(variant, sensors);
-  if (variant.own) cell.perception = share_perception(simulation, *variant.own, index);
+  if (variant.own && cell.not_applicable.empty())
+    cell.perception = share_perception(simulation, *variant.own, prompt, index);
   return cell;
-}
-
-bool takes_the_papers_way(const Scene& scene) {
-  const auto rig = lidar_of(scene);
-  return rig && rig->method == LidarMethod::depth_octree;
 }
 
 fs::path simulation_folder(const BenchPlan& plan, const BenchSimulation& simulation) {
   return plan.out / "simulations" / plan.config.scenes[simulation.scene].name /
          fmt::format("seed_{}", simulation.seed);
+}
+
+bool takes_the_papers_way(const Scene& scene) {
+  const auto rig = lidar_of(scene);
+  return rig && rig->method == LidarMethod::depth_octree;
 }
 
 BenchStage stage(const fs::path& folder, const std::string& key, std::vector<std::string> command,
@@ -102,6 +126,60 @@ BenchStage stage(const fs::path& folder, const std::string& key, std::vector<std
 
 fs::path with_suffix(const fs::path& folder, const char* suffix) {
   return folder.string() + suffix;
+}
+
+// What a plan has to know of a scene or recording.
+struct Data {
+  const char* kind;
+  std::string hash;
+  std::vector<std::string> sensors;
+  bool has_routes = false;
+  fs::path sequence, truth;  // of a recording
+};
+
+Data data_of_scene(const BenchScene& item) {
+  Scene scene = load_scene(item.path);
+  scale_noise(scene, item.noise_scale);
+  return {"scene", scene.hash, sensors_of(scene), takes_the_papers_way(scene), {}, {}};
+}
+
+Data data_of_recording(const BenchScene& item) {
+  const bool is_sequence_alone = fs::exists(item.path / "sequence.yaml");
+  const fs::path sequence = is_sequence_alone ? item.path : item.path / "sequence";
+  const bool has_truth = !is_sequence_alone && fs::is_directory(item.path / "truth");
+  const fs::path truth = has_truth ? item.path / "truth" : fs::path();
+  return {"recording", recording_key(sequence, truth), sensors_of(open_sequence(sequence)), false, sequence,
+          truth};
+}
+
+BenchSimulation plan_simulation(const BenchPlan& plan, std::size_t scene, std::uint64_t seed,
+                                const Data& data) {
+  BenchSimulation simulation;
+  simulation.scene = scene;
+  simulation.seed = seed;
+  simulation.has_routes = data.has_routes;
+  simulation.has_images = std::ranges::find(data.sensors, "rgb") != data.sensors.end();
+  if (plan.config.scenes[scene].is_recording) {
+    simulation.key = data.hash;
+    simulation.sequence = data.sequence;
+    simulation.truth = data.truth;
+  } else {
+    const fs::path folder = simulation_folder(plan, simulation);
+    simulation.key = simulation_key(data.hash, seed, plan.config.frames);
+    simulation.sequence = folder / "sequence";
+    simulation.truth = folder / "truth";
+  }
+  return simulation;
+}
+
+// A recording is there: no stage makes it.
+std::vector<fs::path> made_data(const BenchPlan& plan, const BenchSimulation& simulation) {
+  if (plan.config.scenes[simulation.scene].is_recording) return {};
+  return {simulation_folder(plan, simulation)};
+}
+
+void add_prompt(const BenchScene& scene, std::vector<std::string>& command) {
+  if (!scene.prompt.empty()) command.insert(command.end(), {"--prompt", scene.prompt});
 }
 
 ordered_json strings(const std::vector<fs::path>& paths) {
@@ -130,8 +208,9 @@ std::string BenchPlan::label(const BenchSimulation& simulation, const BenchCell&
                      config.variants[cell.variant].name, simulation.seed);
 }
 
-BenchStage BenchPlan::simulate(const BenchSimulation& simulation) const {
+std::optional<BenchStage> BenchPlan::simulate(const BenchSimulation& simulation) const {
   const BenchScene& scene = config.scenes[simulation.scene];
+  if (scene.is_recording) return std::nullopt;
   const fs::path folder = simulation_folder(*this, simulation);
   std::vector<std::string> command = {"simulate",
                                       scene.path,
@@ -149,42 +228,63 @@ BenchStage BenchPlan::simulate(const BenchSimulation& simulation) const {
 
 BenchStage BenchPlan::perceive(const BenchSimulation& simulation, std::size_t perception) const {
   const SharedPerception& shared = simulation.perceptions[perception];
-  const fs::path data = simulation_folder(*this, simulation);
   const fs::path folder = perceptions_folder(simulation) / shared.key;
-  return stage(folder, shared.key,
-               {"perceive", data / "sequence", folder, "--variant", config.variants[shared.variant].path,
-                "--seed", std::to_string(simulation.seed)},
-               {data}, with_suffix(folder, ".log"));
+  std::vector<std::string> command = {"perceive",
+                                      simulation.sequence,
+                                      folder,
+                                      "--variant",
+                                      config.variants[shared.variant].path,
+                                      "--seed",
+                                      std::to_string(simulation.seed)};
+  add_prompt(config.scenes[simulation.scene], command);
+  return stage(folder, shared.key, std::move(command), made_data(*this, simulation),
+               with_suffix(folder, ".log"));
 }
 
-std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, const BenchCell& cell) const {
-  if (!cell.not_applicable.empty()) return {};
-  const fs::path folder = out / cell_folder(simulation, cell), log = folder / "log.txt";
-  const fs::path data = simulation_folder(*this, simulation), estimate = folder / "estimate",
-                 evaluation = folder / "evaluation", overlays = folder / "overlays";
+BenchStage BenchPlan::estimate(const BenchSimulation& simulation, const BenchCell& cell) const {
+  const fs::path folder = out / cell_folder(simulation, cell);
   std::vector<std::string> command = {"estimate",
-                                      data / "sequence",
-                                      estimate,
+                                      simulation.sequence,
+                                      folder / "estimate",
                                       "--variant",
                                       config.variants[cell.variant].path,
                                       "--seed",
                                       std::to_string(simulation.seed)};
-  std::vector<fs::path> inputs = {data};
+  std::vector<fs::path> inputs = made_data(*this, simulation);
   if (cell.perception) {
     inputs.push_back(perceive(simulation, *cell.perception).folder);
     command.insert(command.end(), {"--perception", inputs.back()});
   }
   if (config.output && !cell.is_external)
     command.insert(command.end(), {"--output", to_string(*config.output)});
-  std::vector<BenchStage> stages = {
-      stage(estimate, cell.estimate_key, std::move(command), std::move(inputs), log),
-      stage(evaluation, evaluation_key(cell.estimate_key), {"evaluate", data / "truth", estimate, evaluation},
-            {data, estimate}, log)};
-  if (config.overlays > 0)
-    stages.push_back(stage(overlays, overlay_key(cell.estimate_key, config.overlays),
-                           {"overlay", data / "sequence", estimate, overlays, "--truth", data / "truth",
-                            "--count", std::to_string(config.overlays)},
-                           {data, estimate}, log));
+  add_prompt(config.scenes[simulation.scene], command);
+  return stage(folder / "estimate", cell.estimate_key, std::move(command), std::move(inputs),
+               folder / "log.txt");
+}
+
+BenchStage BenchPlan::overlay(const BenchSimulation& simulation, const BenchCell& cell) const {
+  const fs::path folder = out / cell_folder(simulation, cell), estimate = folder / "estimate";
+  std::vector<std::string> command = {"overlay", simulation.sequence, estimate, folder / "overlays"};
+  if (!simulation.truth.empty()) command.insert(command.end(), {"--truth", simulation.truth});
+  command.insert(command.end(), {"--count", std::to_string(config.overlays)});
+  std::vector<fs::path> inputs = made_data(*this, simulation);
+  inputs.push_back(estimate);
+  return stage(folder / "overlays", overlay_key(cell.estimate_key, config.overlays), std::move(command),
+               std::move(inputs), folder / "log.txt");
+}
+
+std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, const BenchCell& cell) const {
+  if (!cell.not_applicable.empty()) return {};
+  std::vector<BenchStage> stages = {estimate(simulation, cell)};
+  const BenchStage& estimated = stages.front();
+  std::vector<fs::path> inputs = made_data(*this, simulation);
+  inputs.push_back(estimated.folder);
+  const fs::path& truth = simulation.truth.empty() ? simulation.sequence : simulation.truth;
+  const fs::path evaluation = estimated.folder.parent_path() / "evaluation";
+  stages.push_back(stage(evaluation, evaluation_key(cell.estimate_key),
+                         {"evaluate", truth, estimated.folder, evaluation}, std::move(inputs),
+                         estimated.log));
+  if (config.overlays > 0 && simulation.has_images) stages.push_back(overlay(simulation, cell));
   return stages;
 }
 
@@ -196,15 +296,14 @@ BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out) {
   for (const BenchItem& variant : config.variants)
     plan.made_from.push_back({"variant", variant.name, hex(hash_file(variant.path))});
   for (std::size_t s = 0; s < config.scenes.size(); ++s) {
-    Scene scene = load_scene(config.scenes[s].path);
-    scale_noise(scene, config.scenes[s].noise_scale);
-    plan.made_from.push_back({"scene", config.scenes[s].name, scene.hash});
-    const bool has_routes = takes_the_papers_way(scene);
+    const Data data =
+        config.scenes[s].is_recording ? data_of_recording(config.scenes[s]) : data_of_scene(config.scenes[s]);
+    plan.made_from.push_back({data.kind, config.scenes[s].name, data.hash});
+    const std::string prompt = prompt_key(config.scenes[s].prompt);
     for (const auto seed : config.scenes[s].seeds) {
-      BenchSimulation simulation{s,          seed, simulation_key(scene.hash, seed, config.frames),
-                                 has_routes, {},   {}};
+      BenchSimulation simulation = plan_simulation(plan, s, seed, data);
       for (std::size_t v = 0; v < variants.size(); ++v)
-        simulation.cells.push_back(plan_cell(simulation, variants[v], v, sensors_of(scene)));
+        simulation.cells.push_back(plan_cell(simulation, variants[v], v, data.sensors, prompt));
       plan.simulations.push_back(std::move(simulation));
     }
   }
@@ -224,7 +323,7 @@ void print_plan(const BenchPlan& plan, const fs::path& bench_file, std::ostream&
         << '\n';
   };
   for (const BenchSimulation& simulation : plan.simulations) {
-    print(plan.simulate(simulation), plan.config.keep_sequences);
+    if (const auto stage = plan.simulate(simulation)) print(*stage, plan.config.keep_sequences);
     for (std::size_t i = 0; i < simulation.perceptions.size(); ++i)
       print(plan.perceive(simulation, i), plan.config.keep_sequences);
     for (const BenchCell& cell : simulation.cells)

@@ -38,17 +38,19 @@ struct SharedPerception {
 
 /// One (scene, seed) with the cells that read its sequence.
 struct BenchSimulation {
-  std::size_t scene;  ///< of the configuration's
-  std::uint64_t seed;
+  std::size_t scene = 0;  ///< of the configuration's
+  std::uint64_t seed = 0;
   std::string key;
-  bool has_routes;  ///< a LiDAR that takes the paper's way, of which the report shows something
+  std::filesystem::path sequence, truth;  ///< folders; no truth: nobody knows it
+  bool has_images = true;
+  bool has_routes = false;  ///< a LiDAR that takes the paper's way, of which the report shows something
   std::vector<SharedPerception> perceptions;
   std::vector<BenchCell> cells;
 };
 
 /// A file that the results come from.
 struct BenchInput {
-  const char* kind;  ///< bench, scene or variant
+  const char* kind;  ///< bench, scene, recording or variant
   std::string name;
   std::string hash;  ///< XXH64 of the file; of a scene its scene_hash, which covers meshes and noise
 };
@@ -66,8 +68,11 @@ struct BenchPlan {
   std::filesystem::path routes_folder(const BenchSimulation& simulation) const;
   std::string label(const BenchSimulation& simulation, const BenchCell& cell) const;
 
-  BenchStage simulate(const BenchSimulation& simulation) const;
+  /// Nothing for a recording, which is there.
+  std::optional<BenchStage> simulate(const BenchSimulation& simulation) const;
   BenchStage perceive(const BenchSimulation& simulation, std::size_t perception) const;
+  BenchStage estimate(const BenchSimulation& simulation, const BenchCell& cell) const;
+  BenchStage overlay(const BenchSimulation& simulation, const BenchCell& cell) const;
   /// One after the other: estimate, evaluate, and overlay where the configuration wants some; none of a cell
   /// that is not applicable.
   std::vector<BenchStage> stages(const BenchSimulation& simulation, const BenchCell& cell) const;

@@ -91,7 +91,7 @@ int find_failures(BenchPlan& plan) {
       ++undone;
       std::vector<BenchStage> stages = plan.stages(simulation, cell);
       if (cell.perception) stages.insert(stages.begin(), plan.perceive(simulation, *cell.perception));
-      stages.insert(stages.begin(), plan.simulate(simulation));
+      if (const auto simulate = plan.simulate(simulation)) stages.insert(stages.begin(), *simulate);
       cell.failure = said_by(stages);
       cell.is_missing = cell.failure.empty();
     }

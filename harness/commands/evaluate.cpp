@@ -17,7 +17,7 @@ void add_evaluate(CLI::App& app, Common& common) {
   static std::string truth, estimate_folder, out;
   static EvaluateOptions options;
   sub->get_option("--quiet")->description("no table on stdout");
-  sub->add_option("TRUTH", truth, "truth folder")->required();
+  sub->add_option("TRUTH", truth, "truth folder; of a recording without one, its sequence folder")->required();
   sub->add_option("ESTIMATE", estimate_folder, "estimate folder")->required();
   sub->add_option("OUT", out, "folder for the evaluation")->required();
   sub->add_option("--samples", options.iou_samples, "of the Monte Carlo 3D IoU")

@@ -19,9 +19,13 @@ struct Format {
   void (*write)(const ExportSource& source, const ExportOptions& options, const fs::path& folder);
 };
 
-constexpr Format kFormats[] = {{"tum", write_tum_recording}, {"kitti-tracking", write_kitti_tracking},
-                               {"bop", write_bop},           {"euroc", write_euroc},
-                               {"rosbag", write_rosbag},     {"ply", write_ply_clouds}};
+constexpr Format kFormats[] = {{"tum", write_tum_recording},
+                               {"kitti-tracking", write_kitti_tracking},
+                               {"bop", write_bop},
+                               {"euroc", write_euroc},
+                               {"rosbag", write_rosbag},
+                               {"ply", write_ply_clouds},
+                               {"vdo", write_vdo}};
 
 }  // namespace
 

@@ -67,7 +67,8 @@ Outcome run(const fs::path& folder, int threads, const Variant& variant) {
   estimate(folder, variant, options, temp.path() / "out");
   Outcome outcome{read_tracks(temp.path() / "out"), {}};
   for (const auto& entry : fs::recursive_directory_iterator(temp.path() / "out"))
-    if (entry.is_regular_file() && entry.path().filename() != "timing.csv")
+    if (entry.is_regular_file() && entry.path().filename() != "timing.csv" &&
+        entry.path().filename() != "usage.csv")
       outcome.files[fs::relative(entry.path(), temp.path()).string()] = read_text(entry.path());
   return outcome;
 }

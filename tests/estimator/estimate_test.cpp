@@ -31,7 +31,8 @@ EstimateOptions quiet(int threads = 0) {
 std::map<std::string, std::string> files_of(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && entry.path().filename() != "timing.csv")
+    if (entry.is_regular_file() && entry.path().filename() != "timing.csv" &&
+        entry.path().filename() != "usage.csv")
       files[fs::relative(entry.path(), folder).string()] = read_text(entry.path());
   return files;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/resource_usage.h"
 #include "core/sequence/ply.h"
 #include "evaluation/report/metrics.h"
 #include "evaluation/report/results.h"
@@ -43,8 +44,16 @@ const std::set<std::string> kObject = {"ape_translation_rmse_m",
                                        "id_switches",
                                        "drift_max_translation_m",
                                        "drift_max_angle_deg"};
-const std::set<std::string> kAll = {
-    "hota", "mota", "idf1", "map_precision", "map_completeness", "frame_time_mean_ms"};
+const std::set<std::string> kAll = {"hota",
+                                    "mota",
+                                    "idf1",
+                                    "size_spread_mean",
+                                    "map_precision",
+                                    "map_completeness",
+                                    "frame_time_mean_ms",
+                                    "wall_time_s",
+                                    "cpu_time_s",
+                                    "peak_memory_mb"};
 
 TEST_F(Evaluate, HasEveryFigureOfTheScores) {
   constexpr std::int64_t kSlow_ns = 200'000'000;  // 6 s
@@ -66,6 +75,7 @@ TEST_F(Evaluate, HasEveryFigureOfTheScores) {
   }
   write_text(estimate() / "features.csv", features);
   write_text(estimate() / "timing.csv", "frame,stage,ms\n0,fit,2\n1,fit,4\n");
+  write_usage(estimate(), {2.5, 4, 100});
   run();
   const CellEvaluation read = read_cell_evaluation(root_ / "out");
   const auto names = [](const SubjectFigures& figures) {
@@ -87,6 +97,8 @@ TEST_F(Evaluate, HasEveryFigureOfTheScores) {
   EXPECT_EQ(read.alignment, "poses");
   EXPECT_EQ(read.subjects[0].value.at("iou3d_after_3s_mean"), 1);
   EXPECT_EQ(read.subjects[4].value.at("frame_time_mean_ms"), 3);
+  EXPECT_EQ(read.subjects[4].value.at("cpu_time_s"), 4);
+  EXPECT_EQ(read.subjects[4].value.at("peak_memory_mb"), 100);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -22,16 +23,18 @@ using nlohmann::json;
 
 // What differs between two runs that nothing disturbed: measured times, and logs of what went wrong before.
 bool is_left_out(const fs::path& file) {
-  static const std::set<std::string> names = {"timing.csv", "command.txt", "log.txt", kPartialMarker};
+  static const std::set<std::string> names = {"timing.csv", "usage.csv", "command.txt", "log.txt",
+                                              kPartialMarker};
   return names.contains(file.filename()) || file.extension() == ".log" || file.extension() == ".partial" ||
          file.string().ends_with(".timing.csv");
 }
 
-std::string lines_without(const std::string& text, const std::string& word) {
+std::string lines_without(const std::string& text, const std::vector<std::string>& words) {
   std::string kept;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
-    if (line.find(word) == std::string::npos) kept += line + '\n';
+    if (std::ranges::none_of(words, [&](const auto& word) { return line.find(word) != std::string::npos; }))
+      kept += line + '\n';
   return kept;
 }
 
@@ -40,13 +43,15 @@ std::string lasting_bytes(const fs::path& file) {
   const std::string text = read_text(file);
   if (file.extension() == ".key")
     return text.substr(0, text.find('\n'));  // below: hashes of measured times too
-  if (file.filename() == "scores.csv") return lines_without(text, "frame_time_mean_ms");
-  if (file.filename() == "report.md") return lines_without(text, "- command: ");
+  if (file.filename() == "scores.csv")
+    return lines_without(text, {"frame_time_mean_ms", "wall_time_s", "cpu_time_s", "peak_memory_mb"});
+  if (file.filename() == "report.md") return lines_without(text, {"- command: "});
   if (file.filename() == "report.html") return text.ends_with("</html>\n") ? "whole" : text;
   if (file.filename() != "evaluation.json") return text;
   json evaluation = json::parse(text, nullptr, false);
   if (evaluation.is_discarded()) return text;
   evaluation.erase("timing_ms");
+  evaluation.erase("usage");
   return evaluation.dump();
 }
 

@@ -24,6 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+// Files of an estimate that differ between equal runs.
+const std::vector<std::string> kMeasured = {"timing.csv", "usage.csv"};
+
 class Pipeline : public testing::Test {
  protected:
   void SetUp() override { write_text(scene(), small_scene_yaml()); }
@@ -111,10 +114,10 @@ TEST_F(Pipeline, EstimateNeedsNoTruth) {
   ok({"estimate", folder() / "data/sequence", folder() / "a", "--quiet"});
   fs::rename(folder() / "data/truth", folder() / "hidden");
   ok({"estimate", folder() / "data/sequence", folder() / "b", "--quiet"});
-  EXPECT_EQ(folder_hash(folder() / "a", {"timing.csv"}), folder_hash(folder() / "b", {"timing.csv"}));
+  EXPECT_EQ(folder_hash(folder() / "a", kMeasured), folder_hash(folder() / "b", kMeasured));
   fs::rename(folder() / "data/sequence", folder() / "alone");  // and no path of its origin
   ok({"estimate", folder() / "alone", folder() / "c", "--quiet"});
-  EXPECT_EQ(folder_hash(folder() / "a", {"timing.csv"}), folder_hash(folder() / "c", {"timing.csv"}));
+  EXPECT_EQ(folder_hash(folder() / "a", kMeasured), folder_hash(folder() / "c", kMeasured));
 }
 
 TEST_F(Pipeline, SameBytesForAnyThreads) {
@@ -125,7 +128,7 @@ TEST_F(Pipeline, SameBytesForAnyThreads) {
   for (const char* threads : {"1", "2"})
     ok({"estimate", folder() / "a/sequence", folder() / (std::string("e") + threads), "--threads", threads,
         "--quiet"});
-  EXPECT_EQ(folder_hash(folder() / "e1", {"timing.csv"}), folder_hash(folder() / "e2", {"timing.csv"}));
+  EXPECT_EQ(folder_hash(folder() / "e1", kMeasured), folder_hash(folder() / "e2", kMeasured));
 }
 
 // A single frame lies within the first scan's time: there is no scan, and nothing is wrong.
@@ -247,8 +250,7 @@ TEST_F(Pipeline, BenchMendsWhatWasDamagedInItsResults) {
   const fs::path cell = out / "cells/small/single_frame_obb/seed_1";
   ok({"bench", file, out, "--quiet"});
   const auto made = [&](const char* name) { return fs::last_write_time(cell / name); };
-  const std::vector<std::string> measured = {"timing.csv"};
-  const std::string estimate = folder_hash(cell / "estimate", measured);
+  const std::string estimate = folder_hash(cell / "estimate", kMeasured);
   const std::string frames = read_text(cell / "evaluation/frames.csv");
   const auto cut = [](const fs::path& path) { write_text(path, read_text(path).substr(0, 40)); };
   const auto garble = [](const fs::path& path) { write_text(path, "garbage"); };
@@ -256,7 +258,7 @@ TEST_F(Pipeline, BenchMendsWhatWasDamagedInItsResults) {
   const auto damage = [&](const char* name, const auto& how) {
     how(cell / name);
     ok({"bench", file, out, "--quiet"});
-    EXPECT_EQ(folder_hash(cell / "estimate", measured), estimate) << name;
+    EXPECT_EQ(folder_hash(cell / "estimate", kMeasured), estimate) << name;
     EXPECT_EQ(read_text(cell / "evaluation/frames.csv"), frames) << name;
     EXPECT_TRUE(json::accept(read_text(cell / "evaluation/evaluation.json"))) << name;
   };

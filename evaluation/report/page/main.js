@@ -25,6 +25,15 @@ function draw_failures() {
     el("td", {}, cell.variant), el("td", { class: "number" }, cell.seed), el("td", {}, failure(cell)))));
 }
 
+// Of scenes and recordings without a true object.
+function draw_sizes() {
+  const rows = data.cells.flatMap((cell) => cell.sizes.map((size) => ({ cell, size })));
+  const number = (text) => el("td", { class: "number" }, text);
+  by_id("sizes").hidden = rows.length === 0;
+  by_id("sizes").querySelector("tbody").replaceChildren(...rows.map(({ cell, size }) => el("tr", {}, el("td", {}, cell.scene), el("td", {}, cell.variant),
+    number(cell.seed), number(size.id), number(size.states), el("td", {}, size.size_m.map((m) => m.toFixed(3)).join(" × ")), number(format_figure(size.spread)))));
+}
+
 function draw_definitions() {
   by_id("alignments").textContent = data.alignments.length ? data.alignments.join(", ") : "not recorded";
   const present = data.metrics.filter((m) => data.summary.some((row) => m.name in row.spread));
@@ -100,6 +109,7 @@ function start() {
   start_ablation();
   draw_definitions();
   draw_made();
+  draw_sizes();
   draw_lidar();
   draw_times();
   by_id("all-metrics").addEventListener("change", (e) => { summary_state.all = e.target.checked; draw_table(); });

@@ -1,0 +1,101 @@
+// Recordings in a bench: what `import` made of them stands in the place of a simulation.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "core/base/files.h"
+#include "evaluation/report/results.h"
+#include "tests/harness/program.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+class RecordingBench : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_text(folder() / "small.yaml", small_scene_yaml());
+    const ProgramRun run = run_program({"simulate", folder() / "small.yaml", folder() / "with", "--quiet"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    fs::copy(folder() / "with/sequence", folder() / "without", fs::copy_options::recursive);
+  }
+  const fs::path& folder() const { return temp_.path(); }
+  fs::path out() const { return folder() / "out"; }
+  ProgramRun bench(const std::string& scenes, const std::string& variant = "rotbbox_rigid_axis.yaml") const {
+    const fs::path variants = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants";
+    write_text(folder() / "bench.yaml", "scenes: [" + scenes + "]\nvariants: [" +
+                                            (variants / variant).string() +
+                                            "]\nseeds: [3, 4]\noverlays: 1\n");
+    return run_program({"bench", folder() / "bench.yaml", out(), "--quiet"});
+  }
+  std::string scores() const { return read_text(out() / "scores.csv"); }
+
+ private:
+  TempFolder temp_;
+};
+
+TEST_F(RecordingBench, WithTruthIsScoredLikeAScene) {
+  const ProgramRun run = bench("{recording: with, name: mine}");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(scores().find("mine,box,rotbbox_rigid_axis,0,iou3d_mean"), std::string::npos) << scores();
+  EXPECT_EQ(scores().find("rotbbox_rigid_axis,3,"), std::string::npos);  // the bench's seeds are of scenes
+  EXPECT_TRUE(fs::exists(folder() / "with/sequence/sequence.yaml"));
+  EXPECT_FALSE(fs::exists(out() / "simulations"));
+  EXPECT_NE(read_text(out() / "inputs.csv").find("recording,mine,"), std::string::npos);
+  const auto made = fs::last_write_time(out() / "cells/mine/rotbbox_rigid_axis/seed_0/estimate/run.yaml");
+  ASSERT_EQ(bench("{recording: with, name: mine}").exit_code, 0);
+  EXPECT_EQ(fs::last_write_time(out() / "cells/mine/rotbbox_rigid_axis/seed_0/estimate/run.yaml"), made);
+}
+
+// Sizes over time and overlays need no truth.
+TEST_F(RecordingBench, WithoutTruthShowsSizesAndOverlays) {
+  const ProgramRun run = bench("{recording: without, seeds: [5]}");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const fs::path cell = out() / "cells/without/rotbbox_rigid_axis/seed_5";
+  EXPECT_TRUE(fs::exists(cell / "overlays/sheet.jpg"));
+  EXPECT_NE(scores().find("without,all,rotbbox_rigid_axis,5,size_spread_mean"), std::string::npos)
+      << scores();
+  EXPECT_EQ(scores().find("iou3d"), std::string::npos);
+  EXPECT_EQ(scores().find("mota"), std::string::npos);
+  const CellEvaluation evaluation = read_cell_evaluation(cell / "evaluation");
+  ASSERT_GE(evaluation.sizes.size(), 1u);
+  EXPECT_NE(read_text(out() / "report.md").find("## Estimated objects where no true one is known"),
+            std::string::npos);
+}
+
+TEST_F(RecordingBench, MayBeOptional) {
+  const ProgramRun run = bench("{recording: nowhere, optional: true}, {recording: with, name: mine}");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("recording nowhere is not there and is left out"), std::string::npos) << run.err;
+  expect_refused(bench("{recording: nowhere}"), "nowhere does not exist");
+  EXPECT_NE(bench("{recording: nowhere, optional: true}").err.find("none of them is there"),
+            std::string::npos);
+  EXPECT_NE(bench("{recording: .}").err.find("holds no sequence"), std::string::npos);
+}
+
+// A prompt is part of what an estimate depends on.
+TEST_F(RecordingBench, APromptIsPassedOn) {
+  write_text(folder() / "boxes.txt", "0 60 40 40 40\n");
+  const std::string scene = "{recording: with, name: mine, prompt: \"boxes:boxes.txt\"}";
+  ASSERT_EQ(bench(scene).exit_code, 0);
+  const fs::path run_file = out() / "cells/mine/rotbbox_rigid_axis/seed_0/estimate/run.yaml";
+  EXPECT_NE(read_text(run_file).find("prompts: \"boxes.txt\""), std::string::npos);
+  const auto made = fs::last_write_time(run_file);
+  write_text(folder() / "boxes.txt", "0 60 40 44 40\n");
+  ASSERT_EQ(bench(scene).exit_code, 0);
+  EXPECT_NE(fs::last_write_time(run_file), made);
+}
+
+TEST_F(RecordingBench, AVariantWithoutItsSensorsIsNotApplicable) {
+  const ProgramRun run = bench("{recording: with}", "lidar_only.yaml");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto cells = read_cells(out() / "cells.csv");
+  ASSERT_EQ(cells.size(), 1u);
+  EXPECT_EQ(cells[0].status, CellStatus::not_applicable);
+  EXPECT_EQ(cells[0].message, "the sequence has no lidar");
+}
+
+}  // namespace
+}  // namespace uniquadric
