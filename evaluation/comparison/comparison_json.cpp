@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -8,10 +9,16 @@ namespace uniquadric {
 namespace {
 using nlohmann::json;
 
-constexpr int kSchema = 1;
+constexpr int kSchema = 2;
 
 json to_json(const std::optional<double>& value) {
   return value ? json(*value) : json(nullptr);
+}
+
+// "no proven change" as no_proven_change
+std::string key_of(std::string text) {
+  std::replace(text.begin(), text.end(), ' ', '_');
+  return text;
 }
 
 const char* name_of(ChangeScale scale) {
@@ -27,7 +34,7 @@ json to_json(const MetricChange& change) {
   json result = {{"variant", change.variant},
                  {"metric", change.metric},
                  {"of", change.subjects},
-                 {"verdict", to_string(change.verdict)},
+                 {"verdict", key_of(to_string(change.verdict))},
                  {"reason", to_string(change.reason)},
                  {"better", change.rule.lower_is_better ? "lower" : "higher"},
                  {"scale", name_of(change.rule.scale)},
@@ -37,6 +44,8 @@ json to_json(const MetricChange& change) {
                  {"b", change.b},
                  {"loss", change.loss},
                  {"noise", change.noise},
+                 {"provable", to_json(change.provable)},
+                 {"judged_by_place", change.judged_by_place},
                  {"sequences", change.sequences},
                  {"pairs", change.pairs},
                  {"pairs_differing", change.test.differing},
@@ -81,8 +90,9 @@ std::string comparison_json(const ScoreComparison& c) {
       {"missing_in_b", to_json(c.pairing.missing_in_b)},
       {"metrics_of_a_alone", c.pairing.metrics_of_a_alone},
       {"metrics_of_b_alone", c.pairing.metrics_of_b_alone}};
-  for (const Verdict verdict : {Verdict::worse, Verdict::suspect, Verdict::better, Verdict::same})
-    root["counts"][to_string(verdict)] = count_verdicts(c, verdict);
+  for (const Verdict verdict :
+       {Verdict::worse, Verdict::suspect, Verdict::not_judged, Verdict::better, Verdict::no_proven_change})
+    root["counts"][key_of(to_string(verdict))] = count_verdicts(c, verdict);
   root["metrics"] = json::array();
   for (const MetricChange& change : c.metrics) root["metrics"].push_back(to_json(change));
   return root.dump(2, ' ', false, json::error_handler_t::replace) + "\n";

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "evaluation/comparison/provable.h"
 #include "evaluation/comparison/verdict.h"
 #include "evaluation/report/summary.h"
 
@@ -51,6 +52,19 @@ std::string format_p(double p) {
 std::string significance(const MetricChange& change) {
   const auto& p = change.verdict == Verdict::better ? change.p_better : change.p_worse;
   return p ? format_p(*p) : "-";
+}
+
+// The smallest loss that would have been worse: of the mean, or at least of one object on one sequence.
+std::string provable(const MetricChange& change) {
+  if (change.provable) return format_change(change.rule, *change.provable);
+  if (change.judged_by_place) return format_change(change.rule, change.rule.place_margin) + " of one";
+  return change.verdict == Verdict::not_judged ? "none" : "-";
+}
+
+// In the short table: what is proven, what is worth a look, and losses that cannot be proven.
+bool is_told(const MetricChange& change) {
+  if (change.verdict == Verdict::not_judged) return shows_loss(change);
+  return change.verdict != Verdict::no_proven_change;
 }
 
 // The place with the greatest loss, of those that are proven where they decided; empty where there is nothing
@@ -117,20 +131,36 @@ void add_list(const char* title, const std::vector<Gap>& gaps, std::vector<GapLi
     list.lines.push_back(fmt::format("and {} more", seeds.size() - list.lines.size()));
 }
 
+// By variant, subjects and number of pairs.
+void add_not_judged(const ScoreComparison& comparison, std::vector<GapList>& lists) {
+  std::map<std::string, std::vector<std::string>> groups;
+  for (const MetricChange& change : comparison.metrics)
+    if (change.verdict == Verdict::not_judged)
+      groups[fmt::format("{} {}, {} of {}", change.variant, change.subjects, count_of(change.pairs, "pair"),
+                         count_of(change.sequences, "sequence"))]
+          .push_back(change.metric);
+  if (groups.empty()) return;
+  GapList& list = lists.emplace_back(GapList{"not judged (too few pairs to prove any loss)", {}});
+  for (auto& [group, metrics] : groups) {
+    std::sort(metrics.begin(), metrics.end());
+    list.lines.push_back(group + ": " + names_of(metrics));
+  }
+}
+
 }  // namespace
 
 std::string sides_of(const ScoreComparison& comparison) {
-  return has_variants(comparison) ? "<<<<>>>><<" : "<<<>>>><<";
+  return has_variants(comparison) ? "<<<<>>>>><<" : "<<<>>>>><<";
 }
 
 TableLines change_table(const ScoreComparison& comparison, bool all) {
   const bool with_variant = has_variants(comparison);
-  TableLines lines = {{"verdict", "metric", "of", "A", "B", "change", "p", "why", "most at"}};
+  TableLines lines = {{"verdict", "metric", "of", "A", "B", "change", "p", "provable", "why", "most at"}};
   if (with_variant) lines.front().insert(lines.front().begin() + 1, "variant");
   for (const MetricChange& change : comparison.metrics) {
-    if (!all && change.verdict == Verdict::same) continue;
+    if (!all && !is_told(change)) continue;
     lines.push_back({to_string(change.verdict), change.metric, change.subjects, format_figure(change.a),
-                     format_figure(change.b), format_change(change), significance(change),
+                     format_figure(change.b), format_change(change), significance(change), provable(change),
                      to_string(change.reason), worst_place(change, comparison.options)});
     if (with_variant) lines.back().insert(lines.back().begin() + 1, change.variant);
   }
@@ -140,10 +170,11 @@ TableLines change_table(const ScoreComparison& comparison, bool all) {
 std::string headline(const ScoreComparison& comparison) {
   const auto count = [&](Verdict verdict) { return count_verdicts(comparison, verdict); };
   const Pairing& pairing = comparison.pairing;
-  std::string text =
-      fmt::format("{}: of {} {} worse, {} suspect, {} better, {} the same", to_string(comparison.answer),
-                  count_of(comparison.metrics.size(), "metric"), count(Verdict::worse),
-                  count(Verdict::suspect), count(Verdict::better), count(Verdict::same));
+  std::string text = fmt::format("{}: of {} {} worse, {} suspect, {} better, {} with no proven change",
+                                 to_string(comparison.answer), count_of(comparison.metrics.size(), "metric"),
+                                 count(Verdict::worse), count(Verdict::suspect), count(Verdict::better),
+                                 count(Verdict::no_proven_change));
+  if (count(Verdict::not_judged) > 0) text += fmt::format(", {} not judged", count(Verdict::not_judged));
   if (!pairing.new_failures.empty()) text += "; " + count_of(pairing.new_failures.size(), "new failure");
   if (!pairing.missing_in_b.empty()) text += fmt::format("; {} missing in B", pairing.missing_in_b.size());
   if (!pairing.missing_in_a.empty()) text += fmt::format("; {} missing in A", pairing.missing_in_a.size());
@@ -173,6 +204,7 @@ std::string extent(const ScoreComparison& comparison) {
 std::vector<GapList> gap_lists(const ScoreComparison& comparison) {
   const Pairing& pairing = comparison.pairing;
   std::vector<GapList> lists;
+  add_not_judged(comparison, lists);
   if (!pairing.metrics_of_a_alone.empty())
     lists.push_back({"metrics of A alone", pairing.metrics_of_a_alone});
   if (!pairing.metrics_of_b_alone.empty())

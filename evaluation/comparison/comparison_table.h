@@ -10,12 +10,13 @@ namespace uniquadric {
 /// What text and markdown share: cells of text, the head first.
 using TableLines = std::vector<std::vector<std::string>>;
 
-/// All metrics, or those alone that are not the same; a column for the variant where there are several.
+/// All metrics, or those alone of which there is something to tell; a column for the variant where there are
+/// several.
 TableLines change_table(const ScoreComparison& comparison, bool all);
 /// Its columns' sides: '<' of words, '>' of numbers.
 std::string sides_of(const ScoreComparison& comparison);
 
-/// "worse: 1 of 27 metrics worse, 1 suspect, 2 better, 23 the same; 1 new failure"
+/// "worse: of 27 metrics 1 worse, 1 suspect, 2 better, 23 with no proven change; 1 new failure"
 std::string headline(const ScoreComparison& comparison);
 /// What was paired: sequences, seeds, figures.
 std::string extent(const ScoreComparison& comparison);
@@ -25,7 +26,8 @@ struct GapList {
   std::string title;
   std::vector<std::string> lines;  ///< at most 12; the last says how many there are besides
 };
-/// Those that are not empty: metrics of one side alone, new failures, missing in B, missing in A, mended.
+/// Those that are not empty: not judged, metrics of one side alone, new failures, missing in B, missing in A,
+/// mended.
 std::vector<GapList> gap_lists(const ScoreComparison& comparison);
 
 }  // namespace uniquadric

@@ -29,7 +29,15 @@ Runs by_run(const MetricPairs& pairs, const Figure& figure) {
   return runs;
 }
 
-// The summands of the mean over sequences of the means over seeds.
+// What each run counts in the mean over sequences of the means over seeds.
+std::vector<double> weights_of(const Runs& runs) {
+  std::vector<double> weights;
+  for (const auto& [sequence, seeds] : runs)
+    weights.insert(weights.end(), seeds.size(), 1 / static_cast<double>(seeds.size() * runs.size()));
+  return weights;
+}
+
+// The summands of that mean.
 std::vector<double> weighted(const Runs& runs) {
   std::vector<double> summands;
   for (const auto& [sequence, seeds] : runs)
@@ -73,6 +81,10 @@ std::string subjects_of_object(const std::string& object) {
   return object == "camera" || object == "all" ? object : "objects";
 }
 
+std::string stream_of(const MetricChange& change) {
+  return fmt::format("compare/{}/{}/{}", change.variant, change.subjects, change.metric);
+}
+
 MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule) {
   assert(!pairs.empty());
   const ScoreKey& key = pairs.front()->key;
@@ -82,11 +94,12 @@ MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule) {
   change.subjects = subjects_of_object(key.object);
   change.rule = rule;
   const Runs runs = by_run(pairs, [&](const PairedScore& pair) { return loss(rule, pair.a, pair.b); });
-  const std::vector<double> summands = weighted(runs);
+  change.summands = weighted(runs);
+  change.weights = weights_of(runs);
   change.sequences = runs.size();
-  change.pairs = summands.size();
-  change.loss = sum(summands);
-  change.noise = norm(summands);
+  change.pairs = change.summands.size();
+  change.loss = sum(change.summands);
+  change.noise = norm(change.summands);
   const auto mean = [&](double PairedScore::*side) {
     // Of errors that all count as the least one there is, the mean is their own: 0 stays 0.
     const bool tiny = std::all_of(pairs.begin(), pairs.end(),
@@ -97,8 +110,7 @@ MetricChange measure_change(const MetricPairs& pairs, const ChangeRule& rule) {
   };
   change.a = mean(&PairedScore::a);
   change.b = mean(&PairedScore::b);
-  change.test =
-      sign_flip(summands, fmt::format("compare/{}/{}/{}", change.variant, change.subjects, change.metric));
+  change.test = sign_flip(change.summands, stream_of(change));
   change.places = measure_places(pairs, rule);
   return change;
 }

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "evaluation/comparison/metric_change.h"
+#include "evaluation/comparison/provable.h"
 #include "evaluation/comparison/verdict.h"
 
 namespace uniquadric {
@@ -38,13 +39,21 @@ bool is_before(const MetricChange& x, const MetricChange& y) {
   return order(x) < order(y);
 }
 
+// Metrics that cannot prove anything decide where there are no others.
+bool is_undecided(const std::vector<MetricChange>& metrics) {
+  return std::none_of(metrics.begin(), metrics.end(), is_judged) &&
+         std::any_of(metrics.begin(), metrics.end(), [](const MetricChange& change) {
+           return change.verdict == Verdict::not_judged && shows_loss(change);
+         });
+}
+
 GateAnswer answer(const ScoreComparison& comparison) {
   const Pairing& pairing = comparison.pairing;
   if (!pairing.new_failures.empty() || count_verdicts(comparison, Verdict::worse) > 0)
     return GateAnswer::worse;
   if (pairing.pairs.empty() || !pairing.missing_in_a.empty() || !pairing.missing_in_b.empty())
     return GateAnswer::incomplete;
-  return GateAnswer::pass;
+  return is_undecided(comparison.metrics) ? GateAnswer::undecided : GateAnswer::pass;
 }
 
 }  // namespace

@@ -25,9 +25,10 @@ struct GateOptions {
   bool gate_time = false;       ///< computing time may fail the gate, too
 };
 
-enum class Verdict { worse, suspect, better, same };
+/// In the order of the table.
+enum class Verdict { worse, suspect, not_judged, better, no_proven_change };
 /// Why a verdict is what it is, where the change and p of all sequences do not say it.
-enum class VerdictReason { none, one_place, below_margin, not_proven, few_pairs, time_only };
+enum class VerdictReason { none, one_place, below_margin, not_proven, few_pairs, few_differ, time_only };
 
 /// One object on one sequence.
 struct PlaceChange {
@@ -50,14 +51,18 @@ struct MetricChange {
   double noise =
       0;  ///< standard deviation of that mean when each pair's sign is a coin's; a loss of 3 is seen
   std::size_t sequences = 0, pairs = 0;     ///< pairs of (sequence, seed)
+  std::vector<double> summands, weights;    ///< of the mean: weight * loss of each pair, and the weights
   SignFlip test;                            ///< uncorrected; above: a loss
   std::optional<double> p_worse, p_better;  ///< corrected by Holm; of metrics that are tested
   std::vector<PlaceChange> places;          ///< greatest loss first
-  Verdict verdict = Verdict::same;
+  bool judged_by_mean = false;              ///< so many pairs can prove a loss of the mean (provable.h)
+  bool judged_by_place = false;             ///< so many seeds of one sequence can prove a loss there
+  std::optional<double> provable;           ///< the smallest loss of the mean that would be `worse`
+  Verdict verdict = Verdict::no_proven_change;
   VerdictReason reason = VerdictReason::none;
 };
 
-enum class GateAnswer { pass, worse, incomplete };
+enum class GateAnswer { pass, worse, undecided, incomplete };
 
 struct ScoreComparison {
   std::string a, b;  ///< names of the sides
@@ -68,7 +73,8 @@ struct ScoreComparison {
 };
 
 /// The paired gate: is B worse than A? `worse`: a metric is, or a cell failed that did not in A; else
-/// `incomplete`: cells are missing, or there is no pair at all; else `pass`. The same for the same input,
+/// `incomplete`: cells are missing, or there is no pair at all; else `undecided`: no metric has enough pairs
+/// to prove a loss, and one shows a loss beyond its margin; else `pass`. The same for the same input,
 /// whatever the order of its rows.
 ScoreComparison compare_scores(const ScoreTable& a, const ScoreTable& b, const GateOptions& options = {});
 

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <numeric>
 
 #include "core/base/random.h"
@@ -39,36 +40,27 @@ class FlippedSums {
   std::vector<std::array<double, 256>> parts_;
 };
 
-struct Counts {
-  std::size_t above = 0, below = 0;
-};
-
-void count(double sum, double observed, double rounding, Counts& counts) {
-  counts.above += sum >= observed - rounding;
-  counts.below += sum <= observed + rounding;
-}
-
-Counts count_all(const FlippedSums& sums, std::size_t n, double observed, double rounding) {
-  Counts counts;
-  for (std::uint32_t flips = 0; flips < std::uint32_t{1} << n; ++flips)
-    count(sums(&flips), observed, rounding, counts);
-  return counts;
-}
-
-Counts count_drawn(const FlippedSums& sums, std::size_t n, double observed, double rounding,
-                   std::string_view stream) {
+// Calls `visit(words)` for the flips that the test looks at: all of up to kMostExactPairs differences, else
+// those that are drawn.
+template <typename Visit>
+void for_each_flip(std::size_t n, std::string_view stream, const Visit& visit) {
+  if (n <= kMostExactPairs) {
+    for (std::uint32_t flips = 0; flips < std::uint32_t{1} << n; ++flips) visit(&flips);
+    return;
+  }
   RandomStream random(0, stream);
   const std::size_t words_a_draw = (n + kWord - 1) / kWord;
   constexpr std::size_t kBlock = 1000;  // draws at a time
   static_assert(kSignFlipDraws % kBlock == 0);
   std::vector<std::uint32_t> words(words_a_draw * kBlock);
-  Counts counts{1, 1};  // what was observed
   for (std::size_t block = 0; block < kSignFlipDraws / kBlock; ++block) {
     random.fill(words);
-    for (std::size_t i = 0; i < kBlock; ++i)
-      count(sums(&words[i * words_a_draw]), observed, rounding, counts);
+    for (std::size_t i = 0; i < kBlock; ++i) visit(&words[i * words_a_draw]);
   }
-  return counts;
+}
+
+double sum_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
 }  // namespace
@@ -83,15 +75,47 @@ SignFlip sign_flip(const std::vector<double>& differences, std::string_view stre
   const FlippedSums sums(differing);
   const double size = std::transform_reduce(differing.begin(), differing.end(), 0.0, std::plus<>(),
                                             [](double d) { return std::abs(d); });
-  const double observed = std::accumulate(differing.begin(), differing.end(), 0.0);
+  const double observed = sum_of(differing), rounding = kRounding * size;
   result.exact = differing.size() <= kMostExactPairs;
-  const Counts counts = result.exact
-                            ? count_all(sums, differing.size(), observed, kRounding * size)
-                            : count_drawn(sums, differing.size(), observed, kRounding * size, stream);
+  std::size_t above = result.exact ? 0 : 1, below = above;  // what was observed is one more draw
+  for_each_flip(differing.size(), stream, [&](const std::uint32_t* words) {
+    const double sum = sums(words);
+    above += sum >= observed - rounding;
+    below += sum <= observed + rounding;
+  });
   const double n = result.exact ? std::exp2(differing.size()) : kSignFlipDraws + 1;
-  result.p_above = static_cast<double>(counts.above) / n;
-  result.p_below = static_cast<double>(counts.below) / n;
+  result.p_above = static_cast<double>(above) / n;
+  result.p_below = static_cast<double>(below) / n;
   return result;
+}
+
+double least_p(std::size_t pairs) {
+  return pairs <= kMostExactPairs ? std::exp2(-static_cast<double>(pairs)) : 1.0 / (kSignFlipDraws + 1);
+}
+
+// A flip turns the signs of a subset. It counts against a loss while the subset's sum of difference + s *
+// weight is not above 0, so up to one s of its own: the ratio of the subset's sums.
+std::optional<double> provable_shift(const std::vector<double>& differences,
+                                     const std::vector<double>& weights, double p, std::string_view stream) {
+  const FlippedSums difference_sums(differences), weight_sums(weights);
+  const double difference = sum_of(differences), weight = sum_of(weights);
+  const bool exact = differences.size() <= kMostExactPairs;
+  const double flips = exact ? std::exp2(differences.size()) : kSignFlipDraws + 1;
+  const double allowed = std::floor(p * flips * (1 + kRounding));
+  std::vector<double> shifts;
+  std::size_t always = exact ? 0 : 1;  // flips of no sign, which count for every s
+  for_each_flip(differences.size(), stream, [&](const std::uint32_t* words) {
+    const double turned = weight - weight_sums(words);
+    if (turned > kRounding * weight)
+      shifts.push_back((difference_sums(words) - difference) / turned);
+    else
+      ++always;
+  });
+  if (allowed < static_cast<double>(always)) return std::nullopt;
+  const auto rank = static_cast<std::size_t>(allowed) - always;
+  if (rank >= shifts.size()) return std::nullopt;  // p is 1
+  std::nth_element(shifts.begin(), shifts.begin() + std::ptrdiff_t(rank), shifts.end(), std::greater<>());
+  return shifts[rank];
 }
 
 std::vector<double> holm(const std::vector<double>& p) {
@@ -106,6 +130,23 @@ std::vector<double> holm(const std::vector<double>& p) {
     before = corrected[order[rank]] = std::min(1.0, std::max(before, factor * p[order[rank]]));
   }
   return corrected;
+}
+
+double holm_level(std::vector<double> others, double alpha) {
+  std::sort(others.begin(), others.end());
+  const std::size_t tests = others.size() + 1;
+  std::size_t rejected = 0;
+  while (rejected < others.size() && others[rejected] <= alpha / static_cast<double>(tests - rejected))
+    ++rejected;
+  return alpha / static_cast<double>(tests - rejected);
+}
+
+double tarone_level(const std::vector<double>& least, double alpha) {
+  for (std::size_t k = 1;; ++k) {
+    const double level = alpha / static_cast<double>(k);
+    const auto able = std::count_if(least.begin(), least.end(), [&](double p) { return p <= level; });
+    if (static_cast<std::size_t>(able) <= k) return level;
+  }
 }
 
 }  // namespace uniquadric

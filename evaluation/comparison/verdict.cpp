@@ -6,21 +6,22 @@
 #include <utility>
 
 #include "evaluation/comparison/place_test.h"
+#include "evaluation/comparison/provable.h"
 
 namespace uniquadric {
 namespace {
 
-// A metric in which nothing differs has nothing to test: it does not count among those that Holm corrects
-// for.
-bool is_tested(const MetricChange& change, const GateOptions& options) {
-  return change.test.differing > 0 && (!change.rule.is_time || options.gate_time);
+// A metric in which nothing differs has nothing to test, one that is not judged cannot prove anything: they
+// do not count among those that Holm corrects for.
+bool is_tested(const MetricChange& change) {
+  return change.test.differing > 0 && change.judged_by_mean;
 }
 
-void correct_means(std::vector<MetricChange>& changes, const GateOptions& options) {
+void correct_means(std::vector<MetricChange>& changes) {
   std::vector<MetricChange*> tested;
   std::vector<double> above, below;
   for (MetricChange& change : changes) {
-    if (!is_tested(change, options)) continue;
+    if (!is_tested(change)) continue;
     tested.push_back(&change);
     above.push_back(change.test.p_above);
     below.push_back(change.test.p_below);
@@ -43,11 +44,6 @@ bool is_too_few(const MetricChange& change, const GateOptions& options) {
   return least_p > options.suspect_p && change.test.p_above <= least_p;
 }
 
-// A claim on one sequence needs as many seeds as one on a place.
-bool has_enough_seeds(const MetricChange& change, const GateOptions& options) {
-  return change.sequences > 1 || change.pairs >= options.place_seeds;
-}
-
 bool any_place_lost(const MetricChange& change, double margin, const GateOptions& options) {
   return std::any_of(change.places.begin(), change.places.end(),
                      [&](const PlaceChange& place) { return has_lost(place, margin, options); });
@@ -56,30 +52,34 @@ bool any_place_lost(const MetricChange& change, double margin, const GateOptions
 std::pair<Verdict, VerdictReason> judge_time(const MetricChange& change, const GateOptions& options) {
   const bool grew = change.loss > change.rule.margin &&
                     (change.test.p_above <= options.suspect_p || is_too_few(change, options));
-  return {grew ? Verdict::suspect : Verdict::same, grew ? VerdictReason::time_only : VerdictReason::none};
+  return {grew ? Verdict::suspect : Verdict::no_proven_change,
+          grew ? VerdictReason::time_only : VerdictReason::none};
 }
 
 std::pair<Verdict, VerdictReason> judge(const MetricChange& change, const GateOptions& options) {
-  if (change.rule.is_time && !options.gate_time) return judge_time(change, options);
+  if (!may_fail(change, options)) return judge_time(change, options);
+  if (!is_judged(change)) return {Verdict::not_judged, VerdictReason::few_pairs};
   const double margin = change.rule.margin;
-  const bool large = change.loss > margin, enough = has_enough_seeds(change, options);
+  const bool large = shows_loss(change);
   const bool proven = change.p_worse && *change.p_worse <= options.alpha;
-  if (large && proven && enough) return {Verdict::worse, VerdictReason::none};
+  if (large && proven) return {Verdict::worse, VerdictReason::none};
   if (any_place_lost(change, change.rule.place_margin, options))
     return {Verdict::worse, VerdictReason::one_place};
-  if (large && (proven || is_too_few(change, options))) return {Verdict::suspect, VerdictReason::few_pairs};
+  if (large && is_too_few(change, options)) return {Verdict::suspect, VerdictReason::few_differ};
   if (change.test.differing > 0 && (proven || change.test.p_above <= options.suspect_p))
     return {Verdict::suspect, large ? VerdictReason::not_proven : VerdictReason::below_margin};
   if (any_place_lost(change, margin, options)) return {Verdict::suspect, VerdictReason::one_place};
-  if (-change.loss > margin && enough && change.p_better && *change.p_better <= options.alpha)
+  if (-change.loss > margin && change.p_better && *change.p_better <= options.alpha)
     return {Verdict::better, VerdictReason::none};
-  return {Verdict::same, VerdictReason::none};
+  return {Verdict::no_proven_change, VerdictReason::none};
 }
 
 }  // namespace
 
 void decide(std::vector<MetricChange>& changes, const GateOptions& options) {
-  correct_means(changes, options);
+  mark_judged(changes, options);
+  correct_means(changes);
+  measure_provable(changes, options);
   test_places(changes, options);
   for (MetricChange& change : changes)
     for (PlaceChange& place : change.places) place.worse = has_lost(place, change.rule.place_margin, options);
@@ -92,12 +92,14 @@ const char* to_string(Verdict verdict) {
       return "worse";
     case Verdict::suspect:
       return "suspect";
+    case Verdict::not_judged:
+      return "not judged";
     case Verdict::better:
       return "better";
-    case Verdict::same:
+    case Verdict::no_proven_change:
       break;
   }
-  return "same";
+  return "no proven change";
 }
 
 const char* to_string(VerdictReason reason) {
@@ -110,6 +112,8 @@ const char* to_string(VerdictReason reason) {
       return "not proven";
     case VerdictReason::few_pairs:
       return "too few pairs";
+    case VerdictReason::few_differ:
+      return "few pairs differ";
     case VerdictReason::time_only:
       return "time fails nothing";
     case VerdictReason::none:
@@ -122,6 +126,8 @@ const char* to_string(GateAnswer answer) {
   switch (answer) {
     case GateAnswer::worse:
       return "worse";
+    case GateAnswer::undecided:
+      return "undecided";
     case GateAnswer::incomplete:
       return "incomplete";
     case GateAnswer::pass:

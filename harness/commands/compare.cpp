@@ -17,6 +17,7 @@ int exit_code_of(GateAnswer answer) {
       return 0;
     case GateAnswer::worse:
       return 1;
+    case GateAnswer::undecided:
     case GateAnswer::incomplete:
       break;
   }
@@ -43,7 +44,8 @@ ScoreComparison compare(const std::string& a, const std::string& b, ScoreSelecti
 
 void add_compare(CLI::App& app, Common& common) {
   auto* sub = subcommand(
-      app, "compare", "is B worse than A? over sequences and seeds; exit 0 no, 1 yes, 2 incomplete", common);
+      app, "compare",
+      "is B worse than A? over sequences and seeds; exit 0 no, 1 yes, 2 undecided or incomplete", common);
   static std::string a, b, variant_a, variant_b, markdown;
   static std::vector<std::string> metrics;
   static bool as_json = false;

@@ -17,7 +17,7 @@ TEST(Gate, IdenticalResultsPass) {
   const ScoreComparison c = compare(noisy(kNoise, 0), noisy(kNoise, 0));
   EXPECT_EQ(c.answer, GateAnswer::pass);
   EXPECT_EQ(c.pairing.pairs.size(), 6u * 8 * 8);
-  EXPECT_EQ(count_verdicts(c, Verdict::same), 8u);
+  EXPECT_EQ(count_verdicts(c, Verdict::no_proven_change), 8u);
   for (const MetricChange& change : c.metrics) EXPECT_EQ(change.loss, 0);
 }
 

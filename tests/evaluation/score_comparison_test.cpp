@@ -36,7 +36,7 @@ TEST(ScoreComparison, MeansAreOverSequencesThenSeedsThenObjects) {
   EXPECT_EQ(change.pairs, 3u);
   EXPECT_EQ(change.test.differing, 2u);
   EXPECT_EQ(change.test.p_above, 0.25);
-  EXPECT_EQ(change.verdict, Verdict::suspect);  // two pairs prove nothing
+  EXPECT_EQ(change.verdict, Verdict::not_judged);  // three pairs prove nothing
   EXPECT_EQ(change.reason, VerdictReason::few_pairs);
   EXPECT_NEAR(find(c, iou).loss, 0.2, kRounding);
   EXPECT_NEAR(find(c, iou).b, 0.7, kRounding);
@@ -51,8 +51,8 @@ TEST(ScoreComparison, OneSequenceNeedsEightSeeds) {
       a.push_back({"s1", "cube", "v", seed, "d_shape_mean_m", 0.1 * static_cast<double>(seed)});
     auto b = a;
     scale(b, "d_shape_mean_m", 1.5);
-    EXPECT_EQ(compare(a, b).metrics[0].verdict, seeds == 5 ? Verdict::suspect : Verdict::worse);
-    EXPECT_EQ(compare(b, a).metrics[0].verdict, seeds == 5 ? Verdict::same : Verdict::better);
+    EXPECT_EQ(compare(a, b).metrics[0].verdict, seeds == 5 ? Verdict::not_judged : Verdict::worse);
+    EXPECT_EQ(compare(b, a).metrics[0].verdict, seeds == 5 ? Verdict::not_judged : Verdict::better);
     for (const FabricatedScore& score : std::vector(b)) {  // of two sequences they are enough
       b.push_back(score);
       b.back().sequence = "s2";
@@ -65,8 +65,8 @@ TEST(ScoreComparison, OneSequenceNeedsEightSeeds) {
 
 TEST(ScoreComparison, SmallLossOfOnePlaceIsSuspect) {
   const auto a = fabricated_scores(0, 1);
-  for (const auto& [factor, verdict] :
-       {std::pair(1.015, Verdict::same), std::pair(1.06, Verdict::suspect), std::pair(1.3, Verdict::worse)}) {
+  for (const auto& [factor, verdict] : {std::pair(1.015, Verdict::no_proven_change),
+                                        std::pair(1.06, Verdict::suspect), std::pair(1.3, Verdict::worse)}) {
     auto b = a;
     scale(b, "d_shape_mean_m", 0.999);  // elsewhere it is better
     scale(b, "d_shape_mean_m", factor, "s3");
@@ -195,13 +195,14 @@ TEST(ScoreComparison, WorstComesFirstInEveryForm) {
   EXPECT_LT(text.find("worse    iou2d_mean"), text.find("worse    ape_rotation_rmse_rad"));
   EXPECT_NE(text.find("+10 %"), std::string::npos) << text;
   EXPECT_NE(text.find("s1/cube v seed 1: iou2d_mean"), std::string::npos) << text;
-  EXPECT_EQ(text.find("same   "), std::string::npos);
-  EXPECT_TRUE(text.ends_with(
-      "worse: of 8 metrics 2 worse, 0 suspect, 0 better, 6 the same; 1 new failure; 1 missing in B\n"))
+  EXPECT_EQ(text.find("no proven change  "), std::string::npos);
+  EXPECT_TRUE(
+      text.ends_with("worse: of 8 metrics 2 worse, 0 suspect, 0 better, 6 with no proven change; 1 new "
+                     "failure; 1 missing in B\n"))
       << text;
   EXPECT_TRUE(markdown.starts_with("**worse: of 8 metrics")) << markdown;
   EXPECT_NE(markdown.find("| worse | iou2d_mean | objects |"), std::string::npos) << markdown;
-  EXPECT_NE(markdown.find("| same | coverage | objects |"), std::string::npos) << markdown;
+  EXPECT_NE(markdown.find("| no proven change | coverage | objects |"), std::string::npos) << markdown;
 }
 
 // Three seeds of s9 lose more than the eight of s3, which prove it.

@@ -86,6 +86,40 @@ TEST(SignFlip, DrawnIsNever0) {
   EXPECT_DOUBLE_EQ(result.p_below, 1);
 }
 
+// Of ten differences the p turns at the shift, exact or drawn.
+TEST(ProvableShift, IsWhereTheTestTurns) {
+  for (const std::size_t n : {10, 30}) {
+    const std::vector<double> d = normal_values(n, 0), weights(n, 1.0 / static_cast<double>(n));
+    const double shift = *provable_shift(d, weights, 0.01, "test");
+    for (const double step : {-1e-6, 1e-6}) {
+      std::vector<double> shifted = d;
+      for (double& value : shifted) value += (shift + step) / static_cast<double>(n);
+      EXPECT_EQ(sign_flip(shifted, "test").p_above <= 0.01, step > 0) << n;
+    }
+  }
+}
+
+TEST(ProvableShift, NeedsEnoughPairs) {
+  const std::vector<double> d = {0.1, -0.1, 0.1}, weights = {1, 1, 1};
+  EXPECT_DOUBLE_EQ(least_p(3), 1.0 / 8);
+  EXPECT_FALSE(provable_shift(d, weights, 0.12, "test"));
+  EXPECT_NEAR(*provable_shift(d, weights, 0.125, "test"), 0.1, kRounding);  // all must have lost
+}
+
+TEST(Holm, LevelIsWhereTheCorrectedPTurns) {
+  EXPECT_DOUBLE_EQ(holm_level({}, 0.03), 0.03);
+  EXPECT_DOUBLE_EQ(holm_level({0.5, 0.9}, 0.03), 0.01);
+  EXPECT_DOUBLE_EQ(holm_level({0.5, 0.001}, 0.03), 0.015);   // one is rejected before
+  EXPECT_DOUBLE_EQ(holm_level({0.014, 0.001}, 0.03), 0.03);  // both are
+}
+
+TEST(Tarone, LeavesOutWhatProvesNothing) {
+  EXPECT_DOUBLE_EQ(tarone_level(std::vector<double>(30, 1.0 / 64), 0.03), 0.015);  // none is able
+  std::vector<double> least(20, 1e-5);
+  least.insert(least.end(), 30, 0.5);
+  EXPECT_DOUBLE_EQ(tarone_level(least, 0.03), 0.03 / 20);
+}
+
 TEST(Holm, HandComputed) {
   EXPECT_EQ(holm({}), std::vector<double>{});
   EXPECT_EQ(holm({0.7}), std::vector<double>{0.7});

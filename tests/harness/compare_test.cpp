@@ -42,7 +42,7 @@ class CompareCommand : public testing::Test {
 
 TEST_F(CompareCommand, AnswersByItsExitCode) {
   auto b = fabricated_scores(kNoise, 1);
-  expect_answer(b, 0, "pass: of 8 metrics 0 worse, 0 suspect, 0 better, 8 the same");
+  expect_answer(b, 0, "pass: of 8 metrics 0 worse, 0 suspect, 0 better, 8 with no proven change");
   expect_answer(another_run(), 0, "pass: of 8 metrics 0 worse");
   b = another_run();
   scale(b, "d_shape_mean_m", 1.05);
