@@ -6,12 +6,6 @@
 namespace uniquadric {
 namespace {
 
-// Of the machine and its load that day, too.
-bool is_measured(std::string_view metric) {
-  return metric.ends_with("_ms") || metric == "wall_time_s" || metric == "cpu_time_s" ||
-         metric == "peak_memory_mb";
-}
-
 const double kRatioMargin = std::log(1.02);      // SPEC
 constexpr double kShareMargin = 0.005;           // SPEC: of IoU; ours: of all shares
 constexpr double kSwitchesMargin = 0.1;          // ours: one switch in ten runs
@@ -26,6 +20,11 @@ ChangeRule by_difference(bool lower_is_better, double margin) {
 }
 
 }  // namespace
+
+bool is_measured(const std::string& metric) {
+  return metric.ends_with("_ms") || metric == "wall_time_s" || metric == "cpu_time_s" ||
+         metric == "peak_memory_mb";
+}
 
 ChangeRule change_rule(const std::string& metric, bool lower_is_better) {
   if (!lower_is_better) return by_difference(false, kShareMargin);

@@ -19,6 +19,10 @@ struct ChangeRule {
   bool is_time = false;     ///< measured computing time: differs between equal runs
 };
 
+/// Computing time or memory (`_ms`, wall_time_s, cpu_time_s, peak_memory_mb): of the machine and its load,
+/// too.
+bool is_measured(const std::string& metric);
+
 /// higher is better: difference, margin 0.005. Lower: difference for `id_switches` (margin 0.1),
 /// `longest_gap_s` (0.05 s) and `semi_axes_change_occluded_max` (0.005), for which 0 is a common value; ratio
 /// for the others (ln 1.02).

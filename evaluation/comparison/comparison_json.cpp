@@ -89,6 +89,10 @@ std::string comparison_json(const ScoreComparison& c) {
       {"missing_in_a", to_json(c.pairing.missing_in_a)},
       {"missing_in_b", to_json(c.pairing.missing_in_b)},
       {"metrics_of_a_alone", c.pairing.metrics_of_a_alone},
+      {"measured_on_one_side", c.pairing.measured_on_one_side},
+      {"new_in_b", c.pairing.new_in_b},
+      {"scenes_of_b_alone", c.pairing.scenes_of_b_alone},
+      {"variants_of_b_alone", c.pairing.variants_of_b_alone},
       {"metrics_of_b_alone", c.pairing.metrics_of_b_alone}};
   for (const Verdict verdict :
        {Verdict::worse, Verdict::suspect, Verdict::not_judged, Verdict::better, Verdict::no_proven_change})

@@ -198,6 +198,9 @@ std::string extent(const ScoreComparison& comparison) {
     text += fmt::format("; {} failed in both", comparison.pairing.failed_in_both);
   if (comparison.pairing.camera_given > 0)
     text += fmt::format("; {} of cameras whose poses were given", comparison.pairing.camera_given);
+  if (comparison.pairing.measured_on_one_side > 0)
+    text += fmt::format("; {} of time or memory on one side alone", comparison.pairing.measured_on_one_side);
+  if (comparison.pairing.new_in_b > 0) text += fmt::format("; {} new in B", comparison.pairing.new_in_b);
   return text;
 }
 
@@ -208,7 +211,11 @@ std::vector<GapList> gap_lists(const ScoreComparison& comparison) {
   if (!pairing.metrics_of_a_alone.empty())
     lists.push_back({"metrics of A alone", pairing.metrics_of_a_alone});
   if (!pairing.metrics_of_b_alone.empty())
-    lists.push_back({"metrics of B alone", pairing.metrics_of_b_alone});
+    lists.push_back({"new metrics (of B alone)", pairing.metrics_of_b_alone});
+  if (!pairing.scenes_of_b_alone.empty())
+    lists.push_back({"new scenes (of B alone)", pairing.scenes_of_b_alone});
+  if (!pairing.variants_of_b_alone.empty())
+    lists.push_back({"new variants (of B alone)", pairing.variants_of_b_alone});
   add_list("new failures (with a figure in A, failed in B)", pairing.new_failures, lists);
   add_list("missing in B", pairing.missing_in_b, lists);
   add_list("missing in A", pairing.missing_in_a, lists);

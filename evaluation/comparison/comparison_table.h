@@ -26,8 +26,8 @@ struct GapList {
   std::string title;
   std::vector<std::string> lines;  ///< at most 12; the last says how many there are besides
 };
-/// Those that are not empty: not judged, metrics of one side alone, new failures, missing in B, missing in A,
-/// mended.
+/// Those that are not empty: not judged, metrics of A alone, what is new in B, new failures, missing in B,
+/// missing in A, mended.
 std::vector<GapList> gap_lists(const ScoreComparison& comparison);
 
 }  // namespace uniquadric

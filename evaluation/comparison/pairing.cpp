@@ -8,18 +8,38 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "evaluation/comparison/change.h"
 
 namespace uniquadric {
 namespace {
 
 enum class Presence { ok, failed, absent };
 
+// What a table knows: metrics, sequences and variants, of runs that were not tried too.
+struct Known {
+  std::set<std::string> metrics, scenes, variants;
+  explicit Known(const ScoreTable& table) {
+    for (const auto& [key, value] : table.cells) metrics.insert(key.metric), add(key.run);
+    for (const RunKey& run : table.not_run) add(run);
+  }
+  // Of a table without any cell nobody can say what is new.
+  bool lacks(const ScoreKey& key) const {
+    return !metrics.empty() && !(metrics.contains(key.metric) && scenes.contains(key.run.sequence) &&
+                                 variants.contains(key.run.variant));
+  }
+
+ private:
+  void add(const RunKey& run) { scenes.insert(run.sequence), variants.insert(run.variant); }
+};
+
 // A table, and which of its runs have a figure.
 struct Side {
   const ScoreTable& table;
   std::map<RunKey, bool> has_figure;  // of runs that have rows
 
-  explicit Side(const ScoreTable& t) : table(t) {
+  Known known;
+
+  explicit Side(const ScoreTable& t) : table(t), known(t) {
     for (const auto& [key, value] : t.cells) has_figure[key.run] |= value.has_value();
     for (const RunKey& run : t.failed) has_figure.try_emplace(run, false);
   }
@@ -70,7 +90,15 @@ void add_cell(const ScoreKey& key, const Side& a, const Side& b, GapLists& gaps,
     ++pairing.camera_given;
     return;
   }
+  if (a.known.lacks(key)) {
+    ++pairing.new_in_b;
+    return;
+  }
   const Presence in_a = a.presence(key), in_b = b.presence(key);
+  if (is_measured(key.metric) && (in_a != Presence::ok || in_b != Presence::ok)) {
+    pairing.measured_on_one_side += in_a == Presence::ok || in_b == Presence::ok;
+    return;
+  }
   const bool no_run_in_a = !a.has_figure.contains(key.run), no_run_in_b = !b.has_figure.contains(key.run);
   if (in_a == Presence::ok && in_b == Presence::ok)
     pairing.pairs.push_back({key, *a.table.cells.at(key), *b.table.cells.at(key)});
@@ -93,12 +121,6 @@ void require_same_directions(const ScoreTable& a, const ScoreTable& b) {
       throw InputError(b.file, fmt::format("{} is better {}, in {} {}", metric, lower ? "higher" : "lower",
                                            a.file.string(), lower ? "lower" : "higher"));
   }
-}
-
-std::set<std::string> metrics_of(const ScoreTable& table) {
-  std::set<std::string> names;
-  for (const auto& [key, value] : table.cells) names.insert(key.metric);
-  return names;
 }
 
 std::vector<std::string> without(const std::set<std::string>& names, const std::set<std::string>& others) {
@@ -126,10 +148,24 @@ Pairing pair_scores(const ScoreTable& a, const ScoreTable& b) {
   pairing.mended = gaps.mended.list();
   pairing.missing_in_a = gaps.missing_in_a.list();
   pairing.missing_in_b = gaps.missing_in_b.list();
-  const std::set<std::string> of_a = metrics_of(a), of_b = metrics_of(b);
-  pairing.metrics_of_a_alone = without(of_a, of_b);
-  pairing.metrics_of_b_alone = without(of_b, of_a);
+  const Known &of_a = side_a.known, &of_b = side_b.known;
+  pairing.metrics_of_a_alone = without(of_a.metrics, of_b.metrics);
+  pairing.metrics_of_b_alone = without(of_b.metrics, of_a.metrics);
+  if (a.cells.empty()) return pairing;
+  pairing.scenes_of_b_alone = without(of_b.scenes, of_a.scenes);
+  pairing.variants_of_b_alone = without(of_b.variants, of_a.variants);
   return pairing;
+}
+
+void ignore_metrics(ScoreTable& a, ScoreTable& b, const std::vector<std::string>& metrics) {
+  const std::set<std::string> of_a = Known(a).metrics, of_b = Known(b).metrics;
+  for (const std::string& metric : metrics) {
+    if (!of_a.contains(metric) && !of_b.contains(metric))
+      throw InputError(fmt::format("--ignore {}: neither {} nor {} has this metric", metric, a.file.string(),
+                                   b.file.string()));
+    for (ScoreTable* const table : {&a, &b})
+      std::erase_if(table->cells, [&](const auto& cell) { return cell.first.metric == metric; });
+  }
 }
 
 void rename_variant(ScoreTable& table, const std::string& name) {

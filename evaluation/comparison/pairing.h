@@ -29,15 +29,22 @@ struct Pairing {
   std::vector<Gap> missing_in_a, missing_in_b;  ///< in the other side alone, or not run
   std::size_t failed_in_both = 0;               ///< cells
   std::size_t camera_given = 0;                 ///< cells: errors of a camera whose poses one side was given
+  std::size_t measured_on_one_side = 0;         ///< cells of computing time or memory
+  std::size_t new_in_b = 0;                     ///< cells of what is new (below)
   /// that the other side, which has others, knows nowhere; in order of their names
   std::vector<std::string> metrics_of_a_alone, metrics_of_b_alone;
+  std::vector<std::string> scenes_of_b_alone, variants_of_b_alone;  ///< the same
 };
 
 /// Pairs cells by (sequence, object, variant, seed, metric); variants go by their own names, so name them
 /// alike before. A run all of whose rows failed fails in what it has no row for, too. Errors of a camera
-/// whose poses one side was given are no pairs, and none is missing. Throws InputError when a metric is
-/// better in another direction in B.
+/// whose poses one side was given are no pairs, and none is missing; nor is computing time or memory that one
+/// side has alone, nor a metric, scene or variant that A knows nowhere: it is new. Throws InputError when a
+/// metric is better in another direction in B.
 Pairing pair_scores(const ScoreTable& a, const ScoreTable& b);
+
+/// Leaves these metrics out of both tables. Throws InputError for one that neither has.
+void ignore_metrics(ScoreTable& a, ScoreTable& b, const std::vector<std::string>& metrics);
 
 /// Every run's variant as `name`.
 void rename_variant(ScoreTable& table, const std::string& name);

@@ -26,8 +26,9 @@ int exit_code_of(GateAnswer answer) {
 
 // Two variants go by one name, so that their runs are each other's pairs.
 ScoreComparison compare(const std::string& a, const std::string& b, ScoreSelection of_a, ScoreSelection of_b,
-                        const GateOptions& options) {
+                        const std::vector<std::string>& ignored, const GateOptions& options) {
   ScoreTable table_a = read_score_table(a, of_a), table_b = read_score_table(b, of_b);
+  ignore_metrics(table_a, table_b, ignored);
   if (of_a.variant) {
     const std::string both =
         *of_a.variant == *of_b.variant ? *of_a.variant : *of_a.variant + " -> " + *of_b.variant;
@@ -47,7 +48,7 @@ void add_compare(CLI::App& app, Common& common) {
       app, "compare",
       "is B worse than A? over sequences and seeds; exit 0 no, 1 yes, 2 undecided or incomplete", common);
   static std::string a, b, variant_a, variant_b, markdown;
-  static std::vector<std::string> metrics;
+  static std::vector<std::string> metrics, ignored;
   static bool as_json = false;
   static GateOptions options;
   sub->add_option("A", a, "results folder of bench, or scores.csv: what was")->required();
@@ -58,14 +59,16 @@ void add_compare(CLI::App& app, Common& common) {
   of_a->needs(of_b);
   of_b->needs(of_a);
   sub->add_option("--metric", metrics, "this one alone; may stand several times")->allow_extra_args(false);
-  sub->add_flag("--time", options.gate_time, "computing time may fail, too");
+  sub->add_option("--ignore", ignored, "leave this metric out; may stand several times")
+      ->allow_extra_args(false);
+  sub->add_flag("--time", options.gate_time, "computing time and memory may fail, too");
   sub->add_flag("--json", as_json, "as JSON instead of a table");
   sub->add_option("--markdown", markdown, "file to write, for pasting into a pull request");
   sub->callback([&common, of_a] {
     require_apart(markdown, {a, b});
     ScoreSelection of_a_side{std::nullopt, metrics}, of_b_side{std::nullopt, metrics};
     if (of_a->count() > 0) of_a_side.variant = variant_a, of_b_side.variant = variant_b;
-    const ScoreComparison comparison = compare(a, b, of_a_side, of_b_side, options);
+    const ScoreComparison comparison = compare(a, b, of_a_side, of_b_side, ignored, options);
     if (!markdown.empty()) write_text(markdown, comparison_markdown(comparison));
     std::cout << (as_json ? comparison_json(comparison) : comparison_text(comparison));
     common.exit_code = exit_code_of(comparison.answer);

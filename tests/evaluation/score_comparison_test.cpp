@@ -163,6 +163,41 @@ TEST(ScoreComparison, TimeFailsNothingUnlessAsked) {
   EXPECT_EQ(compare(a, b, options).answer, GateAnswer::worse);
 }
 
+TEST(ScoreComparison, TimeThatOneSideLacksIsNoFailure) {
+  auto a = fabricated_scores(0, 1);
+  for (const char* name : {"frame_time_mean_ms", "cpu_time_s", "wall_time_s", "peak_memory_mb"})
+    a.push_back({"s1", "all", "v", 1, name, 3});
+  auto failed = a;
+  for (std::size_t i = a.size() - 4; i < a.size(); ++i) failed[i].failed = true;
+  GateOptions options;
+  options.gate_time = true;
+  for (const auto& b : {fabricated_scores(0, 1), failed})
+    for (const ScoreComparison& c : {compare(a, b, options), compare(b, a, options)}) {
+      EXPECT_EQ(c.answer, GateAnswer::pass);
+      EXPECT_TRUE(c.pairing.new_failures.empty());
+    }
+}
+
+// What A knows nowhere is new; what B lacks is missing.
+TEST(ScoreComparison, WhatBAloneHasIsNew) {
+  const auto a = fabricated_scores(0, 1);
+  auto b = a;
+  b.push_back({"s1", "cube", "v", 1, "fresh_m", 1});
+  b.push_back({"s7", "cube", "v", 1, "iou3d_mean", 0.5, true});
+  b.push_back({"s1", "cube", "w", 1, "iou3d_mean", 0.5});
+  const ScoreComparison c = compare(a, b), back = compare(b, a);
+  EXPECT_EQ(c.answer, GateAnswer::pass);
+  EXPECT_EQ(c.pairing.new_in_b, 3u);
+  const std::string text = comparison_text(c);
+  for (const char* line : {"new metrics (of B alone):\n  fresh_m\n", "new scenes (of B alone):\n  s7\n",
+                           "new variants (of B alone):\n  w\n"})
+    EXPECT_NE(text.find(line), std::string::npos) << text;
+  EXPECT_EQ(back.answer, GateAnswer::incomplete);
+  b = a;
+  b.push_back({"s1", "cube", "v", 9, "iou3d_mean", 0.5});
+  EXPECT_EQ(compare(a, b).answer, GateAnswer::incomplete);  // a seed more of a scene that is known
+}
+
 TEST(ScoreComparison, BetterIsSaid) {
   auto b = noisy(kNoise, 0);
   scale(b, "ape_translation_rmse_m", 0.9);

@@ -128,6 +128,16 @@ TEST_F(CompareCommand, WritesJsonAndMarkdown) {
       2u);
 }
 
+TEST_F(CompareCommand, IgnoresMetrics) {
+  auto b = another_run();
+  scale(b, "iou3d_mean", 0.9);
+  write("b.csv", b);
+  const ProgramRun result = run({"--ignore", "iou3d_mean", "--ignore", "coverage", "--json"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(json::parse(result.out)["metrics"].size(), 6u);
+  expect_refused(run({"--ignore", "mota"}), "--ignore mota: neither");
+}
+
 TEST_F(CompareCommand, TwoVariantsOfOneFolder) {
   auto both = fabricated_scores(kNoise, 1);
   auto other = another_run();
