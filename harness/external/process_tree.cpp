@@ -15,6 +15,7 @@
 #include <cstring>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "core/base/end_with_parent.h"
 #include "core/base/utf8.h"
