@@ -167,6 +167,13 @@ TableLines change_table(const ScoreComparison& comparison, bool all) {
   return lines;
 }
 
+std::string describe_change(const MetricChange& change) {
+  const char* const reason = to_string(change.reason);
+  return fmt::format("{}{}{}: A {}, B {}, {}, p {}", to_string(change.verdict), *reason ? ", " : "", reason,
+                     format_figure(change.a), format_figure(change.b), format_change(change),
+                     significance(change));
+}
+
 std::string headline(const ScoreComparison& comparison) {
   const auto count = [&](Verdict verdict) { return count_verdicts(comparison, verdict); };
   const Pairing& pairing = comparison.pairing;

@@ -21,6 +21,9 @@ std::string headline(const ScoreComparison& comparison);
 /// What was paired: sequences, seeds, figures.
 std::string extent(const ScoreComparison& comparison);
 
+/// "worse: A 0.0566, B 0.0623, +10 %, p 0.003": one metric in a line.
+std::string describe_change(const MetricChange& change);
+
 /// A list of gaps with its title, e.g. new failures.
 struct GapList {
   std::string title;

@@ -89,4 +89,8 @@ std::string comparison_text(const ScoreComparison& comparison);
 std::string comparison_markdown(const ScoreComparison& comparison);
 std::string comparison_json(const ScoreComparison& comparison);
 
+/// As JUnit XML: a test case for the answer, which fails unless it is `pass`, and one for each metric, which
+/// fails where it is worse and is skipped where it is not judged.
+std::string comparison_junit(const ScoreComparison& comparison);
+
 }  // namespace uniquadric

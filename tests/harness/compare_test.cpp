@@ -138,6 +138,69 @@ TEST_F(CompareCommand, IgnoresMetrics) {
   expect_refused(run({"--ignore", "mota"}), "--ignore mota: neither");
 }
 
+std::size_t count_of(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+// Every element is closed in order, and no attribute has a bare quote or angle.
+void expect_well_formed(const std::string& xml) {
+  std::vector<std::string> open;
+  std::size_t end = 0;
+  for (std::size_t at = xml.find('<'); at != std::string::npos; at = xml.find('<', end)) {
+    end = xml.find('>', at);
+    ASSERT_NE(end, std::string::npos);
+    const std::string tag = xml.substr(at + 1, end - at - 1);
+    EXPECT_EQ(count_of(tag, "\"") % 2, 0u) << tag;
+    EXPECT_EQ(tag.find('<'), std::string::npos) << tag;
+    if (tag.front() == '?' || tag.back() == '/') continue;
+    if (tag.front() != '/') {
+      open.push_back(tag.substr(0, tag.find(' ')));
+      continue;
+    }
+    ASSERT_FALSE(open.empty());
+    EXPECT_EQ(tag.substr(1), open.back());
+    open.pop_back();
+  }
+  EXPECT_TRUE(open.empty());
+  for (std::size_t at = xml.find('&'); at != std::string::npos; at = xml.find('&', at + 1))
+    EXPECT_LT(xml.find(';', at), at + 7);
+}
+
+TEST_F(CompareCommand, WritesJUnit) {
+  const std::string odd = "a<b>&\"c'_m";
+  auto a = fabricated_scores(kNoise, 1);
+  a.push_back({"s1", "cube", odd, 1, odd, 0.1});
+  auto b = a;
+  scale(b, "d_shape_mean_m", 1.5);
+  write("a.csv", a);
+  write("b.csv", b);
+  EXPECT_EQ(run({"--junit", path("out.xml")}).exit_code, 1);
+  const std::string xml = read_text(path("out.xml"));
+  expect_well_formed(xml);
+  EXPECT_EQ(count_of(xml, "<testcase "), 10u);  // the answer and nine metrics
+  EXPECT_EQ(count_of(xml, "<failure "), 2u);    // the answer and one metric
+  EXPECT_EQ(count_of(xml, "<skipped "), 1u);
+  EXPECT_NE(xml.find("tests=\"10\" failures=\"2\" errors=\"0\" skipped=\"1\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("name=\"d_shape_mean_m\"><failure message=\"worse: A "), std::string::npos) << xml;
+  EXPECT_NE(xml.find("name=\"a&lt;b&gt;&amp;&quot;c'_m\""), std::string::npos) << xml;
+  expect_refused(run({"--junit", path("a.csv")}), "a.csv");
+}
+
+TEST_F(CompareCommand, NamesTheCommitsOfFolders) {
+  for (const char* side : {"a", "b"}) {
+    std::filesystem::create_directory(path(side));
+    write(std::string(side) + "/scores.csv", fabricated_scores(kNoise, 1));
+    write_text(path(side) + "/program.txt", std::string("uniquadric 0.1.0, commit ") + side + "1\n");
+  }
+  const ProgramRun apart = run_program({"compare", path("a"), path("b")});
+  EXPECT_NE(apart.out.find("A  commit a1\nB  commit b1\n"), std::string::npos) << apart.out;
+  write_text(path("b/program.txt"), "uniquadric 0.1.0, commit a1\n");
+  const ProgramRun same = run_program({"compare", path("a"), path("b")});
+  EXPECT_NE(same.out.find("B  commit a1 in " + path("b") + "\n"), std::string::npos) << same.out;
+}
+
 TEST_F(CompareCommand, TwoVariantsOfOneFolder) {
   auto both = fabricated_scores(kNoise, 1);
   auto other = another_run();
