@@ -7,16 +7,19 @@
 #include "core/base/error.h"
 #include "core/sequence/stamps.h"
 #include "core/sequence/trajectory.h"
+#include "core/sequence/tum_as_written.h"
+#include "evaluation/association/evo_stamps.h"
 #include "evaluation/trajectory/evo_steps.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-Trajectory read_poses(const fs::path& path) {
-  Trajectory trajectory = read_tum(path);
-  if (trajectory.empty()) throw InputError(path, "has no poses");
-  return trajectory;
+// evo takes poses in the order of the file, equal stamps too.
+WrittenPoses read_poses(const fs::path& path, bool as_written) {
+  WrittenPoses read = as_written ? read_tum_as_written(path) : WrittenPoses{read_tum(path), {}};
+  if (read.poses.empty()) throw InputError(path, "has no poses");
+  return read;
 }
 
 double path_m(const Trajectory& trajectory) {
@@ -26,21 +29,28 @@ double path_m(const Trajectory& trajectory) {
   return length_m;
 }
 
-void pair_up(const Trajectory& reference, const Trajectory& estimate, const StampOptions& options,
+std::vector<IndexPair> pairs_of(const WrittenPoses& reference, const WrittenPoses& estimate,
+                                const TrajectoryOptions& options) {
+  if (!options.evo)
+    return associate(stamps_of(reference.poses), stamps_of(estimate.poses), options.association);
+  return associate_as_evo(reference.stamps_s, estimate.stamps_s,
+                          static_cast<double>(options.association.max_difference_ns) / 1e9);
+}
+
+void pair_up(const Trajectory& reference, const Trajectory& estimate, const std::vector<IndexPair>& pairs,
              TrajectoryComparison& result) {
-  const std::vector<IndexPair> pairs = associate(stamps_of(reference), stamps_of(estimate), options);
   result.pairs.stamps_ns.reserve(pairs.size());
   result.pairs.reference.reserve(pairs.size());
   result.pairs.estimate.reserve(pairs.size());
-  std::size_t covered = 0, last = reference.size();
-  for (const IndexPair& pair : pairs) {  // in order of the reference, whose poses may stand in several
+  std::vector<bool> covered(reference.size());  // poses of the reference may stand in several pairs
+  for (const IndexPair& pair : pairs) {
     result.pairs.stamps_ns.push_back(reference[pair.reference].stamp_ns);
     result.pairs.reference.push_back(reference[pair.reference].pose);
     result.pairs.estimate.push_back(estimate[pair.estimate].pose);
-    covered += pair.reference != last;
-    last = pair.reference;
+    covered[pair.reference] = true;
   }
-  result.coverage = static_cast<double>(covered) / static_cast<double>(reference.size());
+  result.coverage =
+      static_cast<double>(std::ranges::count(covered, true)) / static_cast<double>(reference.size());
 }
 
 void align_estimate(const TrajectoryOptions& options, TrajectoryComparison& result) {
@@ -122,13 +132,15 @@ const char* unit_of(ErrorPart part) {
 
 TrajectoryComparison compare_trajectories(const fs::path& reference_file, const fs::path& estimate_file,
                                           const TrajectoryOptions& options) {
-  const Trajectory reference = read_poses(reference_file), estimate = read_poses(estimate_file);
+  const WrittenPoses reference_read = read_poses(reference_file, options.evo),
+                     estimate_read = read_poses(estimate_file, options.evo);
+  const auto &reference = reference_read.poses, &estimate = estimate_read.poses;
   TrajectoryComparison result;
   result.reference_poses = reference.size();
   result.estimate_poses = estimate.size();
   result.reference_path_m = path_m(reference);
   result.estimate_path_m = path_m(estimate);
-  pair_up(reference, estimate, options.association, result);
+  pair_up(reference, estimate, pairs_of(reference_read, estimate_read, options), result);
   if (result.pairs.size() < kMinPairs)
     throw InputError(
         estimate_file,

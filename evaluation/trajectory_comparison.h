@@ -32,7 +32,7 @@ struct TrajectoryOptions {
   std::vector<ErrorPart> parts = {ErrorPart::translation, ErrorPart::rotation};
   DeltaOptions delta;                        ///< of RPE
   std::optional<bool> pairs_from_reference;  ///< nothing: yes (SPEC 6); evo: no
-  bool evo = false;                          ///< evo's pair selection
+  bool evo = false;                          ///< evo's choice of pairs and steps; stamps in any order
   bool drift = false, kitti = false;
 };
 

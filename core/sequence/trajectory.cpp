@@ -11,7 +11,9 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/text.h"
+#include "core/base/warning.h"
 #include "core/sequence/stamps.h"
+#include "core/sequence/tum_as_written.h"
 
 namespace uniquadric {
 namespace {
@@ -111,15 +113,31 @@ std::string format_stamp(std::int64_t stamp_ns) {
 
 Trajectory read_tum(const std::filesystem::path& path) {
   Trajectory trajectory;
+  std::size_t repeated = 0;
   for_each_line(path, [&](int line, const std::vector<std::string_view>& fields) {
     const StampedPose pose = parse_line(path, line, fields);
-    if (!trajectory.empty() && pose.stamp_ns <= trajectory.back().stamp_ns)
-      throw InputError(path, line,
-                       fmt::format("timestamp {} does not come after {}", fields[0],
-                                   format_stamp(trajectory.back().stamp_ns)));
-    trajectory.push_back(pose);
+    if (!trajectory.empty() && pose.stamp_ns < trajectory.back().stamp_ns)
+      throw InputError(
+          path, line,
+          fmt::format("timestamp {} comes before {}", fields[0], format_stamp(trajectory.back().stamp_ns)));
+    if (!trajectory.empty() && pose.stamp_ns == trajectory.back().stamp_ns)
+      ++repeated;
+    else
+      trajectory.push_back(pose);
   });
+  if (repeated > 0)
+    warn(fmt::format("{}: {} of {} poses repeat the timestamp before them: the first of each is kept",
+                     path.string(), repeated, trajectory.size() + repeated));
   return trajectory;
+}
+
+WrittenPoses read_tum_as_written(const std::filesystem::path& path) {
+  WrittenPoses written;
+  for_each_line(path, [&](int line, const std::vector<std::string_view>& fields) {
+    written.poses.push_back(parse_line(path, line, fields));
+    written.stamps_s.push_back(parse_number(path, line, fields[0]));
+  });
+  return written;
 }
 
 void write_tum(const std::filesystem::path& path, const Trajectory& trajectory) {

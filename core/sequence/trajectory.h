@@ -28,9 +28,9 @@ std::int64_t parse_stamp_ns(std::string_view seconds);
 std::string format_stamp(std::int64_t stamp_ns);
 
 /// Reads TUM text: `timestamp tx ty tz qx qy qz qw`, comments after #. Throws InputError with the line for a
-/// malformed or non-finite number, a coordinate beyond kMostCoordinate_m, a stamp that does not increase, or
-/// a quaternion whose norm is off 1 by more than 1e-3 (closer ones are normalised; within 1e-12 they are kept
-/// as they are, bit for bit).
+/// malformed or non-finite number, a coordinate beyond kMostCoordinate_m, a stamp that decreases, or a
+/// quaternion whose norm is off 1 by more than 1e-3 (closer ones are normalised; within 1e-12 they are kept
+/// as they are, bit for bit). Of poses with equal stamps the first is kept; one warning counts the others.
 Trajectory read_tum(const std::filesystem::path& path);
 /// Writes TUM text with as many digits as reading back the same doubles needs.
 void write_tum(const std::filesystem::path& path, const Trajectory& trajectory);

@@ -5,6 +5,7 @@
 #include "core/base/files.h"
 #include "core/base/random.h"
 #include "core/sequence/stamps.h"
+#include "core/sequence/tum_as_written.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -60,11 +61,42 @@ TEST(TumText, RefusesBadLinesByNumber) {
   EXPECT_EQ(message("2.0 nan 0 0 0 0 0 1"), "'nan' is not a finite number");
   EXPECT_EQ(message("2.0 0 0 0 0 0 inf 1"), "'inf' is not a finite number");
   EXPECT_EQ(message("2.0 0 -1e308 0 0 0 0 1"), "'-1e308' is further than 1000000000 m from the origin");
-  EXPECT_EQ(message("1.0 0 0 0 0 0 0 1"), "timestamp 1.0 does not come after 1.000000000");
-  EXPECT_EQ(message("0.5 0 0 0 0 0 0 1"), "timestamp 0.5 does not come after 1.000000000");
+  EXPECT_EQ(message("0.5 0 0 0 0 0 0 1"), "timestamp 0.5 comes before 1.000000000");
   EXPECT_EQ(message("2.0 0 0 0 0 0 0 1.1"), "quaternion has norm 1.1, not 1");
   EXPECT_EQ(message("2.0 0 0 0 0 0 0 0"), "quaternion has norm 0, not 1");
   EXPECT_EQ(message("x 0 0 0 0 0 0 1"), "'x' is not a timestamp in seconds");
+}
+
+TEST(TumText, KeepsTheFirstOfEqualStampsAndCountsTheRest) {
+  const TempFolder temp;
+  const auto path = temp.path() / "t.tum";
+  write_text(path,
+             "1.0 1 0 0 0 0 0 1\n1.000 2 0 0 0 0 0 1\n2 3 0 0 0 0 0 1\n2.0 4 0 0 0 0 0 1\n"
+             "2.0 5 0 0 0 0 0 1\n3 6 0 0 0 0 0 1\n");
+  testing::internal::CaptureStderr();
+  const Trajectory read = read_tum(path);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "warning: " + path.string() +
+                ": 3 of 6 poses repeat the timestamp before them: the first of each is kept\n");
+  ASSERT_EQ(read.size(), 3u);
+  const std::vector<double> first_x = {1, 3, 6};
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_EQ(read[i].stamp_ns, static_cast<std::int64_t>(i + 1) * 1'000'000'000);
+    EXPECT_EQ(read[i].pose.translation.x(), first_x[i]);
+  }
+}
+
+TEST(TumText, AsWrittenKeepsEveryPoseInTheFilesOrder) {
+  const TempFolder temp;
+  const auto path = temp.path() / "t.tum";
+  write_text(path, "2.5 1 0 0 0 0 0 1\n2.5 2 0 0 0 0 0 1\n1.3e0 3 0 0 0 0 0 1\n");
+  testing::internal::CaptureStderr();
+  const WrittenPoses read = read_tum_as_written(path);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(read.stamps_s, (std::vector<double>{2.5, 2.5, 1.3}));
+  ASSERT_EQ(read.poses.size(), 3u);
+  EXPECT_EQ(read.poses[1].pose.translation.x(), 2);
+  EXPECT_EQ(read.poses[2].stamp_ns, 1'300'000'000);
 }
 
 TEST(TumText, NormalisesNearlyUnitQuaternions) {
