@@ -118,6 +118,19 @@ Pose read_viewpoint(const Header& header) {
   return pose;
 }
 
+// PCL maps its files into memory and leaves zeros behind the points, up to a whole page.
+void trim_data(const std::filesystem::path& path, PcdFile& file) {
+  const auto bytes = static_cast<std::size_t>(file.points * file.point_size());
+  if (file.data.size() < bytes)
+    throw InputError(path, fmt::format("{} bytes of data, {} points of {} bytes are {}", file.data.size(),
+                                       file.points, file.point_size(), bytes));
+  if (file.data.find_first_not_of('\0', bytes) != std::string::npos)
+    throw InputError(path,
+                     fmt::format("{} bytes of data, {} points of {} bytes are {}: zeros alone may follow",
+                                 file.data.size(), file.points, file.point_size(), bytes));
+  file.data.resize(bytes);
+}
+
 }  // namespace
 
 int PcdFile::point_size() const {
@@ -157,10 +170,7 @@ PcdFile read_pcd(const std::filesystem::path& path) {
   if (width * height != file.points)
     header.fail("POINTS", fmt::format("{}, but WIDTH {} times HEIGHT {} is {}", file.points, width, height,
                                       width * height));
-  const std::int64_t bytes = file.points * file.point_size();
-  if (static_cast<std::int64_t>(file.data.size()) != bytes)
-    throw InputError(path, fmt::format("{} bytes of data, {} points of {} bytes are {}", file.data.size(),
-                                       file.points, file.point_size(), bytes));
+  trim_data(path, file);
   return file;
 }
 

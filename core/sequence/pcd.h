@@ -58,7 +58,8 @@ PcdColumn pcd_column(const std::filesystem::path& path, const PcdFile& file, std
 void write_pcd(const std::filesystem::path& path, const PcdFile& file);
 
 /// Throws InputError naming file (and line, in the header) for a header that is incomplete or contradicts
-/// itself or its data, for data that are not binary, for fields of more than one value or of one name.
+/// itself or its data, for data that are not binary, for fields of more than one value or of one name. Bytes
+/// of zero after the data are left out, as PCL pads its files with them.
 PcdFile read_pcd(const std::filesystem::path& path);
 
 }  // namespace uniquadric

@@ -9,6 +9,7 @@
 
 #include "core/sequence/lidar.h"
 #include "tests/export/exported_scene.h"
+#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
@@ -56,6 +57,19 @@ TEST_F(Export, PclReadsTheSequencesOwnScansAsPcd) {
     ASSERT_EQ(pcl::PCDReader().read((sequence_.folder / sequence_.scans[i].file).string(), cloud), 0);
     expect_points(cloud, scans_[i], "offset_time");
     expect_points(cloud, scans_[i], "t");
+  }
+}
+
+// PCL's own binary files come back the same, also with the zeros that it leaves at a page's end.
+TEST_F(Export, ScansThatPclWroteAreRead) {
+  pcl::PCLPointCloud2 cloud;
+  ASSERT_EQ(pcl::PCDReader().read((sequence_.folder / sequence_.scans[0].file).string(), cloud), 0);
+  const TempFolder temp;
+  const fs::path written = temp.path() / "pcl.pcd";
+  ASSERT_EQ(pcl::PCDWriter().writeBinary(written.string(), cloud), 0);
+  for (const bool padded : {false, true}) {
+    if (padded) fs::resize_file(written, (fs::file_size(written) / 4096 + 1) * 4096);
+    expect_points(cloud, read_lidar_points(written), "offset_time");
   }
 }
 

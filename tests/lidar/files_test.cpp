@@ -98,6 +98,29 @@ TEST(Pcd, RefusesHeadersThatContradictTheirData) {
   EXPECT_NE(input_error([&] { read_pcd(path); }).find("no VERSION"), std::string::npos);
 }
 
+// PCL leaves them behind the points, up to a whole page.
+TEST(Pcd, ZerosBehindThePointsArePassedOver) {
+  const TempFolder folder;
+  const auto path = folder.path() / "p.pcd";
+  write_lidar_points(path, small_scan().points);
+  const std::string good = read_text(path);
+  const PcdFile plain = read_pcd(path);
+  std::string padded = good;
+  padded.resize(4096, '\0');
+  for (const std::string& text : {good + std::string(1, '\0'), padded}) {
+    write_text(path, text);
+    EXPECT_EQ(read_pcd(path).data, plain.data);
+  }
+  for (const std::size_t at : {good.size(), std::size_t{4095}}) {
+    std::string bad = padded;
+    bad[at] = '\x01';
+    write_text(path, bad);
+    EXPECT_NE(
+        input_error([&] { read_pcd(path); }).find("2 points of 31 bytes are 62: zeros alone may follow"),
+        std::string::npos);
+  }
+}
+
 // As PCL writes a structure whose members are aligned.
 TEST(Pcd, PaddingIsPassedOver) {
   const TempFolder folder;
