@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <new>
 
 #include "core/base/version.h"
 #include "harness/commands/commands.h"
@@ -49,6 +50,9 @@ int run(int argc, char** argv) {
     return kBadInput;
   } catch (const std::filesystem::filesystem_error& e) {
     std::cerr << fmt::format("uniquadric: {}: {}\n", e.path1().string(), e.code().message());
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "uniquadric: out of memory\n";
     return kBadInput;
   } catch (const std::exception& e) {
     std::string_view what = e.what();

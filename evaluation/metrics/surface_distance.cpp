@@ -6,17 +6,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/embree/embree.h"
+
 namespace uniquadric {
 
 struct SurfaceDistance::State {
   std::vector<Eigen::Vector3f> corners;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  RTCDevice device = rtcNewDevice(nullptr);
-  RTCScene scene = rtcNewScene(device);
-  ~State() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
+  EmbreeDevice device = new_embree_device("");
+  EmbreeScene scene = new_embree_scene(device.get());
 };
 
 namespace {
@@ -70,17 +68,8 @@ SurfaceDistance::SurfaceDistance(std::vector<Eigen::Vector3f> corners,
   auto state = std::make_shared<State>();
   state->corners = std::move(corners);
   state->triangles = std::move(triangles);
-  RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                               RTC_FORMAT_FLOAT3, 12, state->corners.size()));
-  for (const Eigen::Vector3f& v : state->corners) vertices = std::copy_n(v.data(), 3, vertices);
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, state->triangles.size()));
-  for (const auto& triangle : state->triangles) indices = std::copy_n(triangle.data(), 3, indices);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(state->scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(state->scene);
+  attach_triangles(state->device.get(), state->scene.get(), state->corners, state->triangles);
+  commit_embree_scene(state->device.get(), state->scene.get());
   state_ = std::move(state);
 }
 
@@ -95,7 +84,7 @@ std::optional<double> SurfaceDistance::along(const Eigen::Vector3d& from,
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcIntersect1(state_->scene, &context, &ray);
+  rtcIntersect1(state_->scene.get(), &context, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return ray.ray.tfar;
 }
@@ -106,7 +95,7 @@ double SurfaceDistance::at(const Eigen::Vector3d& point, double most_m) const {
   RTCPointQuery around{p.x(), p.y(), p.z(), 0, reach(point, most_m)};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(state_->scene, &around, &context, look_at_triangle, &query);
+  rtcPointQuery(state_->scene.get(), &around, &context, look_at_triangle, &query);
   return query.nearest_m;
 }
 

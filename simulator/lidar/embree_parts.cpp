@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
-#include <stdexcept>
 
 #include "core/base/error.h"
 #include "simulator/lidar/reflectivity.h"
@@ -22,38 +20,22 @@ bool machine_has(const std::string& isa) {
 }
 
 void attach_mesh(RTCDevice device, RTCScene scene, const Mesh& mesh, const Pose& place) {
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions.size()));
-  for (const Eigen::Vector3f& p : mesh.positions) {
-    const Eigen::Vector3f placed = (place * p.cast<double>()).cast<float>();
-    positions = std::copy_n(placed.data(), 3, positions);
-  }
-  void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                            3 * sizeof(std::uint32_t), mesh.triangles.size());
-  std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * 3 * sizeof(std::uint32_t));
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
+  std::vector<Eigen::Vector3f> placed;
+  placed.reserve(mesh.positions.size());
+  for (const Eigen::Vector3f& p : mesh.positions) placed.push_back((place * p.cast<double>()).cast<float>());
+  attach_triangles(device, scene, placed, mesh.triangles);
 }
 
 }  // namespace
 
-void check_embree(RTCDevice device, const char* doing) {
-  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
-    throw std::runtime_error(fmt::format("lidar: Embree error {} while {}", static_cast<int>(error), doing));
-}
-
-Device make_device(const std::string& isa) {
+EmbreeDevice make_device(const std::string& isa) {
   if (!machine_has(isa))
     throw InputError(fmt::format("lidar: this machine has no instruction set '{}' (isa)", isa));
-  Device device(rtcNewDevice(fmt::format("isa={}", isa).c_str()));
-  check_embree(device.get(), "starting");
-  return device;
+  return new_embree_device(fmt::format("isa={}", isa));
 }
 
 EmbreeScene new_scene(RTCDevice device) {
-  EmbreeScene scene(rtcNewScene(device));
+  EmbreeScene scene = new_embree_scene(device);
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);  // or rays leak through shared edges
   return scene;
 }

@@ -7,24 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "core/embree/embree.h"
 #include "simulator/lidar/ray_caster.h"
 
 namespace uniquadric {
 
-struct DeviceDeleter {
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-};
-struct SceneDeleter {
-  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-};
-using Device = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
-using EmbreeScene = std::unique_ptr<RTCSceneTy, SceneDeleter>;
-
-/// Throws std::runtime_error when Embree noted an error; `doing` says what.
-void check_embree(RTCDevice device, const char* doing);
-
 /// A device of one instruction set. Throws InputError when the machine has it not.
-Device make_device(const std::string& isa);
+EmbreeDevice make_device(const std::string& isa);
 
 /// An empty scene in which no ray leaks through shared edges.
 EmbreeScene new_scene(RTCDevice device);

@@ -31,7 +31,9 @@ void set_key(RTCGeometry instance, int key, const Pose& pose, const Eigen::Vecto
 
 void attach_instance(RTCDevice device, CasterScan::State& scan, const Part& part, const MotionKeys& keys,
                      const Eigen::Vector3d& origin, double start_s, double end_s) {
-  RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  const EmbreeGeometry owned(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
+  RTCGeometry instance = owned.get();
+  require_embree(device, instance, "placing a body");
   rtcSetGeometryInstancedScene(instance, part.scene.get());
   rtcSetGeometryTimeStepCount(instance, static_cast<unsigned>(keys.count));
   Rotations rotations;
@@ -46,7 +48,7 @@ void attach_instance(RTCDevice device, CasterScan::State& scan, const Part& part
   }
   rtcCommitGeometry(instance);
   rtcAttachGeometry(scan.scene.get(), instance);
-  rtcReleaseGeometry(instance);
+  check_embree(device, "placing a body");
   scan.parts.push_back(&part);
   scan.rotations.push_back(std::move(rotations));
   scan.keys.push_back(keys);
@@ -56,7 +58,7 @@ void attach_instance(RTCDevice device, CasterScan::State& scan, const Part& part
 
 struct RayCaster::State {
   CasterOptions options;
-  Device device;
+  EmbreeDevice device;
   std::vector<Part> parts;  // the world first
 };
 
@@ -79,8 +81,7 @@ RayCaster::RayCaster(const std::vector<Body>& world, const std::vector<Body>& ob
         {.id = static_cast<std::uint16_t>(body.id), .motion = body.motion, .scene = new_scene(device)});
     add_meshes(device, state->parts.back(), body, {}, named(body));
   }
-  for (const Part& part : state->parts) rtcCommitScene(part.scene.get());
-  check_embree(device, "building the meshes' hierarchies");
+  for (const Part& part : state->parts) commit_embree_scene(device, part.scene.get());
   state_ = std::move(state);
 }
 
@@ -100,8 +101,7 @@ CasterScan RayCaster::open(const Eigen::Vector3d& origin, std::int64_t start_ns,
     attach_instance(device, *scan, part, keys, origin, static_cast<double>(start_ns) * 1e-9,
                     static_cast<double>(end_ns) * 1e-9);
   }
-  rtcCommitScene(scan->scene.get());
-  check_embree(device, "placing the bodies");
+  commit_embree_scene(device, scan->scene.get());
   return CasterScan(std::move(scan));
 }
 
