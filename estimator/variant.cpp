@@ -53,7 +53,7 @@ Variant load_variant(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::load(path);
   root.at("schema");
   Variant variant;
-  variant.name = std::filesystem::is_regular_file(path) ? path.stem().string() : "piped";
+  variant.name = path.stem().string();
   OptionReader reader(root);
   visit(reader, variant);
   root.refuse_unknown_keys();

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/base/files.h"
+#include "core/base/read_file.h"
 #include "core/base/text.h"
 #include "core/base/yaml_bounds.h"
 
@@ -21,7 +21,7 @@ ConfigNode::ConfigNode(const YAML::Node& node, std::filesystem::path file, std::
       known_(std::make_shared<std::set<std::string>>()) {}
 
 ConfigNode ConfigNode::load(const std::filesystem::path& path) {
-  return parse(read_text(path), path);
+  return parse(read_file(path, kYamlFile), path);
 }
 
 ConfigNode ConfigNode::parse(const std::string& text, const std::filesystem::path& name) {

@@ -14,41 +14,13 @@
 #include <thread>
 
 #include "core/base/error.h"
+#include "core/base/read_file.h"
 
 namespace uniquadric {
 namespace fs = std::filesystem;
 
-// ours: larger than any file that is made here, smaller than a machine's memory
-constexpr std::size_t kMostBytes = std::size_t{1} << 31;
-
 std::string read_text(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::is_directory(status)) throw InputError(path, "is a folder, expected a file");
-  if (fs::is_character_file(status) || fs::is_block_file(status))
-    throw InputError(path, "is a device, expected a file");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, fmt::format("cannot be read: {}", std::strerror(errno)));
-  const auto expect_at_most = [&](std::uintmax_t bytes) {
-    if (bytes > kMostBytes)
-      throw InputError(path,
-                       fmt::format("is longer than {} MiB, which nothing read here is", kMostBytes >> 20));
-  };
-  std::size_t step = 1 << 16;  // of a pipe, whose length nobody knows
-  if (fs::is_regular_file(status)) {
-    expect_at_most(fs::file_size(path));
-    step = std::max<std::size_t>(step, fs::file_size(path) + 1);
-  }
-  std::string text;
-  while (in) {
-    const std::size_t begin = text.size();
-    text.resize(begin + step);
-    in.read(text.data() + begin, static_cast<std::streamsize>(step));
-    text.resize(begin + static_cast<std::size_t>(in.gcount()));
-    expect_at_most(text.size());
-  }
-  if (in.bad()) throw InputError(path, "read failed");
-  return text;
+  return read_file(path, kTextFile);
 }
 
 void throw_unwritable(const fs::path& path) {
@@ -82,7 +54,7 @@ void write_text(const fs::path& path, std::string_view text) {
 }
 
 void duplicate_file(const fs::path& from, const fs::path& to) {
-  write_text(to, read_text(from));
+  write_text(to, read_file(from, kPointFile));
 }
 
 void require_no_dangling_link(const fs::path& path) {

@@ -7,7 +7,7 @@
 
 namespace uniquadric {
 
-/// The whole file or pipe; throws InputError when it cannot be read, is a device or larger than 2 GiB.
+/// A whole text file: read_file() with kTextFile.
 std::string read_text(const std::filesystem::path& path);
 
 /// Throws std::runtime_error "PATH: cannot be written: REASON", the reason of the system call that just

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/read_file.h"
 
 namespace uniquadric {
 namespace {
@@ -48,7 +49,7 @@ std::string Hash::hex() const {
 }
 
 std::uint64_t hash_file(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) throw InputError(path, "is a folder, expected a file");
+  require_regular_file(path);
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path, fmt::format("cannot be read: {}", std::strerror(errno)));
   const std::unique_ptr<XXH64_state_t, decltype(&XXH64_freeState)> state(XXH64_createState(),

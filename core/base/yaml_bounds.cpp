@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/read_file.h"
 #include "core/base/utf8.h"
 
 namespace uniquadric {
 namespace {
 
 // ours: the largest file that is not a bomb, a bench of ten thousand seeds, has a twentieth of the nodes
-constexpr std::size_t kMostBytes = 16 << 20;
 constexpr std::int64_t kMostNodes = 200'000;
 constexpr int kMostLevels = 64;
 
@@ -101,8 +101,8 @@ class Bounds final : public YAML::EventHandler {
 }  // namespace
 
 void require_bounded_yaml(const std::string& text, const std::filesystem::path& name) {
-  if (text.size() > kMostBytes)
-    throw InputError(name, fmt::format("is longer than {} MiB", kMostBytes >> 20));
+  if (text.size() > kYamlFile.most_bytes)
+    throw InputError(name, fmt::format("is longer than {} MiB", kYamlFile.most_bytes >> 20));
   Bounds bounds(name);
   std::istringstream stream(text);
   try {

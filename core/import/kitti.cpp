@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/base/files.h"
 #include "core/base/quantile.h"
+#include "core/base/read_file.h"
 #include "core/base/text.h"
 #include "core/import/kitti_recording.h"
 
@@ -30,7 +30,7 @@ std::vector<std::int64_t> frames_of_scans(const FilesByFrame& scans) {
     if (last >= 0) frames.push_back((first + last) / 2);
   };
   for (const auto& [frame, file] : scans) {
-    std::string bytes = read_text(file);
+    std::string bytes = read_file(file, kPointFile);
     if (frame != last + 1 || bytes.empty() || bytes != before) {
       close();
       first = frame;

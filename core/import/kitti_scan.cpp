@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
-#include "core/base/files.h"
+#include "core/base/read_file.h"
 #include "core/import/kitti_files.h"
 #include "core/sequence/pcd.h"
 
@@ -22,7 +22,7 @@ constexpr double kLongestScanS = 4;    // what 32 bits of nanoseconds hold
 constexpr std::array<std::string_view, 4> kTimes = {"t", "offset_time", "time", "timestamp"};
 
 std::vector<LidarPoint> read_bin(const fs::path& path, std::uint32_t end_ns) {
-  const std::string bytes = read_text(path);
+  const std::string bytes = read_file(path, kPointFile);
   constexpr std::size_t kPointSize = kValues * sizeof(float);
   if (bytes.size() % kPointSize != 0)
     throw InputError(path,

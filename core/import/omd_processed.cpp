@@ -5,7 +5,7 @@
 
 #include "core/base/config.h"
 #include "core/base/error.h"
-#include "core/base/files.h"
+#include "core/base/read_file.h"
 #include "core/base/text.h"
 #include "core/import/fields.h"
 #include "core/import/images.h"
@@ -36,7 +36,7 @@ fs::path settings_file(const fs::path& recording, const fs::path& wanted) {
 
 // OpenCV's files begin with %YAML:1.0, which is no YAML.
 ConfigNode load_settings(const fs::path& path) {
-  std::string text = read_text(path);
+  std::string text = read_file(path, kYamlFile);
   if (text.starts_with("%YAML")) text[0] = '#';
   return ConfigNode::parse(text, path);
 }

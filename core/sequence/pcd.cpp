@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/read_file.h"
 #include "core/base/text.h"
 
 namespace uniquadric {
@@ -158,7 +159,7 @@ void write_pcd(const std::filesystem::path& path, const PcdFile& file) {
 }
 
 PcdFile read_pcd(const std::filesystem::path& path) {
-  const std::string text = read_text(path);
+  const std::string text = read_file(path, kPointFile);
   const Header header = read_header(path, text);
   const auto& version = header.lines.at("VERSION").values;
   if (version.size() != 1 || (version[0] != "0.7" && version[0] != ".7"))

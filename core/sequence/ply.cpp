@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/read_file.h"
 #include "core/geometry/polygon.h"
 #include "core/sequence/ply_file.h"
 
@@ -182,7 +183,7 @@ void write_surface_ply(const fs::path& path, const SurfaceFile& surface, const s
 }
 
 SurfaceFile read_surface_ply(const fs::path& path) {
-  return SurfaceReader(path, read_text(path)).read();
+  return SurfaceReader(path, read_file(path, kPointFile)).read();
 }
 
 }  // namespace uniquadric

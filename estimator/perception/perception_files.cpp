@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/hash.h"
+#include "core/base/read_file.h"
 #include "core/base/resource_usage.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
@@ -197,6 +198,7 @@ FilePlace place_of(std::uint64_t offset, const std::string& bytes) {
 
 // Files of sizes that contradict what they say are damaged.
 std::string read_part(const fs::path& path, std::uint64_t offset, std::uint64_t size) {
+  require_regular_file(path);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path, fmt::format("cannot be read: {}", std::strerror(errno)));
   const std::uint64_t whole = fs::file_size(path);

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
-#include "core/base/files.h"
+#include "core/base/read_file.h"
 #include "core/base/text.h"
 
 namespace uniquadric {
@@ -81,7 +81,7 @@ struct Structure {
 }  // namespace
 
 std::shared_ptr<const octomap::OcTree> read_octree(const std::filesystem::path& path) {
-  const std::string bytes = read_text(path);
+  const std::string bytes = read_file(path, kPointFile);
   const Header header = read_header(path, bytes);
   Structure structure{path, std::string_view(bytes).substr(header.end)};
   if (header.empty) throw InputError(path, "has no voxels");

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/base/files.h"
+#include "core/base/read_file.h"
 #include "core/base/text.h"
 #include "evaluation/report/page.h"
 
@@ -40,7 +40,8 @@ std::vector<Picture> read_pictures(const fs::path& folder) {
   if (!fs::is_directory(folder)) return pictures;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const auto frame = parse_integer(entry.path().stem().string());
-    if (frame && entry.path().extension() == ".jpg") pictures.push_back({*frame, read_text(entry.path())});
+    if (frame && entry.path().extension() == ".jpg")
+      pictures.push_back({*frame, read_file(entry.path(), kImageFile)});
   }
   std::sort(pictures.begin(), pictures.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
   return pictures;

@@ -15,7 +15,7 @@
 #include <stdexcept>
 
 #include "core/base/error.h"
-#include "core/base/files.h"
+#include "core/base/read_file.h"
 #include "core/sequence/image_file.h"
 #include "simulator/scene/mesh_building.h"
 #include "simulator/scene/ply_mesh.h"
@@ -41,7 +41,13 @@ constexpr int kMaxSide_px = 8192;  // of a texture; ours: 200 MB of colour; scan
 class RecordingFiles final : public Assimp::DefaultIOSystem {
  public:
   explicit RecordingFiles(std::vector<fs::path>& opened) : opened_(opened) {}
+  bool Exists(const char* file) const override {  // assimp's own opens it, and waits for ever at a pipe
+    std::error_code error;
+    return fs::exists(file, error);
+  }
   Assimp::IOStream* Open(const char* file, const char* mode = "rb") override {
+    std::error_code error;
+    if (fs::exists(file, error)) require_file(file, kMeshFile);  // what is not there, assimp may do without
     Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
     if (stream && std::find(opened_.begin(), opened_.end(), fs::path(file)) == opened_.end())
       opened_.emplace_back(file);
@@ -82,7 +88,7 @@ void read_texture(std::string name, const fs::path& path, Mesh& mesh, std::vecto
   std::replace(name.begin(), name.end(), '\\', '/');
   name.erase(name.find_last_not_of(" \t\r") + 1);  // material files end lines with blanks
   const fs::path texture = path.parent_path() / name;
-  mesh.texture = to_bgr(decode_image(read_text(texture), kMaxSide_px, texture), texture);
+  mesh.texture = to_bgr(decode_image(read_file(texture, kImageFile), kMaxSide_px, texture), texture);
   if (std::find(files.begin(), files.end(), texture) == files.end()) files.push_back(texture);
 }
 
@@ -139,13 +145,14 @@ ImportedMesh import_ply(const fs::path& path) {
 bool is_ply(const fs::path& path) {
   std::string extension = path.extension().string();
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return extension == ".ply" || read_text(path).starts_with("ply");
+  return extension == ".ply" || read_file(path, kMeshFile).starts_with("ply");
 }
 
 }  // namespace
 
 ImportedMesh import_mesh(const fs::path& path) {
-  if (!fs::is_regular_file(path)) throw InputError(path, "no such mesh file");
+  if (!fs::exists(path)) throw InputError(path, "no such mesh file");
+  require_file(path, kMeshFile);
   if (is_ply(path)) return import_ply(path);
   ImportedMesh result;
   Assimp::Importer importer;

@@ -7,8 +7,8 @@
 
 #include "core/base/config.h"
 #include "core/base/error.h"
-#include "core/base/files.h"
 #include "core/base/hash.h"
+#include "core/base/read_file.h"
 #include "core/sequence/calibration.h"
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
@@ -128,7 +128,7 @@ std::int64_t Scene::stamp_ns(std::int64_t frame) const {
 }
 
 Scene load_scene(const fs::path& path) {
-  const std::string text = read_text(path);
+  const std::string text = read_file(path, kYamlFile);
   const ConfigNode root = ConfigNode::parse(text, path);
   Scene scene;
   std::vector<fs::path> files;

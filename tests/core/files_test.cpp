@@ -1,12 +1,19 @@
 #include "core/base/files.h"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <functional>
 #include <future>
 
+#include "core/base/config.h"
+#include "core/base/hash.h"
+#include "core/base/read_file.h"
+#include "core/base/text.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -142,19 +149,56 @@ TEST(PendingFolder, RefusesALinkToNothingAndTakesOneToAFolder) {
   EXPECT_TRUE(fs::is_directory(link));
 }
 
-TEST(Files, WhatHasNoEndIsRefused) {
+TEST(Files, PipesDevicesAndSocketsAreRefused) {
+  const TempFolder temp;
+  const fs::path pipe = temp.path() / "pipe", link = temp.path() / "link", end = temp.path() / "socket";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody writes: opening it would wait for ever
+  fs::create_symlink(pipe, link);
+  sockaddr_un address{AF_UNIX, {}};
+  ASSERT_LT(end.string().size(), sizeof address.sun_path);
+  end.string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const int socket_end = socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(bind(socket_end, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  for (const fs::path& path : {pipe, link, end, fs::path("/dev/zero")}) {
+    const std::string expected = path.string() + ": is not a regular file";
+    EXPECT_EQ(input_error([&] { read_text(path); }), expected);
+    EXPECT_EQ(input_error([&] { read_file(path, kPointFile); }), expected);
+    EXPECT_EQ(input_error([&] { for_each_line(path, [](int, const auto&) {}); }), expected);
+    EXPECT_EQ(input_error([&] { ConfigNode::load(path); }), expected);
+    EXPECT_EQ(input_error([&] { hash_file(path); }), expected);
+    EXPECT_EQ(input_error([&] { duplicate_file(path, temp.path() / "copy"); }), expected);
+  }
+  close(socket_end);
+  EXPECT_FALSE(fs::exists(temp.path() / "copy"));
+  EXPECT_EQ(input_error([&] { read_text(temp.path()); }),
+            temp.path().string() + ": is a folder, expected a file");
+  EXPECT_EQ(input_error([&] { read_text(temp.path() / "none"); }),
+            temp.path().string() + "/none: cannot be read: No such file or directory");
+}
+
+// Holes: no disk is needed, and none of it is read.
+TEST(Files, AreReadUpToWhatTheirKindHas) {
   const TempFolder temp;
   const fs::path file = temp.path() / "large";
+  const auto refusal = [&](std::uintmax_t bytes, const FileBound& bound) {
+    write_text(file, "");
+    fs::resize_file(file, bytes);
+    return input_error([&] { read_file(file, bound); });
+  };
+  for (const FileBound& bound : {kTextFile, kYamlFile, kImageFile, kMeshFile, kPointFile})
+    EXPECT_EQ(refusal(bound.most_bytes + 1, bound), file.string() + ": is longer than " +
+                                                        std::to_string(bound.most_bytes >> 20) +
+                                                        " MiB, the most of " + bound.kind);
+  const std::string text_refusal = file.string() + ": is longer than 512 MiB, the most of a text file";
+  refusal(std::uintmax_t{1} << 30, kTextFile);
+  EXPECT_EQ(input_error([&] { for_each_line(file, [](int, const auto&) {}); }), text_refusal);
+  EXPECT_EQ(input_error([&] { read_text(file); }), text_refusal);
+  EXPECT_EQ(input_error([&] { ConfigNode::load(file); }),
+            file.string() + ": is longer than 16 MiB, the most of a YAML file");
   write_text(file, "");
-  fs::resize_file(file, (std::uintmax_t{1} << 31) + 1);  // holes: no disk is needed
-  EXPECT_NE(input_error([&] { read_text(file); }).find("is longer than 2048 MiB"), std::string::npos);
-  EXPECT_NE(input_error([] { read_text("/dev/zero"); }).find("is a device"), std::string::npos);
-  int pipe_ends[2];
-  ASSERT_EQ(pipe(pipe_ends), 0);
-  ASSERT_EQ(write(pipe_ends[1], "piped", 5), 5);
-  close(pipe_ends[1]);
-  EXPECT_EQ(read_text("/dev/fd/" + std::to_string(pipe_ends[0])), "piped");
-  close(pipe_ends[0]);
+  fs::resize_file(file, kYamlFile.most_bytes);
+  EXPECT_EQ(read_file(file, kYamlFile).size(), kYamlFile.most_bytes);
+  EXPECT_EQ(read_file("/proc/self/comm", kTextFile).empty(), false);  // whose size is said to be 0
 }
 
 TEST(Files, WriteTextLeavesNoAsideFile) {

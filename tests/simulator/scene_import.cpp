@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
@@ -57,6 +58,34 @@ TEST(MeshImport, ReadsObjWithMaterialAndTexture) {
   EXPECT_EQ(box.min(), Eigen::Vector3d(0, 0, 5));
   EXPECT_EQ(box.max(), Eigen::Vector3d(2, 1, 5));
   EXPECT_EQ(imported.files.size(), 3u);  // mesh, material, texture
+}
+
+// Whether a mesh is one, or names one: none of them is opened, where a pipe would wait and /dev/zero never
+// end.
+TEST(MeshImport, RefusesPipesDevicesAndFilesTooLong) {
+  const ScratchFolder folder("import_pipe");
+  const std::filesystem::path pipe = folder.path() / "pipe", large = folder.path() / "large.mtl";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(refusal(pipe), pipe.string() + ": is not a regular file");
+  const auto with_material = [&](const std::string& name) {
+    std::string text = kSheet;
+    return refusal(folder.write("sheet.obj", text.replace(text.find("sheet.mtl"), 9, name)));
+  };
+  // assimp seeks every name below the mesh's folder
+  for (const std::string name : {"../../../../../../../dev/zero", "pipe"}) {
+    const std::string said = with_material(name);
+    EXPECT_TRUE(said.ends_with("/" + name + ": is not a regular file")) << said;
+  }
+  folder.write("large.mtl", "");
+  std::filesystem::resize_file(large, (std::uintmax_t{1} << 30) + 1);  // holes
+  const std::string said = with_material("large.mtl");
+  EXPECT_TRUE(said.ends_with("is longer than 1024 MiB, the most of a mesh file")) << said;
+  for (const std::string name : {"/dev/zero", "pipe"}) {
+    std::string paint = kPaint;
+    folder.write("sheet.mtl", paint.replace(paint.find("sheet.png"), 9, name));
+    const std::string refused = refusal(folder.write("sheet.obj", kSheet));
+    EXPECT_TRUE(refused.ends_with(name + ": is not a regular file")) << refused;
+  }
 }
 
 TEST(MeshImport, ReadsPly) {
