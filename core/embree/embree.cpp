@@ -69,9 +69,12 @@ void attach_triangles(RTCDeviceTy* device, RTCSceneTy* scene, const std::vector<
   check_embree(device, "adding a mesh to a scene");
 }
 
-void commit_embree_scene(RTCDeviceTy* device, RTCSceneTy* scene) {
-  rtcCommitScene(scene);
-  check_embree(device, "building the hierarchy of a scene");
+void commit_embree_scene(RTCDeviceTy* device, EmbreeScene& scene) {
+  rtcCommitScene(scene.get());
+  const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_NONE) return;
+  static_cast<void>(scene.release());
+  fail(error, "building the hierarchy of a scene");
 }
 
 }  // namespace uniquadric

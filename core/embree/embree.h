@@ -36,6 +36,7 @@ EmbreeScene new_embree_scene(RTCDeviceTy* device);
 /// Adds triangles of indices into `corners`, and copies both.
 void attach_triangles(RTCDeviceTy* device, RTCSceneTy* scene, const std::vector<Eigen::Vector3f>& corners,
                       const std::vector<std::array<std::uint32_t, 3>>& triangles);
-void commit_embree_scene(RTCDeviceTy* device, RTCSceneTy* scene);
+/// A scene that fails is left unreleased: Embree ends the program where it releases one whose threads failed.
+void commit_embree_scene(RTCDeviceTy* device, EmbreeScene& scene);
 
 }  // namespace uniquadric

@@ -69,7 +69,7 @@ SurfaceDistance::SurfaceDistance(std::vector<Eigen::Vector3f> corners,
   state->corners = std::move(corners);
   state->triangles = std::move(triangles);
   attach_triangles(state->device.get(), state->scene.get(), state->corners, state->triangles);
-  commit_embree_scene(state->device.get(), state->scene.get());
+  commit_embree_scene(state->device.get(), state->scene);
   state_ = std::move(state);
 }
 

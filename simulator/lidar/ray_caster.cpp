@@ -81,7 +81,7 @@ RayCaster::RayCaster(const std::vector<Body>& world, const std::vector<Body>& ob
         {.id = static_cast<std::uint16_t>(body.id), .motion = body.motion, .scene = new_scene(device)});
     add_meshes(device, state->parts.back(), body, {}, named(body));
   }
-  for (const Part& part : state->parts) commit_embree_scene(device, part.scene.get());
+  for (Part& part : state->parts) commit_embree_scene(device, part.scene);
   state_ = std::move(state);
 }
 
@@ -101,7 +101,7 @@ CasterScan RayCaster::open(const Eigen::Vector3d& origin, std::int64_t start_ns,
     attach_instance(device, *scan, part, keys, origin, static_cast<double>(start_ns) * 1e-9,
                     static_cast<double>(end_ns) * 1e-9);
   }
-  commit_embree_scene(device, scan->scene.get());
+  commit_embree_scene(device, scan->scene);
   return CasterScan(std::move(scan));
 }
 

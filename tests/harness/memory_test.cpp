@@ -50,7 +50,7 @@ TEST(Memory, EvaluateEndsByNoSignalWhateverIsLeft) {
   };
   ASSERT_EQ(exit_code("unlimited"), 0) << read_text(temp.path() / "said");
   int refused = 0;
-  for (int limit_kb = 100'000; limit_kb <= 600'000; limit_kb += 10'000) {
+  for (int limit_kb = 100'000; limit_kb <= 400'000; limit_kb += 5'000) {
     const int code = exit_code(std::to_string(limit_kb));
     EXPECT_LT(code, 128) << limit_kb << " kB: " << read_text(temp.path() / "said");
     refused += code == 2;
