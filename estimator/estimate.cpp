@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/folder_hashes.h"
 #include "core/base/hash.h"
 #include "core/base/resource_usage.h"
 #include "core/base/seconds.h"
@@ -143,7 +144,7 @@ Perception kept_perception(const Sequence& sequence, const Variant& variant, con
     if (replace != Replace::always) require_own_folder(folder);
     if (replace == Replace::its_own) require_same_sequence(folder, sequence);
     const UsageMeter meter;
-    PendingFolder pending(folder, true);
+    PendingFolder pending(folder, "perception", true);
     perceive_into(pending.path(), sequence, variant, options, key);
     write_usage(pending.path(), meter.used());
     pending.commit();
@@ -153,6 +154,22 @@ Perception kept_perception(const Sequence& sequence, const Variant& variant, con
     throw InputError(folder / "camera.yaml",
                      "is not the camera that this variant looks at the sequence with");
   return perception;
+}
+
+Variant of_camera_alone(Variant variant, const Sequence& sequence) {
+  variant.feedback = Feedback::perception;  // there is no back end
+  const bool has_masks = std::ranges::any_of(sequence.frames, [](const auto& f) { return !f.masks.empty(); });
+  if (has_masks) return variant;
+  variant.perception.segmentation.source = MaskSource::none;
+  variant.perception.aot.enabled = false;
+  return variant;
+}
+
+BackendResult estimate_objects(const Perception& perception, const Variant& variant,
+                               const EstimateOptions& options) {
+  if (options.camera_only) return {};
+  return variant.backend == Backend::single_frame ? estimate_single_frames(perception, variant, options.seed)
+                                                  : estimate_windows(perception, variant, options.seed);
 }
 
 Tracks tracks_of(const Perception& perception, BackendResult& result) {
@@ -268,27 +285,29 @@ void warn_of_the_camera(const Perception& perception, bool has_images) {
 
 // A result with hardly anything in it is one, but should not be taken for a good one. A scan is lost for a
 // reason; an image may show nothing to follow.
-void warn_of_little(const Perception& perception, const Tracks& tracks, bool has_images) {
+void warn_of_little(const Perception& perception, const Tracks& tracks, bool has_images, bool wants_objects) {
   const std::size_t frames = perception.frames().size(), lost = frames - tracks.camera.size();
   if (!has_images && lost > 0)
     warn(fmt::format("{} of {} scans have no pose (run.yaml: frames_without_pose)", lost, frames));
   if (has_images && 2 * lost > frames)
     warn(fmt::format("{} of {} frames have no camera pose (run.yaml: frames_without_pose)", lost, frames));
   warn_of_the_camera(perception, has_images);
-  if (tracks.objects.empty())
+  if (wants_objects && tracks.objects.empty())
     warn(fmt::format("no object has a state (run.yaml counts {})",
                      has_images ? "masks, depth and poses" : "poses"));
 }
 
 }  // namespace
 
-void estimate(const fs::path& sequence_folder, const Variant& variant, const EstimateOptions& options,
+void estimate(const fs::path& sequence_folder, const Variant& wanted, const EstimateOptions& options,
               const fs::path& out) {
   keep_solver_silent();
-  refuse_to_keep_joined(variant, options);
+  if (options.verify) require_unchanged_texts(sequence_folder);
   const Sequence sequence = open_sequence(sequence_folder);
+  const Variant variant = options.camera_only ? of_camera_alone(wanted, sequence) : wanted;
+  refuse_to_keep_joined(variant, options);
   warn_of_the_calibration(sequence);
-  PendingFolder pending(out, options.force);
+  PendingFolder pending(out, "estimate", options.force);
   const auto threads = static_cast<std::size_t>(threads_to_use(options.threads));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   const bool is_own = options.perception.empty();
@@ -301,9 +320,7 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   // from here on, and before it what the perception took, whoever made it and when
   const ResourceUsage before = is_own ? own.used() : read_usage(perceived).value_or(ResourceUsage{});
   const UsageMeter backend;
-  BackendResult result = variant.backend == Backend::single_frame
-                             ? estimate_single_frames(perception, variant, options.seed)
-                             : estimate_windows(perception, variant, options.seed);
+  BackendResult result = estimate_objects(perception, variant, options);
   const int without_state = result.observations_without_state;
   const Tracks tracks = tracks_of(perception, result);
   if (fs::exists(perceived / kMapFile)) duplicate_file(perceived / kMapFile, pending.path() / kMapFile);
@@ -320,13 +337,14 @@ void estimate(const fs::path& sequence_folder, const Variant& variant, const Est
   if (is_own) fs::remove_all(perceived);
   write_usage(pending.path(), before + backend.used());
   pending.commit();
-  warn_of_little(perception, tracks, !sequence.frames.empty());
+  warn_of_little(perception, tracks, !sequence.frames.empty(), !options.camera_only);
 }
 
 void keep_perception(const fs::path& sequence_folder, const Variant& variant,
                      const EstimateOptions& options) {
   keep_solver_silent();
   refuse_to_keep_joined(variant, options);
+  if (options.verify) require_unchanged_texts(sequence_folder);
   const Sequence sequence = open_sequence(sequence_folder);
   warn_of_the_calibration(sequence);
   kept_perception(sequence, variant, options, options.force ? Replace::always : Replace::its_own);

@@ -13,7 +13,9 @@ struct EstimateOptions {
   std::optional<std::uint64_t> perception_seed;  ///< of the perception stage alone; nothing: `seed`
   int threads = 0;                               ///< 0: as many as the machine has
   bool quiet = false;
-  bool force = false;  ///< replace an existing output folder, and a kept perception of another sequence
+  bool force = false;        ///< replace an existing output folder, and a kept perception of another sequence
+  bool camera_only = false;  ///< no objects; masks that the sequence has keep moving ones out of the motion
+  bool verify = true;        ///< the sequence's text files against its hashes.txt
   Prompts prompts;
   std::filesystem::path perception;  ///< where the perception stage's result is kept and taken from; empty:
                                      ///< nowhere

@@ -1,5 +1,8 @@
 #include "estimator/variant.h"
 
+#include <algorithm>
+
+#include "estimator/default_variants.h"
 #include "estimator/objects/body_options.h"
 #include "estimator/option_io.h"
 #include "estimator/perception/perception_options.h"
@@ -41,23 +44,31 @@ void visit(Io& io, Variant& o) {
   io.choice("output", o.output, Choices<Output>{{"causal", Output::causal}, {"final", Output::final}});
 }
 
-}  // namespace
-
-Variant default_variant() {
-  Variant variant;
-  variant.perception.points.smooth_px = 0;  // windows, which all else is for, take the noise off first
-  return variant;
-}
-
-Variant load_variant(const std::filesystem::path& path) {
-  const ConfigNode root = ConfigNode::load(path);
+Variant read_variant(const ConfigNode& root, const std::string& name) {
   root.at("schema");
   Variant variant;
-  variant.name = path.stem().string();
+  variant.name = name;
   OptionReader reader(root);
   visit(reader, variant);
   root.refuse_unknown_keys();
   return variant;
+}
+
+}  // namespace
+
+Variant default_variant(const Sequence& sequence) {
+  const auto read = [](const char* name, const char* text) {
+    return read_variant(ConfigNode::parse(text, std::string(name) + ".yaml"), name);
+  };
+  if (sequence.frames.empty()) return read("lidar_only", kLidarOnlyVariant);
+  const bool has_depth =
+      std::ranges::any_of(sequence.frames, [](const SequenceFrame& frame) { return !frame.depth.empty(); });
+  if (sequence.lidar && !has_depth) return read("superquadric_lidar", kSuperquadricLidarVariant);
+  return read("superquadric", kSuperquadricVariant);
+}
+
+Variant load_variant(const std::filesystem::path& path) {
+  return read_variant(ConfigNode::load(path), path.stem().string());
 }
 
 std::string variant_yaml(const Variant& variant) {

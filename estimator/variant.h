@@ -53,8 +53,9 @@ struct Variant {
   JoinedOptions joined;  // of Feedback::backend
 };
 
-/// What is estimated when nobody says what: configs/variants/single_frame_obb.yaml.
-Variant default_variant();
+/// What is estimated when nobody says what: configs/variants/superquadric.yaml; where depth comes from a
+/// LiDAR, superquadric_lidar.yaml; of scans without images, lidar_only.yaml.
+Variant default_variant(const Sequence& sequence);
 
 /// Reads a variant file (configs/variants). Keys left out have their defaults; an unknown key, a value out of
 /// range or of the wrong kind is an InputError with file and line.

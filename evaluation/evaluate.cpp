@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/folder_hashes.h"
 #include "core/base/warning.h"
 #include "core/sequence/calibration.h"
 #include "core/sequence/sequence.h"
@@ -171,6 +172,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const bool is_simulation =
       !fs::exists(truth_folder / "camera.tum") && fs::is_directory(truth_folder / "truth");
   const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
+  if (options.verify) require_unchanged_texts(truth_path);
   const std::string of_truth = scene_of(truth_path), of_estimate = scene_of(estimate_folder);
   require_one_scene({truth_path, of_truth}, {estimate_folder, of_estimate});
   const bool knows_objects = !fs::exists(truth_path / "sequence.yaml");
@@ -199,7 +201,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   evaluation.map = compare_surroundings(truth_path, estimate_folder, alignment.truth_from_estimate);
   evaluation.timing_ms = read_timing(estimate_folder);
   evaluation.usage = read_usage(estimate_folder);
-  PendingFolder pending(out, options.force);
+  PendingFolder pending(out, "evaluation", options.force);
   write_text(pending.path() / "evaluation.json", evaluation_json(evaluation, options, run_config));
   write_text(pending.path() / "frames.csv", frames_csv(evaluation.objects));
   write_text(pending.path() / "poses.csv", poses_csv(truth, estimate, evaluation));

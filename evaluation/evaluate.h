@@ -16,6 +16,7 @@ struct EvaluateOptions {
   /// else `poses`
   std::optional<AlignmentKind> alignment;
   BodyFrame body_frame = BodyFrame::none;  ///< of objects' pose errors
+  bool verify = true;                      ///< the truth's text files against its hashes.txt
   bool quiet = false;
   bool force = false;  ///< replace an existing output folder
 };

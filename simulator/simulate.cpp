@@ -146,7 +146,7 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
   if (!options.timing.empty() && !fs::is_directory(fs::absolute(options.timing).parent_path()))
     throw InputError(options.timing, "stands in a folder that does not exist");
   check_gl_library(options.gl);
-  PendingFolder pending(out, options.force, true);
+  PendingFolder pending(out, "simulation", options.force, true);
   const fs::path& folder = pending.path();
   discard_other_work(scene, resume_key(scene, options, frames), pending);
   const fs::path log_file = folder / "frames.log";

@@ -64,7 +64,34 @@ void require_no_dangling_link(const fs::path& path) {
                      fmt::format("is a link to {}, which does not exist", fs::read_symlink(path).string()));
 }
 
+void require_replaceable_file(const fs::path& path, bool replace) {
+  if (path.empty()) return;
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(path, error);
+  if (!fs::exists(status)) return;
+  if (!fs::is_regular_file(status)) throw InputError(path, "exists and is not a regular file");
+  if (!replace) throw InputError(path, "exists; give another name or --force");
+}
+
+std::string kind_of_folder(const fs::path& folder) {
+  if (!fs::is_regular_file(folder / kKindFile)) return "";
+  std::string kind;
+  std::ifstream(folder / kKindFile) >> kind;
+  return kind;
+}
+
 namespace {
+// Only what this program wrote may be deleted, and only for what takes its place.
+void require_kind(const fs::path& folder, const std::string& kind) {
+  const std::string found = kind_of_folder(folder);
+  if (found.empty())
+    throw InputError(folder, "was not written by this program, so --force does not replace it");
+  if (found != kind)
+    throw InputError(folder,
+                     fmt::format("holds another kind of result ({}, not {}), so --force does not replace it",
+                                 found, kind));
+}
+
 // A killed process' children are killed after it, and hold its locks until they are gone.
 constexpr auto kLongestDeath = std::chrono::seconds(3);  // ours: they take milliseconds on an idle machine
 constexpr auto kBetweenTries = std::chrono::milliseconds(5);
@@ -121,16 +148,19 @@ FolderLock::~FolderLock() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-PendingFolder::PendingFolder(fs::path final_path, bool replace, bool keep_partial)
+PendingFolder::PendingFolder(fs::path final_path, std::string kind, bool replace, bool keep_partial)
     : final_(without_trailing_slash(std::move(final_path))),
       partial_(final_.string() + ".partial"),
+      kind_(std::move(kind)),
       keep_partial_(keep_partial) {
   std::error_code error;
   if (final_.empty()) throw InputError("the output folder has no name");
   require_no_dangling_link(final_);
   if (fs::exists(final_) && !fs::is_directory(final_)) throw InputError(final_, "exists and is not a folder");
-  if (!replace && fs::exists(final_) && !fs::is_empty(final_))
-    throw InputError(final_, "exists and is not empty; give another folder or --force");
+  if (fs::exists(final_) && !fs::is_empty(final_)) {
+    if (!replace) throw InputError(final_, "exists and is not empty; give another folder or --force");
+    require_kind(final_, kind_);
+  }
   if (fs::exists(partial_) && !fs::exists(partial_ / kPartialMarker) &&
       !(fs::is_directory(partial_) && fs::is_empty(partial_)))
     throw InputError(partial_, fmt::format("is in the way of {}, and nothing that was left behind; move it",
@@ -165,6 +195,7 @@ bool PendingFolder::swap() const {
 }
 
 void PendingFolder::commit() {
+  write_text(partial_ / kKindFile, kind_ + "\n");
   if (!fs::exists(final_)) {
     fs::rename(partial_, final_);
   } else if (!swap()) {

@@ -27,6 +27,11 @@ void duplicate_file(const std::filesystem::path& from, const std::filesystem::pa
 /// Throws InputError for a link to nothing: neither a place to write to nor a new one.
 void require_no_dangling_link(const std::filesystem::path& path);
 
+/// Makes sure that a file can be written at `path` without harm; an empty path is none. Throws InputError for
+/// what exists and is not a regular file (a folder, a link, a device, a pipe), and for a regular file unless
+/// `replace`.
+void require_replaceable_file(const std::filesystem::path& path, bool replace);
+
 /// A folder that one process at a time writes, and those forked from it. Holds nothing where there is no such
 /// folder.
 class FolderLock {
@@ -45,14 +50,20 @@ class FolderLock {
 /// Name of the file in a PendingFolder's partial folder, so that nothing of anybody else is taken for one.
 inline constexpr const char* kPartialMarker = ".uniquadric_partial";
 
+/// Name of the file that says what a folder of this program is: its kind in one line.
+inline constexpr const char* kKindFile = ".uniquadric";
+
+/// The kind of a folder that this program wrote; empty for any other.
+std::string kind_of_folder(const std::filesystem::path& folder);
+
 /// A folder that appears under its final name only when complete: work goes to `path()` (a sibling named
-/// OUT.partial), `commit()` renames it to OUT. Left uncommitted, the partial folder is removed, unless
-/// `keep_partial` asks for it to stay for a later resume.
+/// OUT.partial), `commit()` renames it to OUT, with kKindFile in it. Left uncommitted, the partial folder is
+/// removed, unless `keep_partial` asks for it to stay for a later resume.
 class PendingFolder {
  public:
-  /// Throws InputError when `final_path` exists as anything but an empty folder and `replace` is false, and
-  /// when OUT.partial exists and no PendingFolder made it.
-  PendingFolder(std::filesystem::path final_path, bool replace, bool keep_partial = false);
+  /// Throws InputError when `final_path` exists as anything but an empty folder, unless `replace` is true and
+  /// it is a folder of the same `kind`; and when OUT.partial exists and no PendingFolder made it.
+  PendingFolder(std::filesystem::path final_path, std::string kind, bool replace, bool keep_partial = false);
   ~PendingFolder();
   PendingFolder(const PendingFolder&) = delete;
   PendingFolder& operator=(const PendingFolder&) = delete;
@@ -64,6 +75,7 @@ class PendingFolder {
  private:
   bool swap() const;
   std::filesystem::path final_, partial_;
+  std::string kind_;
   std::optional<FolderLock> lock_;  // of the partial folder
   bool keep_partial_, committed_ = false;
 };

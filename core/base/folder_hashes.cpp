@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
+#include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/hash.h"
 #include "core/base/text.h"
@@ -17,12 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kHashDigits = 16, kNameColumn = kHashDigits + 2;  // of a line: hash, two blanks, path
 
-// Paths below the folder of all files but the list of hashes itself and the mark of a folder in the making.
+// Paths below the folder of all files but the list of hashes itself and the marks of what the folder is.
 std::vector<std::string> list_files(const fs::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file()) names.push_back(entry.path().lexically_relative(folder).generic_string());
-  for (const char* own : {kHashesFile, kPartialMarker}) std::erase(names, own);
+  for (const char* own : {kHashesFile, kPartialMarker, kKindFile}) std::erase(names, own);
   return names;
 }
 
@@ -62,6 +64,23 @@ bool holds_all_of(std::string_view list, const fs::path& folder) {
     begin = end + 1;
   }
   return !list.empty();
+}
+
+void require_unchanged_texts(const fs::path& folder) {
+  static const std::set<std::string> kTexts = {".tum", ".csv", ".yaml", ".txt"};
+  const fs::path list = folder / kHashesFile;
+  if (!fs::exists(list)) return;
+  for_each_line(list, [&](int line, const std::vector<std::string_view>& fields) {
+    if (fields.size() != 2) throw InputError(list, line, "expected: hash path");
+    const fs::path file = folder / fields[1];
+    if (!kTexts.contains(file.extension().string())) return;
+    if (!fs::is_regular_file(file))
+      throw InputError(file, fmt::format("is missing, but stands in {}", kHashesFile));
+    if (hex(hash_file(file)) != fields[0])
+      throw InputError(
+          file, fmt::format("is not as {} says: it was edited or damaged; --no-verify takes it as it is",
+                            kHashesFile));
+  });
 }
 
 std::vector<std::string> check_hashes(const fs::path& folder, int threads) {

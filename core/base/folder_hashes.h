@@ -22,6 +22,11 @@ std::string list_hashes(const std::filesystem::path& folder, int threads = 0);
 /// empty list is no list.
 bool holds_all_of(std::string_view list, const std::filesystem::path& folder);
 
+/// Throws InputError for the first text file (TUM, CSV, YAML, lists) that differs from the folder's
+/// hashes.txt, or is missing; nothing where there is no such list. Images and scans are not read: `info
+/// --check` does that.
+void require_unchanged_texts(const std::filesystem::path& folder);
+
 /// What has changed in a folder since: a line each for files that differ, are missing, or came since, and for
 /// lines of hashes.txt that cannot be read. None when there is no hashes.txt.
 std::vector<std::string> check_hashes(const std::filesystem::path& folder, int threads = 0);

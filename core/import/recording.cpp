@@ -76,7 +76,7 @@ void write_truth(const RecordedTruth& truth, const Camera& camera, const fs::pat
 }  // namespace
 
 void write_recording(const Recording& recording, const ImportOptions& options, const fs::path& out) {
-  PendingFolder pending(out, options.force);
+  PendingFolder pending(out, "recording", options.force);
   if (recording.is_sequence_alone) {
     write_sequence(recording, options, pending.path());
   } else {

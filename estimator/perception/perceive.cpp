@@ -222,7 +222,8 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
   const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
   check_sequence(sequence, segmenter, poses, by_lidar, options.depth == DepthSource::images);
-  const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence;
+  const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence &&
+                           segmenter.source != MaskSource::none;
   if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
   FeatureTracker features(sequence.camera, options.features, run.seed);
   RgbdOdometry odometry(sequence.camera, options.odometry, run.seed);

@@ -293,7 +293,7 @@ void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_cam
 
 std::vector<fs::path> foreign_files(const fs::path& folder) {
   const std::set<std::string> own = {"perception.yaml", "camera.yaml", "camera.tum", kObservations,
-                                     "timing.csv",      kUsageFile,    kMapFile};
+                                     "timing.csv",      kUsageFile,    kMapFile,     kKindFile};
   std::vector<fs::path> foreign;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path name = entry.path().filename();

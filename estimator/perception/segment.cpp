@@ -145,6 +145,8 @@ cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const Segm
     case MaskSource::automatic:
     case MaskSource::sequence:
       break;
+    case MaskSource::none:
+      return cv::Mat::zeros(camera.height, camera.width, CV_16UC1);
     case MaskSource::grabcut_depth:
       return masks_of_boxes(boxes_of(segmenter, input), options.grabcut_depth, camera, input, seed);
     case MaskSource::depth_motion:
@@ -163,7 +165,8 @@ cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const Segm
 cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const SequenceFrame& frame,
                 const cv::Mat& depth, std::uint64_t seed) {
   if (!has_something_for(segmenter, frame)) return {};
-  const cv::Mat rgb = segmenter.source == MaskSource::sequence ? cv::Mat() : read_rgb(sequence, frame);
+  const bool needs_colours = segmenter.source != MaskSource::sequence && segmenter.source != MaskSource::none;
+  const cv::Mat rgb = needs_colours ? read_rgb(sequence, frame) : cv::Mat();
   return segment(segmenter, sequence, {frame, rgb, depth, {}}, seed);
 }
 

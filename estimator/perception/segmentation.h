@@ -25,6 +25,7 @@ enum class MaskSource {
   depth_motion,  ///< parts of the depth image off its planes, split by motion: everything, or those at points
   sam,           ///< a SAM-style encoder and decoder (ONNX): everything, points or boxes
   detector,      ///< a YOLOX detector (ONNX) whose boxes go to grabcut_depth: everything
+  none,          ///< no objects: all is background
 };
 
 struct SegmentationOptions {

@@ -65,7 +65,8 @@ void visit(Io& io, SegmentationOptions& o) {
                                 {"grabcut_depth", MaskSource::grabcut_depth},
                                 {"depth_motion", MaskSource::depth_motion},
                                 {"sam", MaskSource::sam},
-                                {"detector", MaskSource::detector}});
+                                {"detector", MaskSource::detector},
+                                {"none", MaskSource::none}});
   io.section("grabcut_depth", [&](auto& inner) { visit(inner, o.grabcut_depth); });
   io.section("depth_parts", [&](auto& inner) { visit(inner, o.depth_parts); });
   io.section("motion_split", [&](auto& inner) { visit(inner, o.motion_split); });

@@ -157,7 +157,7 @@ void write_overlays(const fs::path& sequence_folder, const fs::path& truth_folde
                                          ? read_visibility(visibility_file)
                                          : VisibilityTable{};
   const std::size_t n = std::min(sequence.frames.size(), static_cast<std::size_t>(std::max(count, 0)));
-  PendingFolder folder(out, force);
+  PendingFolder folder(out, "overlays", force);
   for (const std::size_t i : evenly_spaced(sequence.frames.size(), n)) {
     const SequenceFrame& frame = sequence.frames[i];
     Canvas canvas = make_canvas(read_rgb(sequence, frame), sequence.camera, kWidth_px);

@@ -156,18 +156,19 @@ bool holds_results(const fs::path& out) {
 }
 
 // Stages and reports overwrite what bears their names.
-void require_results_folder(const fs::path& out, bool force) {
+void require_results_folder(const fs::path& out, bool collects) {
   require_no_dangling_link(out);
   if (!fs::exists(out)) return;
   if (!fs::is_directory(out)) throw InputError(out, "exists and is not a folder");
-  if (force || fs::is_empty(out) || holds_results(out)) return;
-  throw InputError(out, "is not empty and holds no results of bench; give another folder or --force");
+  const bool is_engines = collects && fs::is_directory(out / "cells");  // stages were run without bench
+  if (is_engines || fs::is_empty(out) || holds_results(out)) return;
+  throw InputError(out, "is not empty and holds no results of bench; give another folder");
 }
 
 }  // namespace
 
 int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& options) {
-  require_results_folder(out, options.force);
+  require_results_folder(out, options.collect);
   BenchPlan plan = plan_bench(config_file, out);
   fs::create_directories(out);
   const FolderLock lock(out, out);

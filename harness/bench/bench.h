@@ -8,7 +8,6 @@ namespace uniquadric {
 struct BenchOptions {
   int jobs = 0;  ///< stages at once; 0: as many as the machine has cores
   bool quiet = false;
-  bool force = false;           ///< write into a folder that holds other things than results of bench
   bool keep_sequences = false;  ///< beside the configuration's own wish
   bool collect = false;         ///< run no stage: the report of what is there
   std::string command;          ///< the command line, for the report

@@ -331,8 +331,7 @@ void print_plan(const BenchPlan& plan, const fs::path& bench_file, std::ostream&
   }
   out << ordered_json{{"stage", "report"},
                       {"folder", plan.out.string()},
-                      {"command",
-                       {"bench", bench_file.string(), plan.out.string(), "--collect", "--force", "--quiet"}}}
+                      {"command", {"bench", bench_file.string(), plan.out.string(), "--collect", "--quiet"}}}
       << '\n';
 }
 

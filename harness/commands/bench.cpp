@@ -26,10 +26,8 @@ void add_bench(CLI::App& app, Common& common) {
   sub->add_flag("--plan", plan,
                 "run nothing: print the stages' commands as JSON lines, for a workflow engine");
   sub->add_flag("--collect", options.collect, "run no stage: write the report of what is in OUT");
-  sub->add_flag("--force", common.force, "write into OUT though it holds other things than results");
   sub->callback([&common] {
     options.quiet = common.quiet;
-    options.force = common.force;
     options.command = common.command;
     require_apart(out, {config});
     if (plan) return print_plan(plan_bench(config, out), config, std::cout);

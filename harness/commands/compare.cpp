@@ -86,8 +86,12 @@ void add_compare(CLI::App& app, Common& common) {
   sub->add_flag("--json", as_json, "as JSON instead of a table");
   sub->add_option("--markdown", markdown, "file to write, for pasting into a pull request");
   sub->add_option("--junit", junit, "JUnit XML file to write: a test case for each metric");
+  add_force(sub, common)->description("replace the files of --markdown and --junit");
   sub->callback([&common, of_a] {
-    for (const std::string& file : {markdown, junit}) require_apart(file, {a, b});
+    for (const std::string& file : {markdown, junit}) {
+      require_apart(file, {a, b});
+      require_replaceable_file(file, common.force);
+    }
     ScoreSelection of_a_side{std::nullopt, metrics}, of_b_side{std::nullopt, metrics};
     if (of_a->count() > 0) of_a_side.variant = variant_a, of_b_side.variant = variant_b;
     const ScoreComparison comparison = compare(a, b, of_a_side, of_b_side, ignored, options);

@@ -9,6 +9,7 @@
 #include "core/base/apart.h"
 #include "core/base/error.h"
 #include "core/base/warning.h"
+#include "core/sequence/sequence.h"
 #include "estimator/estimate.h"
 #include "harness/commands/options.h"
 #include "harness/estimate_text.h"
@@ -20,7 +21,7 @@ namespace {
 
 // Options that only our own estimator has; those of `sub` that were given are refused.
 void refuse_own_options(const CLI::App* sub, const std::string& variant) {
-  for (const char* option : {"--perception", "--perception-seed", "--output"})
+  for (const char* option : {"--perception", "--perception-seed", "--output", "--camera-only"})
     if (sub->get_option(option)->count() > 0)
       throw InputError(variant, fmt::format("is a variant with a command, which takes no {}", option));
 }
@@ -35,7 +36,7 @@ void add_estimate(CLI::App& app, Common& common) {
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
   sub->add_option("OUT", out, "folder for the estimate")->required();
   sub->add_option("--perception", perception, "folder that keeps the perception stage's result, or has it");
-  sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
+  sub->add_option("--variant", variant, "variant file (YAML); default: ours for the sequence's sensors");
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
   static std::uint64_t perception_seed = 0;
   auto* own_seed = sub->add_option("--perception-seed", perception_seed,
@@ -46,6 +47,8 @@ void add_estimate(CLI::App& app, Common& common) {
       sub->add_option("--output", output,
                       "states as of their frame (causal) or of the end (final), instead of the variant's")
           ->check(CLI::IsMember({"causal", "final"}));
+  sub->add_flag("--camera-only", options.camera_only, "follow the camera or LiDAR alone: no objects");
+  add_no_verify(sub, options.verify);
   add_stage_options(sub, common);
   sub->callback([&common, sub, as_of, own_seed] {
     if (own_seed->count() > 0) options.perception_seed = perception_seed;
@@ -59,10 +62,10 @@ void add_estimate(CLI::App& app, Common& common) {
     if (!variant.empty() && is_external(variant)) {
       refuse_own_options(sub, variant);
       const ExternalVariant external = load_external_variant(variant);
-      const ExternalOptions run{options.seed, options.prompts.path, options.force};
+      const ExternalOptions run{options.seed, options.prompts.path, options.force, options.verify};
       return make_stage(common, out, [&] { run_external(sequence, external, run, out); });
     }
-    Variant chosen = variant.empty() ? default_variant() : load_variant(variant);
+    Variant chosen = variant.empty() ? default_variant(open_sequence(sequence)) : load_variant(variant);
     if (as_of->count() > 0) chosen.output = output == "causal" ? Output::causal : Output::final;
     make_stage(common, out, [&] {
       const auto start = std::chrono::steady_clock::now();
@@ -82,9 +85,10 @@ void add_perceive(CLI::App& app, Common& common) {
   static EstimateOptions options;
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
   sub->add_option("OUT", out, "folder for its result, for estimate's --perception")->required();
-  sub->add_option("--variant", variant, "variant file (YAML); default: single_frame_obb");
+  sub->add_option("--variant", variant, "variant file (YAML); default: ours for the sequence's sensors");
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
   sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
+  add_no_verify(sub, options.verify);
   add_stage_options(sub, common);
   sub->callback([&common] {
     options.threads = common.threads;
@@ -93,7 +97,7 @@ void add_perceive(CLI::App& app, Common& common) {
     options.perception = out;
     options.prompts = parse_prompts(prompt);
     require_apart(out, {sequence, variant, options.prompts.path});
-    const Variant chosen = variant.empty() ? default_variant() : load_variant(variant);
+    const Variant chosen = variant.empty() ? default_variant(open_sequence(sequence)) : load_variant(variant);
     make_stage(common, out, [&] { keep_perception(sequence, chosen, options); });
   });
 }

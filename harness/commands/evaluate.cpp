@@ -32,6 +32,7 @@ void add_evaluate(CLI::App& app, Common& common) {
   static std::string body_frame = "none";
   sub->add_option("--body-frame", body_frame, "each object's frame with the true one, for its pose errors")
       ->check(CLI::IsMember({"none", "first", "fit"}));
+  add_no_verify(sub, options.verify);
   add_stage_options(sub, common);
   sub->callback([&common] {
     options.quiet = common.quiet;

@@ -38,8 +38,13 @@ CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& 
   return sub;
 }
 
-void add_force(CLI::App* sub, Common& common) {
-  sub->add_flag("--force", common.force, "replace OUT when it exists");
+CLI::Option* add_force(CLI::App* sub, Common& common) {
+  return sub->add_flag("--force", common.force,
+                       "replace OUT, if this program wrote it as the same kind of result");
+}
+
+void add_no_verify(CLI::App* sub, bool& verify) {
+  sub->add_flag("!--no-verify", verify, "do not compare the input's text files with its hashes.txt");
 }
 
 void add_stage_options(CLI::App* sub, Common& common) {

@@ -8,6 +8,7 @@
 
 namespace CLI {
 class App;
+class Option;
 class Validator;
 }  // namespace CLI
 
@@ -37,7 +38,10 @@ CLI::Validator at_least_0();
 /// A subcommand with the options that every one has: --quiet, --threads.
 CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& what, Common& common);
 
-void add_force(CLI::App* sub, Common& common);
+CLI::Option* add_force(CLI::App* sub, Common& common);
+
+/// --no-verify, which takes an input whose text files are not as its hashes.txt says.
+void add_no_verify(CLI::App* sub, bool& verify);
 
 /// Options of a subcommand that is a stage of a bench: --force and --key.
 void add_stage_options(CLI::App* sub, Common& common);

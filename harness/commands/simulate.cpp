@@ -57,6 +57,7 @@ void add_simulate(CLI::App& app, Common& common) {
     require_apart(out, {scene});
     require_apart(options.timing, {scene});
     require_apart(routes, {scene});
+    require_replaceable_file(options.timing, common.force);
     Scene loaded = load_scene(scene);
     scale_noise(loaded, noise_scale);
     make_stage(common, out, [&] {
@@ -74,8 +75,10 @@ void add_preview(CLI::App& app, Common& common) {
   sub->add_option("OUT", out, "the picture (JPEG)")->required();
   sub->add_option("--frames", options.frames, "how many, side by side")->check(whole_number(1, 100));
   sub->add_option("--width", options.width_px, "of the picture, in pixels")->check(whole_number(1, 16384));
-  sub->callback([] {
+  add_force(sub, common);
+  sub->callback([&common] {
     require_apart(out, {scene});
+    require_replaceable_file(out, common.force);
     write_preview(load_scene(scene), options, out);
   });
 }

@@ -86,7 +86,8 @@ void add_trajectory(CLI::App& app, Common& common) {
   sub->add_option("--compat", compat, "choose steps as evo does")->check(CLI::IsMember({"evo"}));
   sub->add_flag("--json", as_json, "as JSON instead of a table");
   sub->add_option("--plot", plot, "picture of the paths and errors to write: .svg or .png");
-  sub->callback([sub] {
+  add_force(sub, common)->description("replace the file of --plot");
+  sub->callback([sub, &common] {
     require_used(*sub, align, relation);
     const auto write_picture = plot.empty() ? nullptr : picture_writer(plot);
     TrajectoryOptions options = trajectory_options(align, relation, part, delta, max_dt_s);
@@ -98,6 +99,7 @@ void add_trajectory(CLI::App& app, Common& common) {
     options.drift = drift;
     options.kitti = kitti;
     require_apart(plot, {reference, estimate_file});
+    require_replaceable_file(plot, common.force);
     const TrajectoryComparison comparison = compare_trajectories(reference, estimate_file, options);
     if (const auto fault = spread_fault(comparison.pairs.reference, comparison.pairs.estimate);
         fault && !fits_scale(options.alignment))

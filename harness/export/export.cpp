@@ -43,7 +43,7 @@ void export_sequence(const std::string& format, const fs::path& sequence, const 
     throw InputError(
         fmt::format("export format '{}' is none of {}", format, fmt::join(export_formats(), ", ")));
   const ExportSource source = open_export_source(sequence, options.truth);
-  PendingFolder pending(out, options.force);
+  PendingFolder pending(out, "export", options.force);
   found->write(source, options, pending.path());
   pending.commit();
 }

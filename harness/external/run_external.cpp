@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/folder_hashes.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/base/warning.h"
@@ -162,10 +163,11 @@ std::string run_yaml(const ExternalVariant& variant, const ExternalOptions& opti
 
 void run_external(const fs::path& sequence_folder, const ExternalVariant& variant,
                   const ExternalOptions& options, const fs::path& out) {
+  if (options.verify) require_unchanged_texts(sequence_folder);
   const Sequence sequence = open_sequence(sequence_folder);
   require_sensors(variant, sequence);
   refuse_to_show_the_truth(variant, sequence_folder);
-  PendingFolder pending(out, options.force);
+  PendingFolder pending(out, "estimate", options.force);
   const bool is_isolated = can_isolate();
   if (!is_isolated)
     warn(fmt::format("{} is not isolated: bubblewrap (bwrap) cannot run here, so it could open the truth",

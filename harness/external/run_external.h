@@ -11,6 +11,7 @@ struct ExternalOptions {
   std::uint64_t seed = 0;
   std::filesystem::path prompt;  ///< file or folder; empty: none
   bool force = false;            ///< replace an existing output folder
+  bool verify = true;            ///< the sequence's text files against its hashes.txt
 };
 
 /// Runs a variant's program on a sequence folder and makes of its result a whole estimate folder at `out`

@@ -24,7 +24,7 @@ TEST(PendingFolder, AppearsOnlyWhenCommitted) {
   const TempFolder temp;
   const fs::path out = temp.path() / "out";
   {
-    PendingFolder pending(out, false);
+    PendingFolder pending(out, "test", false);
     write_text(pending.path() / "a.txt", "a");
     EXPECT_FALSE(fs::exists(out));
     pending.commit();
@@ -35,18 +35,18 @@ TEST(PendingFolder, AppearsOnlyWhenCommitted) {
 
 TEST(PendingFolder, LeavesNothingBehindWhenAbandoned) {
   const TempFolder temp;
-  { const PendingFolder pending(temp.path() / "out", false); }
+  { const PendingFolder pending(temp.path() / "out", "test", false); }
   EXPECT_TRUE(fs::is_empty(temp.path()));
 }
 
 TEST(PendingFolder, ReplacesOnlyWhenAsked) {
   const TempFolder temp;
   const fs::path out = temp.path() / "out";
-  fs::create_directory(out);
+  PendingFolder(out, "test", false).commit();
   write_text(out / "old.txt", "old");
-  EXPECT_NE(input_error([&] { PendingFolder(out, false); }).find("not empty"), std::string::npos);
+  EXPECT_NE(input_error([&] { PendingFolder(out, "test", false); }).find("not empty"), std::string::npos);
   {
-    PendingFolder pending(out.string() + "/", true);  // a trailing slash names the same folder
+    PendingFolder pending(out.string() + "/", "test", true);  // a trailing slash names the same folder
     write_text(pending.path() / "new.txt", "new");
     EXPECT_TRUE(fs::exists(out / "old.txt"));
     pending.commit();
@@ -55,13 +55,46 @@ TEST(PendingFolder, ReplacesOnlyWhenAsked) {
   EXPECT_TRUE(fs::exists(out / "new.txt"));
 }
 
+TEST(PendingFolder, ReplacesNothingButItsOwnKind) {
+  const TempFolder temp;
+  const fs::path out = temp.path() / "out";
+  fs::create_directories(out / ".git");
+  EXPECT_EQ(input_error([&] { PendingFolder(out, "test", true); }),
+            out.string() + ": was not written by this program, so --force does not replace it");
+  EXPECT_TRUE(fs::exists(out / ".git"));
+  fs::remove_all(out);
+  PendingFolder(out, "sequence", false).commit();
+  EXPECT_EQ(kind_of_folder(out), "sequence");
+  EXPECT_EQ(
+      input_error([&] { PendingFolder(out, "test", true); }),
+      out.string() + ": holds another kind of result (sequence, not test), so --force does not replace it");
+  EXPECT_EQ(kind_of_folder(out), "sequence");
+}
+
+TEST(ReplaceableFile, IsARegularOneThatMayBeReplacedOrNone) {
+  const TempFolder temp;
+  const fs::path file = temp.path() / "file", link = temp.path() / "link", pipe = temp.path() / "pipe";
+  EXPECT_NO_THROW(require_replaceable_file(file, false));
+  EXPECT_NO_THROW(require_replaceable_file("", false));
+  write_text(file, "mine");
+  EXPECT_EQ(input_error([&] { require_replaceable_file(file, false); }),
+            file.string() + ": exists; give another name or --force");
+  EXPECT_NO_THROW(require_replaceable_file(file, true));
+  fs::create_symlink(file, link);
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const fs::path& other : {link, pipe, temp.path(), fs::path("/dev/null")})
+    EXPECT_NE(input_error([&] { require_replaceable_file(other, true); }).find("is not a regular file"),
+              std::string::npos)
+        << other;
+}
+
 TEST(PendingFolder, LeavesFoldersOfOthersAlone) {
   const TempFolder temp;
   const fs::path out = temp.path() / "out";
   fs::create_directories(temp.path() / "out.partial");
   write_text(temp.path() / "out.partial" / "notes", "mine");
   for (const bool keep_partial : {false, true})
-    EXPECT_NE(input_error([&] { PendingFolder(out, true, keep_partial); }).find("in the way"),
+    EXPECT_NE(input_error([&] { PendingFolder(out, "test", true, keep_partial); }).find("in the way"),
               std::string::npos);
   EXPECT_EQ(read_text(temp.path() / "out.partial" / "notes"), "mine");
   fs::remove_all(temp.path() / "out.partial");
@@ -69,8 +102,10 @@ TEST(PendingFolder, LeavesFoldersOfOthersAlone) {
     fs::create_directories(temp.path() / name);
     write_text(temp.path() / name / "notes", name);
   }
-  PendingFolder(out, true).commit();
-  EXPECT_TRUE(fs::is_empty(out));
+  fs::remove_all(out);
+  PendingFolder(out, "test", false).commit();
+  PendingFolder(out, "test", true).commit();
+  EXPECT_EQ(std::distance(fs::directory_iterator(out), {}), 1);  // the mark of its kind
   EXPECT_EQ(read_text(temp.path() / "out.old" / "notes"), "out.old");
   EXPECT_EQ(read_text(temp.path() / "out.old0" / "notes"), "out.old0");
 }
@@ -80,15 +115,15 @@ TEST(PendingFolder, WhatAKilledProcessLeftIsClearedAwayOrGoneOnWith) {
   const fs::path out = temp.path() / "out";
   const pid_t child = fork();
   if (child == 0) {
-    const PendingFolder pending(out, false);
+    const PendingFolder pending(out, "test", false);
     write_text(pending.path() / "half", "done");
     _exit(0);  // as by a signal: no destructor runs
   }
   ASSERT_EQ(waitpid(child, nullptr, 0), child);
   ASSERT_TRUE(fs::exists(temp.path() / "out.partial/half"));
-  EXPECT_TRUE(fs::exists(PendingFolder(out, false, true).path() / "half"));
+  EXPECT_TRUE(fs::exists(PendingFolder(out, "test", false, true).path() / "half"));
   {
-    PendingFolder pending(out, false);
+    PendingFolder pending(out, "test", false);
     EXPECT_FALSE(fs::exists(pending.path() / "half"));
     pending.commit();
   }
@@ -98,18 +133,18 @@ TEST(PendingFolder, WhatAKilledProcessLeftIsClearedAwayOrGoneOnWith) {
 
 TEST(PendingFolder, TakesOneWriterAtATime) {
   const TempFolder temp;
-  PendingFolder first(temp.path() / "out", false);
+  PendingFolder first(temp.path() / "out", "test", false);
   write_text(first.path() / "a.txt", "a");
   const auto second = [&](bool keep_partial) {
     return std::async(std::launch::async, [&, keep_partial] {
-      return input_error([&] { PendingFolder(temp.path() / "out", false, keep_partial); });
+      return input_error([&] { PendingFolder(temp.path() / "out", "test", false, keep_partial); });
     });
   };
   auto keeping = second(true), clearing = second(false);  // at once: both wait for what may be dying
   EXPECT_NE(keeping.get().find("another process"), std::string::npos);
   EXPECT_NE(clearing.get().find("another process"), std::string::npos);
   EXPECT_EQ(read_text(first.path() / "a.txt"), "a");
-  EXPECT_NE(input_error([] { PendingFolder("", false); }).find("no name"), std::string::npos);
+  EXPECT_NE(input_error([] { PendingFolder("", "test", false); }).find("no name"), std::string::npos);
 }
 
 // A killed process' workers are killed after it.
@@ -118,13 +153,13 @@ TEST(PendingFolder, WaitsForAWriterThatIsDying) {
   const fs::path out = temp.path() / "out", half = temp.path() / "out.partial/half";
   const pid_t child = fork();
   if (child == 0) {
-    const PendingFolder pending(out, false);
+    const PendingFolder pending(out, "test", false);
     write_text(half, "done");
     usleep(200'000);
     _exit(0);  // as by a signal: no destructor runs
   }
   while (!fs::exists(half) && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
-  PendingFolder(out, false).commit();
+  PendingFolder(out, "test", false).commit();
   EXPECT_TRUE(fs::is_empty(out));
   ASSERT_EQ(waitpid(child, nullptr, 0), child);
 }
@@ -132,7 +167,7 @@ TEST(PendingFolder, WaitsForAWriterThatIsDying) {
 TEST(PendingFolder, RefusesToReplaceAFile) {
   const TempFolder temp;
   write_text(temp.path() / "out", "precious");
-  EXPECT_NE(input_error([&] { PendingFolder(temp.path() / "out", true); }).find("not a folder"),
+  EXPECT_NE(input_error([&] { PendingFolder(temp.path() / "out", "test", true); }).find("not a folder"),
             std::string::npos);
   EXPECT_EQ(read_text(temp.path() / "out"), "precious");
 }
@@ -141,11 +176,12 @@ TEST(PendingFolder, RefusesALinkToNothingAndTakesOneToAFolder) {
   const TempFolder temp;
   const fs::path link = temp.path() / "link";
   fs::create_symlink(temp.path() / "nothing", link);
-  EXPECT_NE(input_error([&] { PendingFolder(link, true); }).find("link: is a link to "), std::string::npos);
+  EXPECT_NE(input_error([&] { PendingFolder(link, "test", true); }).find("link: is a link to "),
+            std::string::npos);
   EXPECT_FALSE(fs::exists(temp.path() / "nothing"));
   EXPECT_FALSE(fs::exists(link.string() + ".partial"));
   fs::create_directory(temp.path() / "nothing");
-  PendingFolder(link, false).commit();
+  PendingFolder(link, "test", false).commit();
   EXPECT_TRUE(fs::is_directory(link));
 }
 

@@ -67,5 +67,28 @@ TEST(FolderHashes, AListHoldsWhileItsFilesAreTheSameAndMayHaveCompany) {
   EXPECT_FALSE(holds_all_of(list, temp.path())) << "missing";
 }
 
+// A damaged list, an edited text or a missing one; images are not looked at.
+TEST(FolderHashes, TextsThatAreNotAsListedAreRefused) {
+  const TempFolder temp;
+  const fs::path folder = temp.path();
+  fs::create_directories(folder / "objects");
+  for (const char* name : {"objects/1.tum", "objects.yaml", "image.png"})
+    write_text(folder / name, "as it was");
+  EXPECT_NO_THROW(require_unchanged_texts(folder));  // there is no list
+  write_hashes(folder);
+  write_text(folder / "image.png", "edited");
+  EXPECT_NO_THROW(require_unchanged_texts(folder));
+  write_text(folder / "objects/1.tum", "edited");
+  EXPECT_EQ(input_error([&] { require_unchanged_texts(folder); }),
+            (folder / "objects/1.tum").string() +
+                ": is not as hashes.txt says: it was edited or damaged; --no-verify takes it as it is");
+  fs::remove(folder / "objects/1.tum");
+  EXPECT_EQ(input_error([&] { require_unchanged_texts(folder); }),
+            (folder / "objects/1.tum").string() + ": is missing, but stands in hashes.txt");
+  write_text(folder / "hashes.txt", "damaged\n");
+  EXPECT_EQ(input_error([&] { require_unchanged_texts(folder); }),
+            (folder / "hashes.txt").string() + ":1: expected: hash path");
+}
+
 }  // namespace
 }  // namespace uniquadric

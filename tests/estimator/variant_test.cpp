@@ -143,10 +143,22 @@ TEST(VariantFile, ThoseOfTheProjectLoadUnderTheirOwnNames) {
   EXPECT_GE(loaded, 1);
 }
 
-TEST(VariantFile, TheDefaultIsTheBaselinesFile) {
-  EXPECT_EQ(variant_yaml(default_variant()),
-            variant_yaml(load_variant(std::string(UNIQUADRIC_SOURCE_DIR) +
-                                      "/configs/variants/single_frame_obb.yaml")));
+TEST(VariantFile, TheDefaultIsOursForTheSensors) {
+  const fs::path variants = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants";
+  const auto expect_default = [&](const Sequence& sequence, const std::string& name) {
+    const Variant variant = default_variant(sequence);
+    EXPECT_EQ(variant.name, name);
+    EXPECT_EQ(variant_yaml(variant), variant_yaml(load_variant(variants / (name + ".yaml"))));
+  };
+  Sequence sequence;
+  sequence.lidar.emplace();
+  expect_default(sequence, "lidar_only");
+  sequence.frames.resize(2);
+  expect_default(sequence, "superquadric_lidar");
+  sequence.frames[1].depth = "depth/1.png";
+  expect_default(sequence, "superquadric");
+  sequence.lidar.reset();
+  expect_default(sequence, "superquadric");
 }
 
 }  // namespace

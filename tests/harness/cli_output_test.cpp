@@ -21,14 +21,14 @@ TEST_F(Cli, BenchWritesIntoNoForeignFolder) {
   const fs::path taken = folder() / "taken", precious = write("taken/precious.txt", "precious");
   expect_refusal({"bench", bench, taken}, "taken: is not empty and holds no results of bench");
   EXPECT_EQ(std::distance(fs::directory_iterator(taken), {}), 1);
-  expect_refusal({"bench", bench, folder(), "--force"}, "holds the input");
+  expect_refusal({"bench", bench, taken, "--collect"}, "taken: is not empty and holds no results of bench");
+  expect_refusal({"bench", bench, folder()}, "holds the input");
   fs::create_symlink(folder() / "nothing", folder() / "link");
   expect_refusal({"bench", bench, folder() / "link"}, "link: is a link to ");
   write("cut_short/bench.yaml", "");  // as one that was ended before its report has it
   write("begun/bench.yaml.partial", "");
   for (const auto& arguments :
-       std::vector<std::vector<std::string>>{{"bench", bench, taken, "--force", "--quiet"},
-                                             {"bench", bench, folder() / "cut_short", "--quiet"},
+       std::vector<std::vector<std::string>>{{"bench", bench, folder() / "cut_short", "--quiet"},
                                              {"bench", bench, folder() / "begun", "--quiet"}}) {
     const ProgramRun run = run_program(arguments);
     EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -55,6 +55,51 @@ TEST_F(Cli, ForceNeverReplacesAnInput) {
   expect_refusal({"simulate", scene, folder(), "--force"}, "holds the input");
   expect_refusal({"preview", scene, scene}, "scene.yaml: is the input");
   EXPECT_EQ(folder_hash(folder()), before);
+}
+
+// Nor what somebody else wrote, nor another kind of result.
+TEST_F(Cli, ForceReplacesOnlyItsOwnKind) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), data = folder() / "data";
+  ASSERT_EQ(run_program({"simulate", scene, data, "--quiet"}).exit_code, 0);
+  const fs::path sequence = data / "sequence", truth = data / "truth", thesis = folder() / "thesis";
+  write("thesis/.git/HEAD", "ref: refs/heads/main");
+  const std::string before = folder_hash(folder());
+  expect_refusal({"evaluate", truth, truth, thesis, "--force"}, "thesis: was not written by this program");
+  expect_refusal({"estimate", sequence, truth, "--force"}, "truth: was not written by this program");
+  expect_refusal({"estimate", sequence, thesis, "--force"}, "thesis: was not written by this program");
+  expect_refusal({"evaluate", truth, truth, data, "--force"}, "data: holds the input");
+  expect_refusal({"simulate", scene, thesis, "--force"}, "thesis: was not written by this program");
+  EXPECT_EQ(folder_hash(folder()), before);
+  const fs::path exported = folder() / "exported";
+  ASSERT_EQ(run_program({"export", "tum", sequence, exported, "--quiet"}).exit_code, 0);
+  expect_refusal({"estimate", sequence, exported, "--force"},
+                 "exported: holds another kind of result (export, not estimate)");
+  EXPECT_EQ(run_program({"export", "tum", sequence, exported, "--quiet", "--force"}).exit_code, 0);
+}
+
+TEST_F(Cli, AnExistingFileNeedsForceAndMustBeAFile) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml()), mine = write("mine.txt", "mine");
+  const fs::path tum = write("a.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n");
+  const fs::path scores = write("scores.csv",
+                                "sequence,object,variant,seed,metric,value,better,status\n"
+                                "s,o,v,1,iou3d_mean,0.5,higher,ok\n");
+  fs::create_symlink(mine, folder() / "link.svg");
+  const auto commands = [&](const fs::path& file) {
+    return std::vector<std::vector<std::string>>{
+        {"preview", scene, file},
+        {"simulate", scene, out(), "--timing", file},
+        {"compare", scores, scores, "--markdown", file},
+    };
+  };
+  for (const auto& command : commands(mine))
+    expect_refusal(command, "mine.txt: exists; give another name or --force");
+  expect_refusal({"trajectory", tum, tum, "--plot", folder() / "link.svg", "--force"},
+                 "is not a regular file");
+  for (auto command : commands("/dev/null")) {
+    command.push_back("--force");
+    expect_refusal(command, "/dev/null: exists and is not a regular file");
+  }
+  EXPECT_EQ(read_text(mine), "mine");
 }
 
 TEST_F(Cli, AFullOutputIsAnError) {

@@ -229,7 +229,7 @@ TEST(Simulate, PartialWorkOfAnotherSeedIsNotUsed) {
   const fs::path partial = temp.path() / "out.partial";
   simulate(scene, quiet(), temp.path() / "expected");
   for (const char* key : {"another key", ""}) {
-    { const PendingFolder left_behind(temp.path() / "out", false, true); }
+    { const PendingFolder left_behind(temp.path() / "out", "simulation", false, true); }
     write_text(partial / "key", key);
     write_text(partial / "frames.log", "0 1\nwrong\n");
     write_text(partial / "stray", "stray");
