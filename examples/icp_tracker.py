@@ -32,7 +32,7 @@ class Sequence:
         self.folder = Path(folder)
         text = (self.folder / "sequence.yaml").read_text()
         number = lambda key: float(re.search(rf"\b{key}: ([-+.\de]+)", text)[1])
-        self.units_per_m = number("depth_units_per_m")
+        self.units_per_m = number("units_per_m")
         size = int(number("width")), int(number("height"))
         self.intrinsic = o3d.camera.PinholeCameraIntrinsic(*size, *(number(key) for key in ("fx", "fy", "cx", "cy")))
         self.stamps = [row[0] for row in self.rows("rgb.txt")]
@@ -116,23 +116,76 @@ class Track:
         return True
 
     def box(self):
-        """world_from_box and the semi-axes, the axes named as before."""
-        box = self.model.get_oriented_bounding_box()
-        turns = [box.R @ turn for turn in ROTATIONS]
-        best = int(np.argmax([np.trace(turn.T @ (np.eye(3) if self.axes is None else self.axes)) for turn in turns]))
-        self.axes = turns[best]
+        """world_from_box and the semi-axes: the smallest box, turned anew only where that makes it smaller."""
+        points = np.asarray(self.model.points)
+        turn = smallest_box(self.model)
+        if self.axes is not None and volume(points, turn) > 0.95 * volume(points, self.axes):
+            turn = self.axes
+        self.axes = turn if self.axes is None else nearest_naming(turn, self.axes)
+        low, high = np.percentile(points @ self.axes, [1, 99], axis=0)
         body_from_box = np.eye(4)
-        body_from_box[:3, :3], body_from_box[:3, 3] = self.axes, box.center
-        return self.world_from_body @ body_from_box, np.abs(ROTATIONS[best].T @ box.extent) / 2
+        body_from_box[:3, :3], body_from_box[:3, 3] = self.axes, self.axes @ ((low + high) / 2)
+        return self.world_from_body @ body_from_box, (high - low) / 2
+
+
+def nearest_naming(turn, last):
+    """The same box, its axes named so that they are nearest to the last ones."""
+    return max((turn @ other for other in ROTATIONS), key=lambda named: np.trace(named.T @ last))
+
+
+def volume(points, turn):
+    return np.prod(np.ptp(points @ turn, axis=0))
+
+
+def smallest_box(cloud):
+    """Columns: axes of the smallest box with a side on one of the hull's larger faces."""
+    hull, _ = cloud.compute_convex_hull()
+    vertices, triangles = np.asarray(hull.vertices), np.asarray(hull.triangles)
+    crosses = np.cross(vertices[triangles[:, 1]] - vertices[triangles[:, 0]], vertices[triangles[:, 2]] - vertices[triangles[:, 0]])
+    angles = np.radians(np.arange(0, 90, 2))
+    best = None
+    for normal in crosses[np.argsort(-np.linalg.norm(crosses, axis=1))[:30]]:
+        normal = normal / np.linalg.norm(normal)
+        a = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+        a /= np.linalg.norm(a)
+        b = np.cross(normal, a)
+        u, v = vertices @ a, vertices @ b
+        areas = (np.ptp(np.outer(np.cos(angles), u) + np.outer(np.sin(angles), v), axis=1) *
+                 np.ptp(np.outer(np.cos(angles), v) - np.outer(np.sin(angles), u), axis=1))
+        angle = angles[np.argmin(areas)]
+        size = areas.min() * np.ptp(vertices @ normal)
+        if best is None or size < best[0]:
+            x = np.cos(angle) * a + np.sin(angle) * b
+            best = size, np.column_stack([x, np.cross(normal, x), normal])
+    return best[1]
+
+
+def eroded(mask, pixels=2):
+    """Without its border, where segmenters err and depth belongs to what lies behind."""
+    for _ in range(pixels):
+        inner = mask.copy()
+        inner[1:] &= mask[:-1]
+        inner[:-1] &= mask[1:]
+        inner[:, 1:] &= mask[:, :-1]
+        inner[:, :-1] &= mask[:, 1:]
+        mask = inner
+    return mask
 
 
 def cloud_of(depth, mask, intrinsic, world_from_camera):
-    image = o3d.geometry.Image(np.where(mask, depth, 0).astype(np.float32))
+    """The largest connected part of the points under a mask, in the world; None where there are few."""
+    image = o3d.geometry.Image(np.where(eroded(mask), depth, 0).astype(np.float32))
     cloud = o3d.geometry.PointCloud.create_from_depth_image(image, intrinsic, depth_scale=1.0, depth_trunc=20.0)
     if len(cloud.points) < MIN_POINTS:
         return None
-    cloud, _ = cloud.remove_statistical_outlier(20, 2.0)
-    return cloud.transform(world_from_camera)
+    points = np.asarray(cloud.points)
+    spacing = np.median(points[:, 2]) / intrinsic.get_focal_length()[0]  # of neighbouring pixels
+    thinned = cloud.voxel_down_sample(2 * spacing)
+    parts = np.asarray(thinned.cluster_dbscan(eps=6 * spacing, min_points=5))
+    if (parts < 0).all():
+        return None
+    largest = thinned.select_by_index(np.nonzero(parts == np.bincount(parts[parts >= 0]).argmax())[0])
+    return largest.transform(world_from_camera) if len(largest.points) >= MIN_POINTS else None
 
 
 def tum(stamp, pose):

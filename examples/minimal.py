@@ -29,7 +29,7 @@ def rotation(x, y, z, w):
 
 
 fx, fy, cx, cy = (setting(key) for key in ("fx", "fy", "cx", "cy"))
-units_per_m = setting("depth_units_per_m")
+units_per_m = setting("units_per_m")
 depth_of, masks_of = ({row[0]: row[1] for row in rows(name)} for name in ("depth.txt", "masks.txt"))
 poses = {row[0]: [float(number) for number in row[1:]] for row in rows("camera_given.tum")}
 tracks, sizes = {}, {}
@@ -45,7 +45,7 @@ for stamp, _ in rows("rgb.txt"):
         z = depth[v, u]
         points = np.stack([(u - cx) / fx * z, (v - cy) / fy * z, z])
         world = rotation(*poses[stamp][3:]) @ points + np.array(poses[stamp][:3])[:, None]
-        low, high = np.percentile(world, [2, 98], axis=1)  # along the world's axes
+        low, high = np.percentile(world, [5, 95], axis=1)  # along the world's axes
         tracks.setdefault(label, []).append((stamp, (low + high) / 2))
         sizes.setdefault(label, []).append(high - low)
 

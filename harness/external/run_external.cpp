@@ -154,7 +154,8 @@ std::string run_yaml(const ExternalVariant& variant, const ExternalOptions& opti
   text += fmt::format("seed: {}\nprompts: {}\nisolation: {}\nvariant:\n", options.seed,
                       yaml_quoted(options.prompt.empty() ? "everything" : options.prompt.filename().string()),
                       is_isolated ? "bubblewrap" : "none");
-  for (const std::string_view line : split(external_yaml(variant), '\n'))
+  const std::string yaml = external_yaml(variant);
+  for (const std::string_view line : split(yaml, '\n'))
     if (!line.empty()) text += fmt::format("  {}\n", line);
   return text;
 }
