@@ -140,8 +140,9 @@ Tracks read_output(const ExternalVariant& variant, const fs::path& output, const
     return read_result(output, variant.result, sequence);
   } catch (const InputError& e) {
     std::string what = e.what();  // without the folder that is gone when this is read
-    for (const std::string folder = output.string() + "/"; what.find(folder) != std::string::npos;)
-      what.erase(what.find(folder), folder.size());
+    for (const char* end : {"/", ": "})
+      for (const std::string folder = output.string() + end; what.find(folder) != std::string::npos;)
+        what.erase(what.find(folder), folder.size());
     throw InputError(fmt::format("{}: its result: {}", variant.name, what));
   }
 }

@@ -108,8 +108,8 @@ TEST_F(Arena, AProgramHasRowsLikeAnyVariant) {
   EXPECT_EQ(cells().at("needs_lidar").status, CellStatus::not_applicable);
   EXPECT_EQ(cells().at("needs_lidar").message, "the sequence has no lidar");
   const std::string scores = read_text(out() / "scores.csv");
-  for (const char* metric : {"iou3d_mean", "ape_translation_rmse_m", "coverage"})
-    EXPECT_NE(scores.find(fmt::format("small,box,good,1,{}", metric)), std::string::npos) << metric;
+  for (const char* row : {"small,box,good,1,coverage", "small,camera,good,1,ape_translation_rmse_m"})
+    EXPECT_NE(scores.find(row), std::string::npos) << row;
   for (const char* metric : {"wall_time_s", "cpu_time_s", "peak_memory_mb"})
     EXPECT_NE(scores.find(fmt::format("small,all,good,1,{}", metric)), std::string::npos) << metric;
   EXPECT_EQ(scores.find("needs_lidar"), std::string::npos);
@@ -136,24 +136,22 @@ TEST_F(Arena, AChangedInputRunsAgain) {
 TEST_F(Arena, AProgramThatLooksForTheTruthFindsNone) {
   if (!can_isolate()) GTEST_SKIP() << "bubblewrap cannot run here";
   const fs::path truth = out() / "simulations/small/seed_1/truth";
-  add("spy", kGood + fmt::format(R"(
-for path in '{0}' "$SEQUENCE/../truth" /proc/1/root'{0}' /proc/self/root'{0}' "$OUT/../truth" /proc/*/cwd/truth; do
-  [ -e "$path/camera.tum" ] && {{ echo "found $path"; exit 1; }}
+  constexpr const char* kSpy = R"sh(
+for path in "$TRUTH" "$SEQUENCE/../truth" /proc/1/root"$TRUTH" /proc/self/root"$TRUTH" "$OUT/../truth" /proc/*/cwd/truth; do
+  [ -e "$path/camera.tum" ] && { echo "found $path"; exit 1; }
 done
-seen=$(find / \( -name visibility.csv -o -name map.bt -o -name instances -o -name camera_given.tum \) 2>/dev/null)
-[ -z "$seen" ] || {{ echo "found $seen"; exit 1; }}
+seen=$(find / \( -name visibility.csv -o -name map.bt -o -name camera_given.tum -o -path '*/truth/objects.yaml' \) 2>/dev/null)
+[ -z "$seen" ] || { echo "found $seen"; exit 1; }
 ls "$SEQUENCE"/hashes.txt 2>/dev/null && exit 1
-touch "$SEQUENCE/x" 2>/dev/null && {{ echo "wrote into the sequence"; exit 1; }}
-touch '{1}/x' /usr/x 2>/dev/null && {{ echo "wrote outside"; exit 1; }}
-[ "$(tail -n +3 /proc/net/dev | grep -vc ' lo:')" = 0 ] || {{ echo "has a network"; exit 1;
-}
-}  // namespace
+touch "$SEQUENCE/x" 2>/dev/null && { echo "wrote into the sequence"; exit 1; }
+touch "$TRUTH/../x" /usr/x 2>/dev/null && { echo "wrote outside"; exit 1; }
+[ "$(tail -n +3 /proc/net/dev | grep -vc ' lo:')" = 0 ] || { echo "has a network"; exit 1; }
 [ -r "$SEQUENCE/rgb.txt" ]
-)",
-                                 truth.string(), folder().string()));
-const ProgramRun run = bench();
-EXPECT_EQ(run.exit_code, 0) << run.err << cells().at("spy").message;
-EXPECT_EQ(read_cell_evaluation(out() / "cells/small/spy/seed_1/evaluation").isolation, "bubblewrap");
+)sh";
+  add("spy", "TRUTH='" + truth.string() + "'\n" + kGood + kSpy);
+  const ProgramRun run = bench();
+  EXPECT_EQ(run.exit_code, 0) << run.err << cells().at("spy").message;
+  EXPECT_EQ(read_cell_evaluation(out() / "cells/small/spy/seed_1/evaluation").isolation, "bubblewrap");
 }  // namespace uniquadric
 
 // An input or a mount that holds the sequence's folder would show it.

@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <map>
+#include <algorithm>
+#include <opencv2/core/mat.hpp>
 
 #include "core/base/files.h"
+#include "core/sequence/sequence.h"
 #include "evaluation/report/results.h"
 #include "tests/harness/program.h"
 #include "tests/support/temp_folder.h"
@@ -29,6 +31,18 @@ class RecordingBench : public testing::Test {
                                             (variants / variant).string() +
                                             "]\nseeds: [3, 4]\noverlays: 1\n");
     return run_program({"bench", folder() / "bench.yaml", out(), "--quiet"});
+  }
+  // A line of a prompt: the box about object 1 in the first frame, wider by some pixels.
+  std::string box_of_first_mask(int wider_px) const {
+    const cv::Mat masks = read_image(folder() / "with/sequence/masks/000000.png");
+    int left = masks.cols, right = 0, top = masks.rows, bottom = 0;
+    for (int v = 0; v < masks.rows; ++v)
+      for (int u = 0; u < masks.cols; ++u)
+        if (masks.at<std::uint16_t>(v, u) == 1) {
+          left = std::min(left, u), right = std::max(right, u);
+          top = std::min(top, v), bottom = std::max(bottom, v);
+        }
+    return fmt::format("0 {} {} {} {}\n", left, top, right - left + 1 + wider_px, bottom - top + 1);
   }
   std::string scores() const { return read_text(out() / "scores.csv"); }
 
@@ -77,13 +91,13 @@ TEST_F(RecordingBench, MayBeOptional) {
 
 // A prompt is part of what an estimate depends on.
 TEST_F(RecordingBench, APromptIsPassedOn) {
-  write_text(folder() / "boxes.txt", "0 60 40 40 40\n");
+  write_text(folder() / "boxes.txt", box_of_first_mask(0));
   const std::string scene = "{recording: with, name: mine, prompt: \"boxes:boxes.txt\"}";
   ASSERT_EQ(bench(scene).exit_code, 0);
   const fs::path run_file = out() / "cells/mine/rotbbox_rigid_axis/seed_0/estimate/run.yaml";
   EXPECT_NE(read_text(run_file).find("prompts: \"boxes.txt\""), std::string::npos);
   const auto made = fs::last_write_time(run_file);
-  write_text(folder() / "boxes.txt", "0 60 40 44 40\n");
+  write_text(folder() / "boxes.txt", box_of_first_mask(1));
   ASSERT_EQ(bench(scene).exit_code, 0);
   EXPECT_NE(fs::last_write_time(run_file), made);
 }

@@ -57,7 +57,8 @@ TEST(Result, OfAnotherSequenceIsRefused) {
   Tracks tracks;
   tracks.camera = {pose_at(5'000'000'000, 1)};
   EXPECT_EQ(input_error([&] { at_frames(tracks, sequence_of(3), "mine"); }),
-            "mine: none of its 1 poses lies within half a frame of the sequence's stamps (0.0 to 0.2 s): of "
+            "mine: none of its 1 poses lies within half a frame of the sequence's stamps (0.000000000 to "
+            "0.200000000 s): of "
             "another sequence, clock or unit");
   EXPECT_EQ(input_error([&] { at_frames({}, sequence_of(3), "mine"); }), "mine: holds no pose");
 }
