@@ -13,6 +13,8 @@
 #include "evaluation/association/hidden_objects.h"
 #include "evaluation/association/object_overlap.h"
 #include "evaluation/evaluation_files.h"
+#include "evaluation/image_overlap.h"
+#include "evaluation/object_presence.h"
 #include "evaluation/object_surface.h"
 #include "evaluation/run_record.h"
 #include "evaluation/stamp_check.h"
@@ -39,6 +41,22 @@ std::map<int, ObjectDescription> read_descriptions(const fs::path& truth) {
 Tracks truth_of_sequence(const fs::path& folder) {
   const Sequence sequence = open_sequence(folder);
   return {sequence.given_camera.value_or(Trajectory{}), {}, sequence.camera};
+}
+
+// camera_from_object in the place of world_from_object; states of frames without a camera pose are left out.
+Tracks in_sensor_frame(const Tracks& tracks) {
+  Tracks seen = tracks;
+  for (ObjectTrack& object : seen.objects) {
+    std::erase_if(object.states, [&](const ObjectState& state) {
+      return !nearest_pose(tracks.camera, state.stamp_ns, kMaxDifferenceNs);
+    });
+    for (ObjectState& state : object.states) {
+      Pose& pose = state.ellipsoid.world_from_object;
+      pose = nearest_pose(tracks.camera, state.stamp_ns, kMaxDifferenceNs)->inverse() * pose;
+    }
+  }
+  for (StampedPose& pose : seen.camera) pose.pose = {};
+  return seen;
 }
 
 // For each truth state the track's state in the same frame.
@@ -83,33 +101,49 @@ std::vector<std::vector<bool>> hidden_frames(const Tracks& truth, const ObjectOv
   return hidden;
 }
 
+// What counts in the scores over all objects.
+ObjectOverlaps counted_overlaps(const Tracks& truth, const ObjectOverlaps& overlaps,
+                                const VisibilityTable& visibility, const std::vector<bool>& scored,
+                                Unlabelled unlabelled) {
+  ObjectOverlaps counted = overlaps;
+  const auto matches = match_objects(overlaps);
+  auto hidden = hidden_frames(truth, overlaps, visibility);
+  for (std::size_t g = 0; g < hidden.size(); ++g)
+    if (!scored[g]) hidden[g].assign(hidden[g].size(), true);
+  drop_unlabelled(unlabelled, matches, counted);
+  drop_hidden(hidden, matches, counted);
+  return counted;
+}
+
 Evaluation compare(const Tracks& truth, const Tracks& estimate,
                    const std::map<int, ObjectDescription>& descriptions, const VisibilityTable& visibility,
-                   const EvaluateOptions& options) {
+                   const EvaluateOptions& options, Unlabelled unlabelled) {
   Evaluation result;
+  result.unlabelled = unlabelled;
   result.camera = evaluate_camera(truth.camera, estimate.camera, kMaxDifferenceNs);
   const BallSamples samples(options.iou_samples, options.seed);
   const ObjectContext context{truth.camera, estimate.camera,  truth.calibration, &samples,
                               visibility,   kMaxDifferenceNs, options.body_frame};
+  const std::vector<bool> scored = scored_objects(truth.objects, options.objects);
   const ObjectOverlaps overlaps = overlap_objects(truth, estimate, kMaxDifferenceNs);
   const auto matches = match_objects(overlaps);
-  ObjectOverlaps visible = overlaps;
-  drop_hidden(hidden_frames(truth, overlaps, visibility), matches, visible);
-  const std::vector<int> switches = identity_switches(visible, kAnyOverlap);
+  const ObjectOverlaps counted = counted_overlaps(truth, overlaps, visibility, scored, unlabelled);
+  const std::vector<int> switches = identity_switches(counted, kAnyOverlap);
   std::vector<bool> used(estimate.objects.size());
   for (std::size_t g = 0; g < truth.objects.size(); ++g) {
     const ObjectTrack& object = truth.objects[g];
     const ObjectTrack* track = matches[g] ? &estimate.objects[*matches[g]] : nullptr;
     if (matches[g]) used[*matches[g]] = true;
+    if (!scored[g]) continue;
     const auto description = descriptions.find(object.id);
     result.objects.push_back(
         evaluate_object(object, description == descriptions.end() ? ObjectDescription{} : description->second,
                         track, states_of_match(overlaps, g, object.states.size(), matches[g]), context));
     result.objects.back().id_switches = switches[g];
   }
-  for (std::size_t e = 0; e < used.size(); ++e)
+  for (std::size_t e = 0; e < used.size() && unlabelled == Unlabelled::counted_false; ++e)
     if (!used[e]) result.unmatched_ids.push_back(estimate.objects[e].id);
-  result.tracking = tracking_scores(visible);
+  result.tracking = tracking_scores(counted);
   return result;
 }
 
@@ -176,22 +210,32 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const std::string of_truth = scene_of(truth_path), of_estimate = scene_of(estimate_folder);
   require_one_scene({truth_path, of_truth}, {estimate_folder, of_estimate});
   const bool knows_objects = !fs::exists(truth_path / "sequence.yaml");
-  const Tracks truth = knows_objects ? read_tracks(truth_path) : truth_of_sequence(truth_path);
-  const Tracks original = read_tracks(estimate_folder);
+  const TruthNotes notes =
+      fs::exists(truth_path / "objects.yaml") ? read_truth_notes(truth_path / "objects.yaml") : TruthNotes{};
+  const Unlabelled unlabelled = notes.is_partial ? Unlabelled::ignored : Unlabelled::counted_false;
+  Tracks truth = knows_objects ? read_tracks(truth_path) : truth_of_sequence(truth_path);
+  const VisibilityTable visibility = read_visibility_of(truth_path, truth);
+  if (options.objects.in_view) truth.objects = only_in_view(std::move(truth.objects), visibility);
+  Tracks original = read_tracks(estimate_folder);
+  if (notes.in_sensor_frame) original = in_sensor_frame(original);
   const std::string run_config = read_run_config(estimate_folder);
-  const bool is_aligned = !truth.camera.empty() && !camera_was_given(run_config);
+  const bool is_aligned = !truth.camera.empty() && !notes.in_sensor_frame && !camera_was_given(run_config);
   const AlignmentKind kind =
       options.alignment.value_or(is_aligned ? AlignmentKind::poses : AlignmentKind::none);
   const WorldAlignment alignment = align_world(kind, truth, original, kMaxDifferenceNs);
   const Tracks estimate = in_true_world(alignment, original);
   const auto descriptions = read_descriptions(truth_path);
   Evaluation evaluation =
-      compare(truth, estimate, descriptions, read_visibility_of(truth_path, truth), options);
+      compare(truth, estimate, descriptions, visibility, options, options.unlabelled.value_or(unlabelled));
   evaluation.alignment = alignment;
+  if (notes.in_sensor_frame) evaluation.camera = {};  // its poses are the identity on both sides
+  if (evaluation.objects.empty() && !truth.objects.empty())
+    throw InputError(truth_path, fmt::format("has no object of --objects {}", to_string(options.objects)));
   evaluation.sizes = size_steadiness(estimate.objects);
   if (!knows_objects) evaluation.unmatched_ids.clear();  // no truth says that they belong to none
   // that the camera was never found is a result, stamps of another recording are not
-  if (!truth.camera.empty() && evaluation.camera.pairs < kMinPairs && estimate.camera.size() >= kMinPairs)
+  if (!truth.camera.empty() && !notes.in_sensor_frame && evaluation.camera.pairs < kMinPairs &&
+      estimate.camera.size() >= kMinPairs)
     throw InputError(
         estimate_folder / "camera.tum",
         fmt::format("{} of {} poses lie within 0.01 s of the truth's {}, at least {} are needed",

@@ -6,6 +6,7 @@
 
 #include "evaluation/align/alignment.h"
 #include "evaluation/align/body_frame.h"
+#include "evaluation/association/object_choice.h"
 
 namespace uniquadric {
 
@@ -16,7 +17,10 @@ struct EvaluateOptions {
   /// else `poses`
   std::optional<AlignmentKind> alignment;
   BodyFrame body_frame = BodyFrame::none;  ///< of objects' pose errors
-  bool verify = true;                      ///< the truth's text files against its hashes.txt
+  ObjectChoice objects;                    ///< that are scored
+  /// nothing: ignored where the truth says that its labels are partial, else counted false
+  std::optional<Unlabelled> unlabelled;
+  bool verify = true;  ///< the truth's text files against its hashes.txt
   bool quiet = false;
   bool force = false;  ///< replace an existing output folder
 };

@@ -24,6 +24,7 @@ struct Evaluation {
   WorldAlignment alignment;
   CameraEvaluation camera;
   std::vector<ObjectEvaluation> objects;
+  Unlabelled unlabelled = Unlabelled::counted_false;
   std::vector<int> unmatched_ids;  ///< estimated tracks that belong to no truth object
   std::optional<TrackingScores> tracking;
   std::vector<SizeSteadiness> sizes;  ///< of all estimated objects, whether or not a truth speaks of them

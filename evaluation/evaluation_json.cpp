@@ -134,6 +134,7 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"motion_error", pose_errors(object, &ObjectFrame::motion)},
                  {"drift", to_json(object.drift)},
                  {"iou3d", figure(&ObjectFrame::iou3d)},
+                 {"iou3d_box", figure(&ObjectFrame::iou3d_box)},
                  {"iou3d_monte_carlo", monte_carlo(object, options)},
                  {"iou2d", figure(&ObjectFrame::iou2d)},
                  {"iou2d_ellipse", figure(&ObjectFrame::iou2d_ellipse)},
@@ -238,6 +239,8 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
   root["config"] = {{"estimate", run_config},
                     {"evaluate",
                      {{"body_frame", to_string(options.body_frame)},
+                      {"objects", to_string(options.objects)},
+                      {"unlabelled", evaluation.unlabelled == Unlabelled::ignored ? "ignore" : "false"},
                       {"iou_samples", options.iou_samples},
                       {"seed", options.seed}}}};
   root["seed"] = run_config.is_object() && run_config.contains("seed") ? run_config["seed"] : json();

@@ -7,6 +7,7 @@
 #include "evaluation/align/symmetry.h"
 #include "evaluation/association/stamps.h"
 #include "evaluation/image_overlap.h"
+#include "evaluation/iou/box_iou.h"
 #include "evaluation/view_arc.h"
 
 namespace uniquadric {
@@ -79,6 +80,7 @@ void fill_single_frame(const Ellipsoid& truth, const Ellipsoid& original, const 
       absolute_error(truth.world_from_object, original.world_from_object).rotation_rad;
   frame.rotation_symmetric_rad = symmetric_rotation_error(settled, truth);
   frame.iou3d_monte_carlo = ellipsoid_iou_monte_carlo(truth, original, *context.samples);
+  frame.iou3d_box = box_iou(truth, original);
   frame.d_shape_m = shape_distance_m(original, truth);
 }
 

@@ -41,7 +41,7 @@ struct ObjectFrame {
   std::optional<double> rotation_symmetric_rad;  ///< by the class of the true axes; empty for spheres
   /// From the truth frame before; empty where that has no estimate, and after a hole of the truth.
   std::optional<PoseError> rpe, motion;
-  std::optional<double> iou3d, d_shape_m;
+  std::optional<double> iou3d, iou3d_box, d_shape_m;  ///< of the ellipsoids; of the boxes about them
   std::optional<MonteCarloIou> iou3d_monte_carlo;
   std::optional<double> iou2d, iou2d_ellipse;  ///< empty where one of the two has no elliptic outline
 };

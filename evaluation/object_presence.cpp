@@ -75,4 +75,13 @@ ObjectPresence object_presence(const std::vector<ObjectFrame>& frames) {
   return result;
 }
 
+std::vector<ObjectTrack> only_in_view(std::vector<ObjectTrack> truth, const VisibilityTable& visibility) {
+  for (ObjectTrack& object : truth)
+    std::erase_if(object.states, [&](const ObjectState& state) {
+      const auto seen = visibility.find({state.frame, object.id});
+      return seen != visibility.end() && !is_visible(seen->second);
+    });
+  return truth;
+}
+
 }  // namespace uniquadric

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/sequence/tracks.h"
 #include "core/sequence/visibility.h"
 #include "evaluation/object_frame.h"
 
@@ -44,5 +45,8 @@ std::optional<double> semi_axes_change_occluded(const std::vector<ObjectFrame>& 
 inline constexpr double kStart_s = 3;
 /// The first frame from then on; the number of frames where there is none, or no estimate.
 std::size_t first_frame_after_start(const std::vector<ObjectFrame>& frames);
+
+/// The states in which an object is visible, or in which the truth does not say.
+std::vector<ObjectTrack> only_in_view(std::vector<ObjectTrack> truth, const VisibilityTable& visibility);
 
 }  // namespace uniquadric

@@ -116,6 +116,7 @@ void add_contradictions(const fs::path& file, const std::vector<const KittiLabel
 
 RecordedTruth describe_truth(const KittiRecording& recording, std::vector<std::string>& left_out) {
   RecordedTruth truth;
+  const bool in_sensor_frame = recording.world_from_camera.empty();
   int free_id = 1;
   for (const KittiLabel& label : recording.labels) free_id = std::max(free_id, label.id + 1);
   std::map<int, std::vector<const KittiLabel*>> by_id;
@@ -123,8 +124,8 @@ RecordedTruth describe_truth(const KittiRecording& recording, std::vector<std::s
   for (auto& [id, labels] : by_id) {
     std::sort(labels.begin(), labels.end(), [](const auto* a, const auto* b) { return a->frame < b->frame; });
     for (const KittiLabel* label : labels) {
-      Pose pose = recording.world_from_camera[label->frame] * recording.calibration.camera_from_rectified *
-                  label->rectified_from_object;
+      const Pose camera = in_sensor_frame ? Pose{} : recording.world_from_camera[label->frame];
+      Pose pose = camera * recording.calibration.camera_from_rectified * label->rectified_from_object;
       pose.rotation.normalize();
       truth.objects_at[id].push_back({recording.stamps_ns[label->frame], pose});
     }
@@ -134,6 +135,9 @@ RecordedTruth describe_truth(const KittiRecording& recording, std::vector<std::s
     add_contradictions(recording.file("label_02"), labels, truth.objects.back(), left_out);
   }
   truth.camera = camera_trajectory(recording);
+  if (in_sensor_frame)
+    for (const std::int64_t stamp_ns : recording.stamps_ns) truth.camera.push_back({stamp_ns, {}});
+  truth.notes = {true, in_sensor_frame};  // labels are of some classes, and of what is near enough
   return truth;
 }
 
@@ -185,12 +189,12 @@ Recording as_recording(const KittiRecording& kitti) {
   if (const auto& lidar = recording.sequence.lidar) add_scans(kitti, lidar->rate_hz, recording);
   add_holes(kitti.images, "image", recording);
   add_holes(kitti.scans, "scan", recording);
-  if (!kitti.world_from_camera.empty())
+  if (!kitti.world_from_camera.empty() || !kitti.labels.empty())
     recording.truth = describe_truth(kitti, recording.left_out);
-  else if (!kitti.labels.empty())
-    recording.left_out.push_back(
-        fmt::format("{}: left out, for neither poses nor oxts place its boxes in the world",
-                    kitti.file("label_02").string()));
+  if (kitti.world_from_camera.empty() && !kitti.labels.empty())
+    recording.left_out.push_back(fmt::format(
+        "{}: neither poses nor oxts place its boxes in the world: they are taken in the camera's frame",
+        kitti.file("label_02").string()));
   return recording;
 }
 

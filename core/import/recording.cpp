@@ -67,7 +67,7 @@ void write_truth(const RecordedTruth& truth, const Camera& camera, const fs::pat
   fs::create_directories(folder / "objects");
   for (const auto& [id, trajectory] : truth.objects_at)
     write_tum(folder / fmt::format("objects/{}.tum", id), trajectory);
-  write_objects_yaml(folder / "objects.yaml", truth.objects);
+  write_objects_yaml(folder / "objects.yaml", truth.objects, "", truth.notes);
   write_tum(folder / "camera.tum", truth.camera);
   write_camera_yaml(folder / "camera.yaml", camera);
   write_hashes(folder);

@@ -28,6 +28,7 @@ struct RecordedTruth {
   Trajectory camera;                       ///< world_from_camera at stamps of frames
   std::vector<ObjectDescription> objects;  ///< may be none
   std::map<int, Trajectory> objects_at;    ///< world_from_object by id, at stamps of `camera`
+  TruthNotes notes{};
 };
 
 /// A recording to import, whatever its layout: every reader returns one, and write_recording() writes it.

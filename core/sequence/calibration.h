@@ -24,11 +24,19 @@ struct ObjectDescription {
   std::optional<BodySymmetry> symmetry{};                 ///< as stated; nothing: as shape and semi-axes say
 };
 
+/// What a truth folder says of itself as a whole.
+struct TruthNotes {
+  bool is_partial = false;  ///< `labels: partial`: there are objects that it does not name
+  bool in_sensor_frame =
+      false;  ///< `frame: sensor`: poses are camera_from_object, as nobody knows the camera's
+};
+
 /// truth/objects.yaml. Reading throws InputError with file and line; objects come in order of their ids.
 /// `scene_hash` says what scene they are of; empty: not written (recordings).
 std::vector<ObjectDescription> read_objects_yaml(const std::filesystem::path& path);
 void write_objects_yaml(const std::filesystem::path& path, const std::vector<ObjectDescription>& objects,
-                        const std::string& scene_hash = {});
+                        const std::string& scene_hash = {}, const TruthNotes& notes = {});
+TruthNotes read_truth_notes(const std::filesystem::path& path);
 
 /// Throw InputError with the node's file and line for a size of an image [px], a focal length [px] or a
 /// coordinate of the principal point [px] that no camera has: it is in another unit.

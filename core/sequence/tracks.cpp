@@ -42,6 +42,11 @@ std::vector<ObjectTrack> read_truth_objects(const fs::path& folder, const Trajec
   return tracks;
 }
 
+TruthNotes read_notes(const ConfigNode& root) {
+  return {root.choice("labels", {"all", "partial"}, "all") == "partial",
+          root.choice("frame", {"world", "sensor"}, "world") == "sensor"};
+}
+
 // Frames that an estimate does not name are counted by their stamps.
 void number_frames(Tracks& tracks) {
   std::set<std::int64_t> stamps_ns;
@@ -82,12 +87,17 @@ const char* to_string(ObjectMotion motion) {
   return "";
 }
 
+TruthNotes read_truth_notes(const fs::path& path) {
+  return read_notes(ConfigNode::load(path));
+}
+
 std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
   const ConfigNode root = ConfigNode::load(path);
   if (const int schema = root.get<int>("schema"); schema != kTracksSchema)
     root.at("schema").fail(
         fmt::format("version {} is not supported (this program reads {})", schema, kTracksSchema));
   root.get<std::string>("scene_hash", "");  // for who compares folders
+  read_notes(root);
   std::vector<ObjectDescription> objects;
   std::set<int> ids;
   for (const ConfigNode& node : root.at("objects").items()) {
@@ -116,8 +126,10 @@ std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
 }
 
 void write_objects_yaml(const fs::path& path, const std::vector<ObjectDescription>& objects,
-                        const std::string& scene_hash) {
+                        const std::string& scene_hash, const TruthNotes& notes) {
   std::string text = fmt::format("schema: {}\n", kTracksSchema);
+  if (notes.is_partial) text += "labels: partial\n";
+  if (notes.in_sensor_frame) text += "frame: sensor\n";
   if (!scene_hash.empty()) text += fmt::format("scene_hash: \"{}\"\n", scene_hash);
   text += fmt::format("objects:{}\n", objects.empty() ? " []" : "");
   for (const auto& object : objects) {

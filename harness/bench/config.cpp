@@ -9,6 +9,7 @@
 #include "core/base/config.h"
 #include "core/base/text.h"
 #include "core/base/warning.h"
+#include "evaluation/association/object_choice.h"
 #include "simulator/scene/noise_scale.h"
 
 namespace uniquadric {
@@ -64,6 +65,18 @@ std::string read_prompt(const ConfigNode& root, const ConfigNode& node) {
   return kind + ":" + file.string();
 }
 
+std::vector<std::string> read_judging(const ConfigNode& node) {
+  std::vector<std::string> options;
+  if (const auto objects = node.find("objects")) {
+    parse_object_choice(objects->as<std::string>());
+    options = {"--objects", objects->as<std::string>()};
+  }
+  if (node.has("unlabelled"))
+    options.insert(options.end(),
+                   {"--unlabelled", node.choice("unlabelled", {"auto", "ignore", "false"}, "auto")});
+  return options;
+}
+
 bool is_there(const BenchItem& item) {
   return fs::exists(item.path);
 }
@@ -72,9 +85,10 @@ BenchScene read_item_of_scene(const ConfigNode& root, const ConfigNode& node,
                               const std::vector<std::uint64_t>& seeds) {
   if (const auto recording = node.find("recording")) {
     const bool is_optional = node.get<bool>("optional", false);
-    return {read_recording(root, *recording, is_optional), true, 1, {0}, ""};
+    return {read_recording(root, *recording, is_optional), true, 1, {0}, "", {}};
   }
-  BenchScene scene{read_file(root, node.at("scene")), false, node.get<double>("noise_scale", 1), seeds, ""};
+  BenchScene scene{
+      read_file(root, node.at("scene")), false, node.get<double>("noise_scale", 1), seeds, "", {}};
   if (!(scene.noise_scale >= 0 && scene.noise_scale <= kMostNoiseScale))
     node.at("noise_scale").fail(fmt::format("expected 0 to {}", kMostNoiseScale));
   return scene;
@@ -83,13 +97,14 @@ BenchScene read_item_of_scene(const ConfigNode& root, const ConfigNode& node,
 // A path, or a map with what is other than usual.
 BenchScene read_scene(const ConfigNode& root, const ConfigNode& node,
                       const std::vector<std::uint64_t>& seeds) {
-  if (!node.is_map()) return {read_file(root, node), false, 1, seeds, ""};
+  if (!node.is_map()) return {read_file(root, node), false, 1, seeds, "", {}};
   BenchScene scene = read_item_of_scene(root, node, seeds);
   scene.name = node.name("name", scene.name);
   if (!is_plain_name(scene.name) || scene.name == "." || scene.name == "..")
     node.fail(fmt::format("'{}' cannot be a name in the results; give another `name`", scene.name));
   if (const auto prompt = node.find("prompt"); prompt && is_there(scene))
     scene.prompt = read_prompt(root, *prompt);
+  scene.judging = read_judging(node);
   if (node.has("seeds")) scene.seeds = read_seeds(node);
   node.refuse_unknown_keys();
   return scene;
@@ -138,6 +153,8 @@ std::vector<std::string> scene_entries(const BenchConfig& config) {
     if (!scene.prompt.empty()) extra += fmt::format(", prompt: {}", prompt_name(scene.prompt));
     if (scene.noise_scale != 1) extra += fmt::format(", noise_scale: {}", scene.noise_scale);
     if (scene.seeds != config.seeds) extra += fmt::format(", seeds: [{}]", fmt::join(scene.seeds, ", "));
+    if (!scene.judging.empty())
+      extra += fmt::format(", evaluate: {}", yaml_quoted(fmt::format("{}", fmt::join(scene.judging, " "))));
     const std::string name = yaml_quoted(scene.name);
     result.push_back(extra.empty() ? name : fmt::format("{{name: {}{}}}", name, extra));
   }

@@ -22,6 +22,7 @@ struct BenchScene : BenchItem {
   double noise_scale = 1;            ///< of a scene: of the amplitudes of all its noise
   std::vector<std::uint64_t> seeds;  ///< its own, or the bench's; of a recording [0] by default
   std::string prompt;                ///< boxes:FILE or points:FILE; empty: none
+  std::vector<std::string> judging;  ///< options of `evaluate`: --objects, --unlabelled
 };
 
 /// scenes x variants x seeds (configs/bench/README.md).

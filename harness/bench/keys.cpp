@@ -50,8 +50,11 @@ std::string estimate_key(const std::string& simulation_key, const std::string& v
   return stage("estimate", kestimator_sources).add(simulation_key).add(variant_yaml).add(seed).hex();
 }
 
-std::string evaluation_key(const std::string& estimate_key) {
-  return stage("evaluate", kevaluation_sources).add(estimate_key).hex();
+std::string evaluation_key(const std::string& estimate_key, const std::vector<std::string>& options) {
+  Hash hash = stage("evaluate", kevaluation_sources);
+  hash.add(estimate_key);
+  for (const std::string& option : options) hash.add(option);
+  return hash.hex();
 }
 
 std::string overlay_key(const std::string& estimate_key, int count) {

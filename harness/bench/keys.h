@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace uniquadric {
 
@@ -18,7 +19,7 @@ std::string perception_key(const std::string& simulation_key, const std::string&
                            std::uint64_t seed);
 std::string estimate_key(const std::string& simulation_key, const std::string& variant_yaml,
                          std::uint64_t seed);
-std::string evaluation_key(const std::string& estimate_key);
+std::string evaluation_key(const std::string& estimate_key, const std::vector<std::string>& options);
 std::string overlay_key(const std::string& estimate_key, int count);
 
 /// Whether `folder` holds the result of the stage with this key, whole: FOLDER.key beside it has the key and

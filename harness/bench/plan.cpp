@@ -281,9 +281,11 @@ std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, con
   inputs.push_back(estimated.folder);
   const fs::path& truth = simulation.truth.empty() ? simulation.sequence : simulation.truth;
   const fs::path evaluation = estimated.folder.parent_path() / "evaluation";
-  stages.push_back(stage(evaluation, evaluation_key(cell.estimate_key),
-                         {"evaluate", truth, estimated.folder, evaluation}, std::move(inputs),
-                         estimated.log));
+  const std::vector<std::string>& judging = config.scenes[simulation.scene].judging;
+  std::vector<std::string> command = {"evaluate", truth, estimated.folder, evaluation};
+  command.insert(command.end(), judging.begin(), judging.end());
+  stages.push_back(stage(evaluation, evaluation_key(cell.estimate_key, judging), std::move(command),
+                         std::move(inputs), estimated.log));
   if (config.overlays > 0 && simulation.has_images) stages.push_back(overlay(simulation, cell));
   return stages;
 }
