@@ -6,7 +6,6 @@
 // The measurements take turns, each after one of its kind that is not counted, as in a sequence of scans: its
 // meshes are in the caches. What is printed are medians of the rounds and of the ratios within a round:
 // processor time where one thread works, wall time for the gain of all threads.
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <pmmintrin.h>
 #include <time.h>
@@ -20,6 +19,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/embree/rtcore_parts.h"
 #include "simulator/lidar/lidar_scan.h"
 #include "simulator/scene/mesh_building.h"
 #include "simulator/scene/named_motions.h"
@@ -189,14 +189,11 @@ double median(std::vector<double> values) {
 }
 
 float bare_loop(RTCScene scene, const std::vector<RTCRayHit8>& packets) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   alignas(32) const int valid[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
   float sum = 0;
   for (const RTCRayHit8& ready : packets) {
     RTCRayHit8 packet = ready;
-    rtcIntersect8(valid, scene, &context, &packet);
+    intersect(scene, valid, packet);
     sum += packet.ray.tfar[0];
   }
   return sum;

@@ -38,12 +38,17 @@ std::string resume_key(const Scene& scene, const SimulateOptions& options, std::
       .hex();
 }
 
-// Says so before anything is written where there is no such library. OSMesa is loaded here, to be shared by
-// the workers; EGL is tried in a process of its own, for they shall not inherit an open display.
-void check_gl_library(GlLibrary library) {
-  if (library == GlLibrary::osmesa) return load_osmesa();
-  run_workers(
-      1, [](int) { make_gl_context(GlLibrary::egl); }, [] {});
+// What shall draw. Says so before anything is written where there is no such library. OSMesa is loaded here,
+// to be shared by the workers; EGL is tried in a process of its own, for they shall not inherit an open
+// display.
+GlLibrary checked_gl_library(GlLibrary asked) {
+  const GlLibrary library = resolve_gl_library(asked);
+  if (library == GlLibrary::osmesa)
+    load_osmesa();
+  else
+    run_workers(
+        1, [](int) { make_gl_context(GlLibrary::egl); }, [] {});
+  return library;
 }
 
 // Empties a partial folder of another scene, seed, length or program; a scene without a hash cannot be told
@@ -136,7 +141,8 @@ void hash_folders(const fs::path& folder, int threads, StageTimes& times) {
 
 }  // namespace
 
-void simulate(const Scene& scene, const SimulateOptions& options, const fs::path& out) {
+void simulate(const Scene& scene, const SimulateOptions& asked, const fs::path& out) {
+  SimulateOptions options = asked;
   check_can_render(scene);
   check_occupancy_map(scene.world, scene.map_resolution_m);
   const std::optional<LidarRig> lidar = lidar_of(scene);
@@ -145,7 +151,7 @@ void simulate(const Scene& scene, const SimulateOptions& options, const fs::path
     throw InputError(fmt::format("scene {}: {} frames asked for, expected at least 1", scene.name, frames));
   if (!options.timing.empty() && !fs::is_directory(fs::absolute(options.timing).parent_path()))
     throw InputError(options.timing, "stands in a folder that does not exist");
-  check_gl_library(options.gl);
+  options.gl = checked_gl_library(asked.gl);
   PendingFolder pending(out, "simulation", options.force, true);
   const fs::path& folder = pending.path();
   discard_other_work(scene, resume_key(scene, options, frames), pending);

@@ -11,10 +11,10 @@ namespace uniquadric {
 
 struct SimulateOptions {
   std::uint64_t seed = 0;
-  std::optional<std::int64_t> frames;  ///< instead of the scene's own number
-  int threads = 0;                     ///< 0: as many as the machine has
-  GlLibrary gl = GlLibrary::osmesa;    ///< both draw the same bytes on llvmpipe
-  std::filesystem::path timing;        ///< file for what the stages took (StageTimes::csv); empty: none
+  std::optional<std::int64_t> frames;   ///< instead of the scene's own number
+  int threads = 0;                      ///< 0: as many as the machine has
+  GlLibrary gl = GlLibrary::automatic;  ///< both draw the same bytes on llvmpipe
+  std::filesystem::path timing;         ///< file for what the stages took (StageTimes::csv); empty: none
   bool quiet = false;
   bool force = false;  ///< replace an existing output folder
 };

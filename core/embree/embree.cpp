@@ -1,10 +1,11 @@
 #include "core/embree/embree.h"
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 
 #include <cstring>
 #include <stdexcept>
+
+#include "core/embree/rtcore_parts.h"
 
 namespace uniquadric {
 namespace {

@@ -213,7 +213,7 @@ double PlyRows::number(const PlyType& type) {
   if (format_ == PlyFormat::ascii) return word();
   const auto size = static_cast<std::size_t>(type.size);
   if (left_.size() < size) fail("is cut short");
-  char bytes[8];
+  char bytes[8] = {};
   std::copy_n(left_.data(), size, bytes);
   if (format_ == PlyFormat::binary_big_endian) std::reverse(bytes, bytes + size);
   left_.remove_prefix(size);

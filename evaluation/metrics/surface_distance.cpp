@@ -1,12 +1,11 @@
 #include "evaluation/metrics/surface_distance.h"
 
-#include <embree3/rtcore.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "core/embree/embree.h"
+#include "core/embree/rtcore_parts.h"
 
 namespace uniquadric {
 
@@ -82,9 +81,7 @@ std::optional<double> SurfaceDistance::along(const Eigen::Vector3d& from,
   ray.ray.tfar = std::numeric_limits<float>::infinity();
   ray.ray.mask = ~0U;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(state_->scene.get(), &context, &ray);
+  intersect(state_->scene.get(), ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return ray.ray.tfar;
 }

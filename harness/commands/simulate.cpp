@@ -1,6 +1,7 @@
 #include "harness/commands/commands.h"
 
 #include <CLI/CLI.hpp>
+#include <map>
 
 #include "core/base/apart.h"
 #include "core/base/files.h"
@@ -32,7 +33,9 @@ void add_simulate(CLI::App& app, Common& common) {
   static std::string scene, out, routes;
   static SimulateOptions options;
   static std::int64_t frames = 0;
-  static std::string gl = "osmesa";
+  static std::string gl = "auto";
+  static const std::map<std::string, GlLibrary> libraries{
+      {"auto", GlLibrary::automatic}, {"osmesa", GlLibrary::osmesa}, {"egl", GlLibrary::egl}};
   static double noise_scale = 1;
   sub->add_option("SCENE", scene, "scene file (YAML)")->required();
   sub->add_option("OUT", out, "folder for sequence/ and truth/")->required();
@@ -42,14 +45,16 @@ void add_simulate(CLI::App& app, Common& common) {
       ->check(CLI::Range(0.0, kMostNoiseScale));
   auto* count =
       sub->add_option("--frames", frames, "instead of the scene's number")->check(whole_number(1, kMaxCount));
-  sub->add_option("--gl", gl,
-                  "what draws: osmesa, or egl (without a screen; a graphics card's bytes are its own)")
-      ->check(CLI::IsMember({"osmesa", "egl"}));
+  sub->add_option(
+         "--gl", gl,
+         "what draws: osmesa, egl (without a screen; a graphics card's bytes are its own), or auto: osmesa "
+         "where its library is installed, else egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}));
   sub->add_option("--timing", options.timing, "file for what each stage took (CSV)");
   sub->add_option("--routes", routes, "folder for the LiDAR's way against Embree (method depth_octree)");
   add_stage_options(sub, common);
   sub->callback([&common, count] {
-    options.gl = gl == "egl" ? GlLibrary::egl : GlLibrary::osmesa;
+    options.gl = libraries.at(gl);
     options.threads = common.threads;
     options.quiet = common.quiet;
     options.force = common.force;

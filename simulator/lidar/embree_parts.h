@@ -1,13 +1,12 @@
 #pragma once
 
 // What the files that call Embree share; for them alone.
-#include <embree3/rtcore.h>
-
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "core/embree/embree.h"
+#include "core/embree/rtcore_parts.h"
 #include "simulator/lidar/ray_caster.h"
 
 namespace uniquadric {

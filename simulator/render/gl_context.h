@@ -5,8 +5,12 @@
 namespace uniquadric {
 
 /// Where OpenGL comes from: Mesa's off-screen library, or EGL without a screen, which takes a graphics card
-/// where there is one and llvmpipe otherwise. On llvmpipe both draw the same bytes.
-enum class GlLibrary { osmesa, egl };
+/// where there is one and llvmpipe otherwise. On llvmpipe both draw the same bytes. `automatic` is OSMesa
+/// where it can be loaded (Mesa has none after 25.0), else EGL.
+enum class GlLibrary { automatic, osmesa, egl };
+
+/// OSMesa or EGL: what `library` stands for on this machine. `automatic` loads OSMesa, as load_osmesa does.
+GlLibrary resolve_gl_library(GlLibrary library);
 
 /// An OpenGL 4.5 core context without a window. Everything that draws sees this interface alone. A context
 /// belongs to the thread that makes it current; contexts of several threads draw at the same time.
@@ -32,7 +36,7 @@ class GlContext {
 std::unique_ptr<GlContext> make_gl_context(GlLibrary library);
 
 /// Loads OSMesa, as the first of its contexts would: processes that are forked after it share its memory.
-/// Throws std::runtime_error where it is not installed.
+/// Throws std::runtime_error where it is not installed, or was not when this program was built.
 void load_osmesa();
 
 }  // namespace uniquadric

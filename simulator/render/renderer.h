@@ -59,7 +59,7 @@ void check_can_render(const Scene& scene);
 class Renderer {
  public:
   /// Copies the scene's meshes; checks the scene first (check_can_render).
-  explicit Renderer(const Scene& scene, GlLibrary library = GlLibrary::osmesa);
+  explicit Renderer(const Scene& scene, GlLibrary library = GlLibrary::automatic);
   ~Renderer();
 
   /// The frame is the renderer's own, until the next call. Ids, depth and objects are those of `poses`, and

@@ -45,7 +45,7 @@ TEST_F(Cli, RefusesWhatItDoesNotKnow) {
   expect_refusal({}, "subcommand");
   expect_refusal({"simulate", "a.yaml", out(), "--sed", "1"}, "--sed");
   expect_refusal({"simulate", "a.yaml", out(), "--frames", "0"}, "--frames");
-  expect_refusal({"simulate", "a.yaml", out(), "--gl", "glx"}, "--gl: glx not in {osmesa,egl}");
+  expect_refusal({"simulate", "a.yaml", out(), "--gl", "glx"}, "--gl: glx not in {auto,osmesa,egl}");
   expect_refusal({"simulate", "a.yaml", out(), "--seed", "-5"}, "'-5' is no whole number");
   expect_refusal({"simulate", "a.yaml", out(), "--seed", "99999999999999999999"}, "is no whole number");
   for (const char* scale : {"-1", "nan", "inf", "x"})

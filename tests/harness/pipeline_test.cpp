@@ -180,15 +180,39 @@ TEST_F(Pipeline, AnotherSeedChangesTheNoiseAndNothingOfTheTruth) {
         << path;
 }
 
-TEST_F(Pipeline, EglAndOsmesaSimulateTheSameBytesOnLlvmpipe) {
+// What keeps EGL and OSMesa from being compared here; empty: nothing.
+std::string not_comparable(const Scene& scene) {
   try {
-    Renderer egl(load_scene(scene()), GlLibrary::egl);
-    if (!egl.device().starts_with("llvmpipe")) GTEST_SKIP() << "EGL draws with " << egl.device();
+    load_osmesa();
+    const Renderer egl(scene, GlLibrary::egl);
+    return egl.device().starts_with("llvmpipe") ? "" : "EGL draws with " + egl.device();
   } catch (const std::runtime_error& e) {
-    GTEST_SKIP() << e.what();
+    return e.what();
   }
+}
+
+TEST_F(Pipeline, EglAndOsmesaSimulateTheSameBytesOnLlvmpipe) {
+  if (const std::string why = not_comparable(load_scene(scene())); !why.empty()) GTEST_SKIP() << why;
   ok({"simulate", scene(), folder() / "osmesa", "--gl", "osmesa", "--quiet"});
   ok({"simulate", scene(), folder() / "egl", "--gl", "egl", "--quiet"});
+  EXPECT_EQ(folder_hash(folder() / "osmesa"), folder_hash(folder() / "egl"));
+}
+
+// A file that is no library stands before the true OSMesa.
+TEST_F(Pipeline, WhereOsmesaCannotBeLoadedEglDrawsTheSameBytes) {
+  if (const std::string why = not_comparable(load_scene(scene())); !why.empty()) GTEST_SKIP() << why;
+  ok({"simulate", scene(), folder() / "osmesa", "--quiet"});
+  write_text(folder() / "libOSMesa.so.8", "no library");
+  const char* const path = std::getenv("LD_LIBRARY_PATH");
+  const std::string before = path ? path : "";
+  ASSERT_EQ(setenv("LD_LIBRARY_PATH", (folder().string() + ":" + before).c_str(), 1), 0);
+  const ProgramRun refused =
+      run_program({"simulate", scene(), folder() / "refused", "--gl", "osmesa", "--quiet"});
+  const ProgramRun drawn = run_program({"simulate", scene(), folder() / "egl", "--quiet"});
+  setenv("LD_LIBRARY_PATH", before.c_str(), 1);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("libOSMesa.so.8"), std::string::npos) << refused.err;
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
   EXPECT_EQ(folder_hash(folder() / "osmesa"), folder_hash(folder() / "egl"));
 }
 
