@@ -65,7 +65,7 @@ TEST_F(Export, VdoHasTheFlowToTheNextFrame) {
       float flow[2];
       std::memcpy(flow, bytes.data() + 12 + 8 * (v * size[0] + u), 8);
       ++all;
-      right += (Eigen::Vector2d(u + flow[0], v + flow[1]) - *there).norm() < 2;
+      right += ((Eigen::Vector2d(u, v) + Eigen::Vector2d(flow[0], flow[1])) - *there).norm() < 2;
     }
   EXPECT_GT(all, 5000);
   EXPECT_GT(right, 0.7 * all);
