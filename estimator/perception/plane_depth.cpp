@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "core/base/quantile.h"
 
@@ -40,13 +41,14 @@ int label_at(const cv::Mat& labels, int u, int v) {
 // Median depth of the pixels beside the middle; 0 when there are few.
 float depth_in_the_middle(const cv::Mat& depth, const cv::Mat& labels, const Middle& m) {
   std::array<float, 9> values;
+  values.fill(std::numeric_limits<float>::infinity());  // sorted behind all that are known
   int count = 0;
   for (int v = std::max(m.v - 1, 0); v <= std::min(m.v + 1, depth.rows - 1); ++v)
     for (int u = std::max(m.u - 1, 0); u <= std::min(m.u + 1, depth.cols - 1); ++u)
       if (depth.at<float>(v, u) > 0 && label_at(labels, u, v) == m.label)
         values[count++] = depth.at<float>(v, u);
   if (count < 4) return 0;
-  std::sort(values.begin(), values.begin() + count);
+  std::sort(values.begin(), values.end());
   return values[count / 2];
 }
 
