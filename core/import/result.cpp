@@ -3,29 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 
 #include "core/base/error.h"
 #include "core/base/warning.h"
 #include "core/import/recording.h"
+#include "core/import/tum_result.h"
 #include "core/sequence/stamps.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-// The times at which a sequence observes: of its frames, or of its scans where it has no images.
-std::vector<std::int64_t> observed_ns(const Sequence& sequence) {
-  return sequence.frames.empty() ? stamps_of(sequence.scans) : stamps_of(sequence.frames);
-}
-
 // Finds the frame of a stamp, and counts those of none and those that another stamp was nearer to.
 class Frames {
  public:
   explicit Frames(std::vector<std::int64_t> stamps_ns)
-      : stamps_ns_(std::move(stamps_ns)),
-        reach_ns_(static_cast<std::int64_t>(5e8 / nominal_rate_hz(stamps_ns_, 1))) {}
+      : stamps_ns_(std::move(stamps_ns)), reach_ns_(half_frame_ns(stamps_ns_)) {}
 
   // Index in `list` by frame: the nearest of each, in order of frames.
   template <typename List, typename Stamp>
@@ -84,8 +80,19 @@ class Frames {
 
 }  // namespace
 
+std::vector<std::int64_t> observed_ns(const Sequence& sequence) {
+  if (!sequence.frames.empty() || !sequence.lidar) return stamps_of(sequence.frames);
+  std::vector<std::int64_t> ends_ns = stamps_of(sequence.scans);
+  for (std::int64_t& stamp_ns : ends_ns) stamp_ns += std::llround(1e9 / sequence.lidar->rate_hz);
+  return ends_ns;
+}
+
+std::int64_t half_frame_ns(const std::vector<std::int64_t>& observed_ns) {
+  return static_cast<std::int64_t>(5e8 / nominal_rate_hz(observed_ns, 1));
+}
+
 std::vector<std::string> result_layouts() {
-  return {"native"};
+  return {"native", "tum"};
 }
 
 Tracks at_frames(const Tracks& tracks, const Sequence& sequence, const std::string& name) {
@@ -108,10 +115,11 @@ Tracks at_frames(const Tracks& tracks, const Sequence& sequence, const std::stri
   return result;
 }
 
-Tracks read_result(const fs::path& folder, const std::string& layout, const Sequence& sequence) {
-  if (layout != "native")
-    throw InputError(fmt::format("results in the layout {} cannot be read yet", layout));
-  return at_frames(read_tracks(folder), sequence, folder.string());
+Tracks read_result(const fs::path& source, const std::string& layout, const Sequence& sequence) {
+  const std::string name = source.string();
+  if (layout == "tum") return at_frames(read_tum_result(source), sequence, name);
+  if (layout == "native") return at_frames(read_tracks(source), sequence, name);
+  throw InputError(fmt::format("results in the layout {} cannot be read", layout));
 }
 
 }  // namespace uniquadric

@@ -40,13 +40,6 @@ enum Column : std::size_t {
   kColumns
 };
 
-// What objects.yaml says of an object's shape, whatever the time.
-struct Shape {
-  Eigen::Vector3d semi_axes_m;
-  SuperExponents exponents;
-  int profile_axis = 2;
-};
-
 std::optional<ObjectStatus> parse_status(std::string_view text) {
   for (const auto status :
        {ObjectStatus::tentative, ObjectStatus::active, ObjectStatus::occluded, ObjectStatus::lost})
@@ -71,7 +64,7 @@ int parse_id(const ConfigNode& node, const std::string& text) {
   return static_cast<int>(*id);
 }
 
-void read_exponents(const ConfigNode& node, Shape& shape) {
+void read_exponents(const ConfigNode& node, ObjectShape& shape) {
   const ConfigNode body = node.at("superellipsoid");
   const auto q = body.get<std::vector<double>>("q");
   if (q.size() != 3 || !std::ranges::all_of(q, is_exponent))
@@ -82,13 +75,13 @@ void read_exponents(const ConfigNode& node, Shape& shape) {
   node.refuse_unknown_keys();
 }
 
-Shape read_shape(const ConfigNode& node) {
+ObjectShape read_shape(const ConfigNode& node) {
   const bool has_size = node.has("size_m");
   if (has_size == node.has("semi_axes_m")) node.fail("expected either size_m or semi_axes_m");
-  Shape shape{has_size ? Eigen::Vector3d(node.get<Eigen::Vector3d>("size_m") / 2)
-                       : node.get<Eigen::Vector3d>("semi_axes_m"),
-              {},
-              2};
+  ObjectShape shape{has_size ? Eigen::Vector3d(node.get<Eigen::Vector3d>("size_m") / 2)
+                             : node.get<Eigen::Vector3d>("semi_axes_m"),
+                    {},
+                    2};
   if (const std::string fault = semi_axes_fault(shape.semi_axes_m); !fault.empty())
     node.at(has_size ? "size_m" : "semi_axes_m").fail(fault);
   const auto described = node.find("shape");
@@ -99,15 +92,6 @@ Shape read_shape(const ConfigNode& node) {
   node.get<std::string>("name", "");
   node.refuse_unknown_keys();
   return shape;
-}
-
-std::map<int, Shape> read_shapes(const fs::path& file) {
-  std::map<int, Shape> shapes;
-  if (!fs::exists(file)) return shapes;
-  const ConfigNode root = ConfigNode::load(file);
-  for (const auto& [key, node] : root.entries())
-    if (!shapes.emplace(parse_id(node, key), read_shape(node)).second) node.fail("stands twice");
-  return shapes;
 }
 
 // The reader of one row of objects.csv, whose header says where the columns are.
@@ -180,7 +164,7 @@ std::optional<int> parse_axis(std::string_view text) {
 }
 
 // A row's state, its pose still missing; what it does not say is the shape's, or the default.
-ObjectState state_of(const Row& row, const Shape* shape) {
+ObjectState state_of(const Row& row, const ObjectShape* shape) {
   ObjectState state;
   const auto stamp_ns = row.value(kStamp, parse_stamp_of_ns);
   if (!stamp_ns) row.fail(kStamp);
@@ -235,7 +219,7 @@ void require_later(const fs::path& file, int line, const ObjectTrack& track, con
 }
 
 // Rows of objects.csv, without poses.
-std::map<int, ObjectTrack> read_rows(const fs::path& file, const std::map<int, Shape>& shapes) {
+std::map<int, ObjectTrack> read_rows(const fs::path& file, const std::map<int, ObjectShape>& shapes) {
   std::optional<std::array<std::optional<std::size_t>, kColumns>> place;
   std::size_t columns = 0;
   std::map<int, ObjectTrack> tracks;
@@ -283,34 +267,10 @@ std::vector<int> trajectory_ids(const fs::path& folder) {
   if (!fs::is_directory(folder / "objects")) return ids;
   for (const auto& entry : fs::directory_iterator(folder / "objects")) {
     if (entry.path().extension() != ".tum") continue;
-    const auto id = parse_integer(entry.path().stem().string());
-    if (!id || *id <= 0 || *id > std::numeric_limits<int>::max())
-      throw InputError(entry.path(), "is named by no id: expected an integer greater than 0");
-    ids.push_back(static_cast<int>(*id));
+    ids.push_back(id_of_file(entry.path()));
   }
   std::ranges::sort(ids);
   return ids;
-}
-
-ObjectTrack track_of_shape(const fs::path& folder, int id, const std::map<int, Shape>& shapes) {
-  ObjectTrack track{id, "", {}};
-  const fs::path file = trajectory_file(folder, id);
-  const Trajectory poses = read_tum(file);
-  const auto shape = shapes.find(id);
-  if (!poses.empty() && shape == shapes.end())
-    throw InputError(file, fmt::format("objects.yaml has no size of object {}: expected a line {}: {{size_m: "
-                                       "[x, y, z]}}",
-                                       id, id));
-  for (const auto& [stamp_ns, pose] : poses) {
-    ObjectState state;
-    state.stamp_ns = stamp_ns;
-    state.frame = -1;
-    state.ellipsoid = {pose, shape->second.semi_axes_m};
-    state.exponents = shape->second.exponents;
-    state.profile_axis = shape->second.profile_axis;
-    track.states.push_back(state);
-  }
-  return track;
 }
 
 }  // namespace
@@ -329,6 +289,43 @@ std::string semi_axes_fault(const Eigen::Vector3d& semi_axes_m) {
   return {};
 }
 
+int id_of_file(const fs::path& file) {
+  const auto id = parse_integer(file.stem().string());
+  if (!id || *id <= 0 || *id > std::numeric_limits<int>::max())
+    throw InputError(file, "is named by no id: expected an integer greater than 0");
+  return static_cast<int>(*id);
+}
+
+std::map<int, ObjectShape> read_object_shapes(const fs::path& file) {
+  std::map<int, ObjectShape> shapes;
+  if (!fs::exists(file)) return shapes;
+  const ConfigNode root = ConfigNode::load(file);
+  for (const auto& [key, node] : root.entries())
+    if (!shapes.emplace(parse_id(node, key), read_shape(node)).second) node.fail("stands twice");
+  return shapes;
+}
+
+ObjectTrack track_of_shape(const fs::path& file, const std::map<int, ObjectShape>& shapes) {
+  const int id = id_of_file(file);
+  ObjectTrack track{id, "", {}};
+  const Trajectory poses = read_tum(file);
+  const auto shape = shapes.find(id);
+  if (!poses.empty() && shape == shapes.end())
+    throw InputError(file, fmt::format("objects.yaml has no size of object {}: expected a line {}: {{size_m: "
+                                       "[x, y, z]}}",
+                                       id, id));
+  for (const auto& [stamp_ns, pose] : poses) {
+    ObjectState state;
+    state.stamp_ns = stamp_ns;
+    state.frame = -1;
+    state.ellipsoid = {pose, shape->second.semi_axes_m};
+    state.exponents = shape->second.exponents;
+    state.profile_axis = shape->second.profile_axis;
+    track.states.push_back(state);
+  }
+  return track;
+}
+
 bool is_size_list(const fs::path& objects_yaml) {
   const ConfigNode root = ConfigNode::load(objects_yaml);
   return root.is_map() && !root.has("schema") && !root.has("objects");
@@ -337,12 +334,12 @@ bool is_size_list(const fs::path& objects_yaml) {
 std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
   const fs::path csv = folder / "objects.csv", sizes = folder / "objects.yaml";
   const bool has_rows = fs::exists(csv);
-  const auto shapes = read_shapes(sizes);
+  const auto shapes = read_object_shapes(sizes);
   std::map<int, ObjectTrack> tracks = has_rows ? read_rows(csv, shapes) : std::map<int, ObjectTrack>{};
   for (auto& [id, track] : tracks) take_poses(folder, track);
   for (const int id : trajectory_ids(folder)) {
     if (tracks.contains(id)) continue;
-    ObjectTrack track = has_rows ? ObjectTrack{} : track_of_shape(folder, id, shapes);
+    ObjectTrack track = has_rows ? ObjectTrack{} : track_of_shape(trajectory_file(folder, id), shapes);
     if (has_rows && !read_tum(trajectory_file(folder, id)).empty())
       throw InputError(trajectory_file(folder, id), "objects.csv has no row of this object");
     if (!track.states.empty()) tracks.emplace(id, std::move(track));

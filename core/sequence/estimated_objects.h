@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,23 @@ std::filesystem::path trajectory_file(const std::filesystem::path& folder, int i
 
 /// What is wrong with these semi-axes; empty: nothing.
 std::string semi_axes_fault(const Eigen::Vector3d& semi_axes_m);
+
+/// What objects.yaml of an estimate says of an object's shape, whatever the time.
+struct ObjectShape {
+  Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();
+  SuperExponents exponents;
+  int profile_axis = 2;
+};
+
+/// Shapes by id of the short form of objects.yaml; none where there is no such file. Throws InputError.
+std::map<int, ObjectShape> read_object_shapes(const std::filesystem::path& objects_yaml);
+
+/// The id that a trajectory's file is named by. Throws InputError for other names.
+int id_of_file(const std::filesystem::path& file);
+
+/// The track of a trajectory (TUM text) named by its id, of constant shape; its frames are -1. Throws
+/// InputError, also where `shapes` has none for it.
+ObjectTrack track_of_shape(const std::filesystem::path& file, const std::map<int, ObjectShape>& shapes);
 
 /// Whether objects.yaml is of the short form `ID: {size_m: [x, y, z]}` of other programs' results, and not a
 /// truth's.

@@ -47,18 +47,6 @@ TruthNotes read_notes(const ConfigNode& root) {
           root.choice("frame", {"world", "sensor"}, "world") == "sensor"};
 }
 
-// Frames that an estimate does not name are counted by their stamps.
-void number_frames(Tracks& tracks) {
-  std::set<std::int64_t> stamps_ns;
-  for (const StampedPose& pose : tracks.camera) stamps_ns.insert(pose.stamp_ns);
-  for (const ObjectTrack& track : tracks.objects)
-    for (const ObjectState& state : track.states) stamps_ns.insert(state.stamp_ns);
-  const std::vector<std::int64_t> sorted(stamps_ns.begin(), stamps_ns.end());
-  for (ObjectTrack& track : tracks.objects)
-    for (ObjectState& state : track.states)
-      if (state.frame < 0) state.frame = std::ranges::lower_bound(sorted, state.stamp_ns) - sorted.begin();
-}
-
 }  // namespace
 
 const char* to_string(ObjectStatus status) {
@@ -141,6 +129,17 @@ void write_objects_yaml(const fs::path& path, const std::vector<ObjectDescriptio
     text += "}\n";
   }
   write_text(path, text);
+}
+
+void number_frames(Tracks& tracks) {
+  std::set<std::int64_t> stamps_ns;
+  for (const StampedPose& pose : tracks.camera) stamps_ns.insert(pose.stamp_ns);
+  for (const ObjectTrack& track : tracks.objects)
+    for (const ObjectState& state : track.states) stamps_ns.insert(state.stamp_ns);
+  const std::vector<std::int64_t> sorted(stamps_ns.begin(), stamps_ns.end());
+  for (ObjectTrack& track : tracks.objects)
+    for (ObjectState& state : track.states)
+      if (state.frame < 0) state.frame = std::ranges::lower_bound(sorted, state.stamp_ns) - sorted.begin();
 }
 
 Tracks read_tracks(const fs::path& folder) {

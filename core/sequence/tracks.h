@@ -59,6 +59,9 @@ struct Tracks {
 /// (read_estimated_objects). Throws InputError with file and line.
 Tracks read_tracks(const std::filesystem::path& folder);
 
+/// Counts the frames of states that have none (-1) by all stamps of the tracks.
+void number_frames(Tracks& tracks);
+
 /// Writes `camera.tum`, `objects/ID.tum` and `objects.csv` of an estimate into an existing folder. A variance
 /// that is not finite or negative is written as one that was not estimated.
 void write_estimate(const std::filesystem::path& folder, const Tracks& tracks);

@@ -53,6 +53,19 @@ TEST(Result, OnePoseAFrameWithinHalfAFrame) {
   EXPECT_EQ(placed.camera[1].pose.translation.x(), 3);
 }
 
+// As truths and exports have it: a scan's frame is at its end.
+TEST(Result, WithoutImagesAFrameIsTheEndOfItsScan) {
+  Sequence sequence;
+  sequence.lidar.emplace().rate_hz = 10;
+  for (int i = 0; i < 3; ++i) sequence.scans.push_back({i * kFrame_ns, ""});
+  Tracks tracks;
+  tracks.camera = {pose_at(104'000'000, 1), pose_at(300'000'000, 3)};
+  const Tracks placed = at_frames(tracks, sequence, "mine");
+  ASSERT_EQ(placed.camera.size(), 2u);
+  EXPECT_EQ(placed.camera[0].stamp_ns, kFrame_ns);
+  EXPECT_EQ(placed.camera[1].stamp_ns, 3 * kFrame_ns);
+}
+
 TEST(Result, OfAnotherSequenceIsRefused) {
   Tracks tracks;
   tracks.camera = {pose_at(5'000'000'000, 1)};

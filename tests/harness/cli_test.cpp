@@ -29,6 +29,7 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
                                     "import euroc",
                                     "export",
                                     "perceive",
+                                    "convert-result",
                                     "completion"}) {
     std::vector<std::string> arguments{command, "--help"};
     if (const std::size_t blank = command.find(' '); blank != command.npos)
