@@ -70,11 +70,6 @@ Sequence describe(const KittiRecording& recording) {
   return sequence;
 }
 
-// Ids are positive; a track 0 gets the first number behind all others.
-int object_id(const KittiLabel& label, int free_id) {
-  return label.id > 0 ? label.id : free_id;
-}
-
 std::string shape_of(const std::string& type) {
   return type == "Car" ? "car" : type == "Tram" ? "carriage" : "box";
 }
@@ -117,8 +112,7 @@ void add_contradictions(const fs::path& file, const std::vector<const KittiLabel
 RecordedTruth describe_truth(const KittiRecording& recording, std::vector<std::string>& left_out) {
   RecordedTruth truth;
   const bool in_sensor_frame = recording.world_from_camera.empty();
-  int free_id = 1;
-  for (const KittiLabel& label : recording.labels) free_id = std::max(free_id, label.id + 1);
+  const int free_id = first_free_id(recording.labels);
   std::map<int, std::vector<const KittiLabel*>> by_id;
   for (const KittiLabel& label : recording.labels) by_id[object_id(label, free_id)].push_back(&label);
   for (auto& [id, labels] : by_id) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -121,6 +122,16 @@ std::vector<KittiLabel> read_kitti_labels(const fs::path& path, std::int64_t fra
     labels.push_back(label);
   });
   return labels;
+}
+
+int first_free_id(const std::vector<KittiLabel>& labels) {
+  int free_id = 1;
+  for (const KittiLabel& label : labels) free_id = std::max(free_id, label.id + 1);
+  return free_id;
+}
+
+int object_id(const KittiLabel& label, int free_id) {
+  return label.id > 0 ? label.id : free_id;
 }
 
 std::vector<Pose> read_kitti_poses(const fs::path& path) {

@@ -41,6 +41,10 @@ struct KittiLabel {
 /// turn of more than 2 pi (degrees) and an object that stands twice in a frame are errors.
 std::vector<KittiLabel> read_kitti_labels(const std::filesystem::path& path, std::int64_t frames);
 
+/// The first number behind all labels' ids. Ids of objects are positive: a track 0 gets this one.
+int first_free_id(const std::vector<KittiLabel>& labels);
+int object_id(const KittiLabel& label, int free_id);
+
 /// poses/DRIVE.txt, 12 numbers a frame (first_camera_from_camera), as world_from_rectified: the world is the
 /// first camera's, turned so that its z is that camera's up.
 std::vector<Pose> read_kitti_poses(const std::filesystem::path& path);

@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/warning.h"
+#include "core/import/kitti_result.h"
 #include "core/import/recording.h"
 #include "core/import/tum_result.h"
 #include "core/sequence/stamps.h"
@@ -92,7 +93,7 @@ std::int64_t half_frame_ns(const std::vector<std::int64_t>& observed_ns) {
 }
 
 std::vector<std::string> result_layouts() {
-  return {"native", "tum"};
+  return {"native", "tum", "kitti-tracking"};
 }
 
 Tracks at_frames(const Tracks& tracks, const Sequence& sequence, const std::string& name) {
@@ -118,6 +119,7 @@ Tracks at_frames(const Tracks& tracks, const Sequence& sequence, const std::stri
 Tracks read_result(const fs::path& source, const std::string& layout, const Sequence& sequence) {
   const std::string name = source.string();
   if (layout == "tum") return at_frames(read_tum_result(source), sequence, name);
+  if (layout == "kitti-tracking") return at_frames(read_kitti_result(source, sequence), sequence, name);
   if (layout == "native") return at_frames(read_tracks(source), sequence, name);
   throw InputError(fmt::format("results in the layout {} cannot be read", layout));
 }

@@ -134,7 +134,10 @@ void require_plain_files(const fs::path& folder) {
       throw InputError(entry.path().lexically_relative(folder), "is neither a file nor a folder");
 }
 
-Tracks read_output(const ExternalVariant& variant, const fs::path& output, const Sequence& sequence) {
+// Results in the camera's frame are placed by the given poses where the program may know them, too.
+Tracks read_output(const ExternalVariant& variant, const fs::path& output, Sequence sequence) {
+  if (std::ranges::find(variant.sensors, "given_camera") == variant.sensors.end())
+    sequence.given_camera.reset();
   try {
     require_plain_files(output);
     return read_result(output, variant.result, sequence);
