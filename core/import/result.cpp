@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/warning.h"
+#include "core/import/bop_result.h"
 #include "core/import/kitti_result.h"
 #include "core/import/recording.h"
 #include "core/import/tum_result.h"
@@ -93,7 +94,7 @@ std::int64_t half_frame_ns(const std::vector<std::int64_t>& observed_ns) {
 }
 
 std::vector<std::string> result_layouts() {
-  return {"native", "tum", "kitti-tracking"};
+  return {"native", "tum", "kitti-tracking", "bop"};
 }
 
 Tracks at_frames(const Tracks& tracks, const Sequence& sequence, const std::string& name) {
@@ -120,6 +121,7 @@ Tracks read_result(const fs::path& source, const std::string& layout, const Sequ
   const std::string name = source.string();
   if (layout == "tum") return at_frames(read_tum_result(source), sequence, name);
   if (layout == "kitti-tracking") return at_frames(read_kitti_result(source, sequence), sequence, name);
+  if (layout == "bop") return at_frames(read_bop_result(source, sequence), sequence, name);
   if (layout == "native") return at_frames(read_tracks(source), sequence, name);
   throw InputError(fmt::format("results in the layout {} cannot be read", layout));
 }
