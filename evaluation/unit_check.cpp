@@ -25,6 +25,8 @@ double spread_m(const std::vector<Pose>& poses) {
   return poses.empty() ? 0 : std::sqrt(squares / static_cast<double>(poses.size()));
 }
 
+}  // namespace
+
 double median_semi_axis_m(const std::vector<ObjectTrack>& tracks) {
   std::vector<double> semi_axes_m;
   for (const ObjectTrack& track : tracks)
@@ -32,8 +34,6 @@ double median_semi_axis_m(const std::vector<ObjectTrack>& tracks) {
       for (const double a : state.ellipsoid.semi_axes_m) semi_axes_m.push_back(a);
   return semi_axes_m.empty() ? 0 : interpolated_quantile(std::move(semi_axes_m), 0.5);
 }
-
-}  // namespace
 
 std::optional<std::string> spread_fault(const std::vector<Pose>& reference,
                                         const std::vector<Pose>& estimate) {

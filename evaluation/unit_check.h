@@ -16,7 +16,10 @@ inline constexpr double kUnitRatio = 100;  // ours: no estimate of the same scen
 std::optional<std::string> spread_fault(const std::vector<Pose>& reference,
                                         const std::vector<Pose>& estimate);
 
-/// By the median semi-axis of all states.
+/// Median semi-axis of all states [m]; 0 of none.
+double median_semi_axis_m(const std::vector<ObjectTrack>& tracks);
+
+/// By median_semi_axis_m().
 std::optional<std::string> size_fault(const std::vector<ObjectTrack>& truth,
                                       const std::vector<ObjectTrack>& estimate);
 

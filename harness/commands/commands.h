@@ -24,6 +24,7 @@ void add_metric(CLI::App& app, Common& common);
 void add_trajectory(CLI::App& app, Common& common);
 void add_import(CLI::App& app, Common& common);
 void add_export(CLI::App& app, Common& common);
+void add_check_result(CLI::App& app, Common& common);
 void add_convert_result(CLI::App& app, Common& common);
 void add_completion(CLI::App& app, Common& common);
 

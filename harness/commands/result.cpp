@@ -1,8 +1,9 @@
-// What other programs wrote: brought into this program's layout.
+// What other programs wrote: looked at, and brought into this program's layout.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "core/base/apart.h"
 #include "core/base/error.h"
@@ -12,10 +13,13 @@
 #include "core/sequence/calibration.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/options.h"
+#include "harness/result/check_result.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
+
+constexpr int kNotAsExpected = 1;
 
 std::vector<std::string> foreign_layouts() {
   std::vector<std::string> layouts = result_layouts();
@@ -44,6 +48,23 @@ void convert_result(const std::string& layout, const fs::path& source, const fs:
 }
 
 }  // namespace
+
+void add_check_result(CLI::App& app, Common& common) {
+  auto* sub =
+      subcommand(app, "check-result", "what a result holds, what is scored, what looks wrong", common);
+  static std::string folder, sequence, truth;
+  sub->add_option("FOLDER", folder, "estimate folder that a program wrote")->required();
+  sub->add_option("--sequence", sequence, "sequence folder: are the poses at its frames?");
+  sub->add_option("--truth", truth, "truth folder: do units, sizes and conventions fit?");
+  sub->footer("exit code: 0 nothing looks wrong, 1 something does, 2 it cannot be read");
+  sub->callback([&common] {
+    const ResultCheck check = check_result(folder, sequence, truth);
+    std::cout << check.text;
+    for (const std::string& suspicion : check.suspicions) std::cout << "suspicious: " << suspicion << '\n';
+    std::cout << fmt::format("{} suspicions\n", check.suspicions.size());
+    if (!check.suspicions.empty()) common.exit_code = kNotAsExpected;
+  });
+}
 
 void add_convert_result(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "convert-result", "another program's result -> an estimate folder", common);

@@ -29,6 +29,7 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
                                     "import euroc",
                                     "export",
                                     "perceive",
+                                    "check-result",
                                     "convert-result",
                                     "completion"}) {
     std::vector<std::string> arguments{command, "--help"};
