@@ -6,7 +6,7 @@ include(CMakePackageConfigHelpers)
 set(data ${CMAKE_INSTALL_DATADIR}/uniquadric)
 
 install(TARGETS uniquadric RUNTIME COMPONENT runtime)
-install(DIRECTORY scenes configs docs results DESTINATION ${data} COMPONENT runtime)
+install(DIRECTORY scenes configs docs examples results DESTINATION ${data} COMPONENT runtime)
 install(FILES README.md DESTINATION ${data} COMPONENT runtime)
 foreach(folder estimator simulator/lidar)
   install(FILES ${folder}/README.md DESTINATION ${data}/${folder} COMPONENT runtime)

@@ -4,10 +4,15 @@
 
 #include <map>
 
+#include "core/base/quantile.h"
 #include "core/geometry/box_symmetry.h"
+#include "estimator/window/trajectory_smoother.h"
 
 namespace uniquadric {
 namespace {
+
+constexpr double kPoseVariance =
+    1e-4;  // ours, of a box's pose [rad^2]; the smoother finds by how much it is off
 
 ObjectState state_of(const PerceivedFrame& frame, const ObbEstimate& obb) {
   ObjectState state;
@@ -60,6 +65,25 @@ void follow_axes(ObjectTrack& track) {
   }
 }
 
+// One size for the whole track, and its trajectory smoothed as that of the windows is: all frames count
+// alike.
+void smooth(ObjectTrack& track, const TrajectorySmootherOptions& options) {
+  std::vector<PoseSample> samples;
+  Eigen::Vector3d semi_axes_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> lengths_m;
+    for (const ObjectState& state : track.states) lengths_m.push_back(state.ellipsoid.semi_axes_m[axis]);
+    semi_axes_m[axis] = upper_median(std::move(lengths_m));
+  }
+  Matrix6d covariance = Matrix6d::Identity();
+  covariance.topLeftCorner<3, 3>() *= semi_axes_m.squaredNorm();  // a radian turns a box's corner by its size
+  for (const ObjectState& state : track.states)
+    samples.push_back({state.stamp_ns, state.ellipsoid.world_from_object, kPoseVariance * covariance});
+  smooth_trajectory(samples, options);
+  for (std::size_t i = 0; i < track.states.size(); ++i)
+    track.states[i].ellipsoid = {samples[i].world_from_object, semi_axes_m};
+}
+
 }  // namespace
 
 BackendResult estimate_single_frames(const Perception& perception, const Variant& variant,
@@ -77,6 +101,7 @@ BackendResult estimate_single_frames(const Perception& perception, const Variant
   for (auto& [id, track] : tracks) {
     track.id = id;
     if (variant.axis_naming == AxisNaming::previous) follow_axes(track);
+    if (variant.smooth) smooth(track, variant.body.trajectory);
     result.objects.push_back(std::move(track));
   }
   return result;

@@ -40,6 +40,7 @@ void visit(Io& io, Variant& o) {
     inner.number("envelope_margin", o.joined.envelope_margin, 0.0, 100.0);
     inner.number("envelope_slack_m", o.joined.envelope_slack_m, 0.0, 100.0);
   });
+  io.flag("smooth", o.smooth);
   io.flag("write_features", o.write_features);
   io.choice("output", o.output, Choices<Output>{{"causal", Output::causal}, {"final", Output::final}});
 }

@@ -45,6 +45,7 @@ struct Variant {
   // ours: names only, no measurement passes between frames; the world's names made 0.9 rad of error of a
   // turning cube that is right to 0.1 (README.md)
   AxisNaming axis_naming = AxisNaming::previous;
+  bool smooth = false;  // of `single_frame`: one size a track, its trajectory smoothed at the end
   BodyOptions body;
   Backend backend = Backend::single_frame;
   bool write_features = false;    // features.csv, a row a sighting: megabytes
