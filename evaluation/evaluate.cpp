@@ -104,20 +104,22 @@ std::vector<std::vector<bool>> hidden_frames(const Tracks& truth, const ObjectOv
 // What counts in the scores over all objects.
 ObjectOverlaps counted_overlaps(const Tracks& truth, const ObjectOverlaps& overlaps,
                                 const VisibilityTable& visibility, const std::vector<bool>& scored,
-                                Unlabelled unlabelled) {
+                                Unlabelled unlabelled, bool labels_are_partial) {
   ObjectOverlaps counted = overlaps;
   const auto matches = match_objects(overlaps);
   auto hidden = hidden_frames(truth, overlaps, visibility);
   for (std::size_t g = 0; g < hidden.size(); ++g)
     if (!scored[g]) hidden[g].assign(hidden[g].size(), true);
-  drop_unlabelled(unlabelled, matches, counted);
+  drop_unlabelled(unlabelled, labels_are_partial, matches, counted);
   drop_hidden(hidden, matches, counted);
   return counted;
 }
 
 Evaluation compare(const Tracks& truth, const Tracks& estimate,
                    const std::map<int, ObjectDescription>& descriptions, const VisibilityTable& visibility,
-                   const EvaluateOptions& options, Unlabelled unlabelled) {
+                   const EvaluateOptions& options, bool labels_are_partial) {
+  const Unlabelled unlabelled =
+      options.unlabelled.value_or(labels_are_partial ? Unlabelled::ignored : Unlabelled::counted_false);
   Evaluation result;
   result.unlabelled = unlabelled;
   result.camera = evaluate_camera(truth.camera, estimate.camera, kMaxDifferenceNs);
@@ -127,7 +129,8 @@ Evaluation compare(const Tracks& truth, const Tracks& estimate,
   const std::vector<bool> scored = scored_objects(truth.objects, options.objects);
   const ObjectOverlaps overlaps = overlap_objects(truth, estimate, kMaxDifferenceNs);
   const auto matches = match_objects(overlaps);
-  const ObjectOverlaps counted = counted_overlaps(truth, overlaps, visibility, scored, unlabelled);
+  const ObjectOverlaps counted =
+      counted_overlaps(truth, overlaps, visibility, scored, unlabelled, labels_are_partial);
   const std::vector<int> switches = identity_switches(counted, kAnyOverlap);
   std::vector<bool> used(estimate.objects.size());
   for (std::size_t g = 0; g < truth.objects.size(); ++g) {
@@ -212,7 +215,6 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const bool knows_objects = !fs::exists(truth_path / "sequence.yaml");
   const TruthNotes notes =
       fs::exists(truth_path / "objects.yaml") ? read_truth_notes(truth_path / "objects.yaml") : TruthNotes{};
-  const Unlabelled unlabelled = notes.is_partial ? Unlabelled::ignored : Unlabelled::counted_false;
   Tracks truth = knows_objects ? read_tracks(truth_path) : truth_of_sequence(truth_path);
   const VisibilityTable visibility = read_visibility_of(truth_path, truth);
   if (options.objects.in_view) truth.objects = only_in_view(std::move(truth.objects), visibility);
@@ -225,8 +227,7 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const WorldAlignment alignment = align_world(kind, truth, original, kMaxDifferenceNs);
   const Tracks estimate = in_true_world(alignment, original);
   const auto descriptions = read_descriptions(truth_path);
-  Evaluation evaluation =
-      compare(truth, estimate, descriptions, visibility, options, options.unlabelled.value_or(unlabelled));
+  Evaluation evaluation = compare(truth, estimate, descriptions, visibility, options, notes.is_partial);
   evaluation.alignment = alignment;
   if (notes.in_sensor_frame) evaluation.camera = {};  // its poses are the identity on both sides
   if (evaluation.objects.empty() && !truth.objects.empty())

@@ -69,14 +69,14 @@ std::vector<bool> scored_objects(const std::vector<ObjectTrack>& truth, const Ob
   return scored;
 }
 
-void drop_unlabelled(Unlabelled unlabelled, const std::vector<std::optional<std::size_t>>& matches,
-                     ObjectOverlaps& overlaps) {
+void drop_unlabelled(Unlabelled unlabelled, bool labels_are_partial,
+                     const std::vector<std::optional<std::size_t>>& matches, ObjectOverlaps& overlaps) {
   std::vector<std::optional<std::size_t>> object_of(overlaps.estimate.size());
   for (std::size_t g = 0; g < matches.size(); ++g)
     if (matches[g]) object_of[*matches[g]] = g;
   for (std::size_t e = 0; e < overlaps.estimate.size(); ++e)
     for (std::size_t frame = 0; frame < overlaps.stamps_ns.size(); ++frame) {
-      const bool left = object_of[e] && !overlaps.truth[*object_of[e]][frame];
+      const bool left = labels_are_partial && object_of[e] && !overlaps.truth[*object_of[e]][frame];
       if ((left || unlabelled == Unlabelled::ignored) && !overlaps_any(overlaps, e, frame))
         overlaps.estimate[e][frame].reset();
     }

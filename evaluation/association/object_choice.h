@@ -33,10 +33,11 @@ std::string class_of(const std::string& name);
 /// [object]: whether it is scored; `in_view` has no part in it.
 std::vector<bool> scored_objects(const std::vector<ObjectTrack>& truth, const ObjectChoice& choice);
 
-/// Takes out of frames what does not count there, for scores over all objects: states of a track in frames in
-/// which the object that it is matched to has none (it left the view, or its labels end) unless they overlap
-/// another one; and with `ignored` all states that overlap no true object.
-void drop_unlabelled(Unlabelled unlabelled, const std::vector<std::optional<std::size_t>>& matches,
-                     ObjectOverlaps& overlaps);
+/// Takes out of frames what does not count there, for scores over all objects. With `ignored` these are the
+/// states that overlap no true object. Where labels are partial, these are also the states of a track in
+/// frames in which the object that it is matched to has none (it left the view, or its labels end), unless
+/// they overlap another one.
+void drop_unlabelled(Unlabelled unlabelled, bool labels_are_partial,
+                     const std::vector<std::optional<std::size_t>>& matches, ObjectOverlaps& overlaps);
 
 }  // namespace uniquadric

@@ -100,6 +100,8 @@ BenchScene read_scene(const ConfigNode& root, const ConfigNode& node,
   if (!node.is_map()) return {read_file(root, node), false, 1, seeds, "", {}};
   BenchScene scene = read_item_of_scene(root, node, seeds);
   scene.name = node.name("name", scene.name);
+  if (node.has("name") && (scene.name == "." || scene.name == ".."))
+    node.at("name").fail("names a folder that is there already");
   if (!is_plain_name(scene.name) || scene.name == "." || scene.name == "..")
     node.fail(fmt::format("'{}' cannot be a name in the results; give another `name`", scene.name));
   if (const auto prompt = node.find("prompt"); prompt && is_there(scene))

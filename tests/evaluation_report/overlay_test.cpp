@@ -316,8 +316,8 @@ TEST(Overlay, EvenlySpacedFramesOneSheetAndNoOldOnes) {
   for (const auto& entry : fs::directory_iterator(recording.out))
     names.push_back(entry.path().filename().string());
   std::sort(names.begin(), names.end());
-  EXPECT_EQ(names,
-            (std::vector<std::string>{"000000.jpg", "000003.jpg", "000006.jpg", "000009.jpg", "sheet.jpg"}));
+  EXPECT_EQ(names, (std::vector<std::string>{".uniquadric", "000000.jpg", "000003.jpg", "000006.jpg",
+                                             "000009.jpg", "sheet.jpg"}));
   const cv::Mat sheet = read_image(recording.out / "sheet.jpg");
   EXPECT_EQ(sheet.size(), cv::Size(2 * 480 + 3 * 4, 2 * 360 + 3 * 4));  // two by two tiles and the gaps
 }

@@ -77,7 +77,7 @@ TEST_F(Cli, RefusesBadSequences) {
   write_text(given, poses + "2.0 0 0 nan 0 0 0 1\n");
   estimate_refused("camera_given.tum:6: 'nan' is not a finite number");
   write_text(given, poses + "0.05 0 0 0 0 0 0 1\n");
-  estimate_refused("camera_given.tum:6: timestamp 0.05 does not come after");
+  estimate_refused("camera_given.tum:6: timestamp 0.05 comes before");
   fs::remove(given);
   estimate_refused("camera_given.tum");
   estimate_refused(data.string());

@@ -80,7 +80,8 @@ class ImportedRecording : public testing::Test {
   json evaluated(const std::string& data) const {
     const fs::path at = folder() / data;
     ok({"info", at, "--check"});
-    ok({"estimate", at / "sequence", folder() / (data + "_estimate"), "--quiet"});
+    const fs::path variant = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/single_frame_obb.yaml";
+    ok({"estimate", at / "sequence", folder() / (data + "_estimate"), "--variant", variant, "--quiet"});
     ok({"evaluate", at / "truth", folder() / (data + "_estimate"), folder() / (data + "_evaluation"),
         "--quiet"});
     return json::parse(read_text(folder() / (data + "_evaluation/evaluation.json")));

@@ -45,7 +45,7 @@ SimulateOptions quiet(int threads = 2, std::uint64_t seed = 0) {
 
 // 4 images a frame; rgb.txt, depth.txt, masks.txt, sequence.yaml, camera_given.tum; camera.tum, camera.yaml,
 // objects.yaml, visibility.csv, map.bt, trajectory and mesh of 2 objects; two lists of hashes
-constexpr std::size_t kFiles = 4 * 12 + 5 + 9 + 2;
+constexpr std::size_t kFiles = 4 * 12 + 5 + 9 + 2 + 1;
 
 TEST(Simulate, WritesASequenceAndItsTruth) {
   const TempFolder temp;
