@@ -176,7 +176,8 @@ SlowSegmenter slow_segmenter(const Sequence& sequence, Segmenter segmenter, cons
                              std::uint64_t seed) {
   const bool is_simulated = segmenter.source == MaskSource::sequence;
   const auto fixed_ns = static_cast<std::int64_t>(std::llround(options.latency_s * 1e9));
-  const bool is_fixed = options.latency == AotLatency::fixed;
+  const bool is_prompted = segmenter.prompt_kind != PromptKind::everything;
+  const bool is_fixed = options.latency == AotLatency::fixed || (!is_simulated && !is_prompted);
   SlowSegmenter slow;
   slow.latency_ns = [=](const SequenceFrame& frame) -> std::optional<std::int64_t> {
     if (is_simulated && frame.masks.empty()) return std::nullopt;

@@ -32,7 +32,7 @@ enum class MaskTrackerKind {
 
 /// How long the segmenter takes.
 enum class AotLatency {
-  sequence,  ///< what the sequence says (masks.txt) of the simulated segmenter; none of any other
+  sequence,  ///< what the sequence says (masks.txt) of the simulated segmenter; none of prompts; else latency_s
   fixed,     ///< latency_s
 };
 
@@ -41,7 +41,8 @@ struct AotOptions {
   bool enabled = true;  // off: the segmenter's masks count at their own frames, as if it took no time
   AotClock clock = AotClock::virtual_time;
   AotLatency latency = AotLatency::sequence;
-  double latency_s = 0.1;  // ours: of AotLatency::fixed
+  double latency_s =
+      0.1;  // ours: of AotLatency::fixed, and of segmenters without prompts whose latency no file says
   MaskTrackerKind tracker = MaskTrackerKind::flow;
   FlowTrackerOptions flow;
   NanoTrackOptions nano;

@@ -293,7 +293,7 @@ TEST(Overlay, OfASequenceWithoutImagesIsRefused) {
   const fs::path lidar = recording.folder.path() / "lidar";
   Sequence sequence;
   sequence.name = "lidar", sequence.rate_hz = 10;
-  sequence.lidar = LidarCalibration{.pattern = "by_hand"};
+  sequence.lidar = LidarCalibration{.pattern = "by_hand", .camera_from_lidar = {}};
   sequence.scans = {{0, "0.pcd"}};
   fs::create_directories(lidar);
   write_lidar_points(lidar / "0.pcd", {{1, 2, 3}});
