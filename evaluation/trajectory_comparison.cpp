@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/sequence/stamps.h"
@@ -15,11 +16,27 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
+// One of the two trajectories, and what messages call it.
+struct NamedPoses {
+  fs::path name;
+  WrittenPoses written;
+};
+
+NamedPoses named(const fs::path& name, WrittenPoses written) {
+  if (written.poses.empty()) throw InputError(name, "has no poses");
+  return {name, std::move(written)};
+}
+
 // evo takes poses in the order of the file, equal stamps too.
-WrittenPoses read_poses(const fs::path& path, bool as_written) {
-  WrittenPoses read = as_written ? read_tum_as_written(path) : WrittenPoses{read_tum(path), {}};
-  if (read.poses.empty()) throw InputError(path, "has no poses");
-  return read;
+NamedPoses read_poses(const fs::path& path, bool as_written) {
+  return named(path, as_written ? read_tum_as_written(path) : WrittenPoses{read_tum(path), {}});
+}
+
+NamedPoses poses_in_memory(const char* name, const Trajectory& trajectory) {
+  WrittenPoses written{trajectory, {}};
+  for (const StampedPose& pose : trajectory)
+    written.stamps_s.push_back(static_cast<double>(pose.stamp_ns) / 1e9);
+  return named(name, std::move(written));
 }
 
 double path_m(const Trajectory& trajectory) {
@@ -116,6 +133,53 @@ ErrorSeries relative_series(const PosePairs& pairs, const std::vector<IndexStep>
   return series;
 }
 
+void require_pairs(const NamedPoses& reference, const NamedPoses& estimate, const PosePairs& pairs,
+                   const TrajectoryOptions& options) {
+  if (pairs.size() >= kMinPairs) return;
+  throw InputError(estimate.name,
+                   fmt::format("{} of {} poses lie within {} s of the reference's {}, at least {} are needed",
+                               pairs.size(), estimate.written.poses.size(),
+                               static_cast<double>(options.association.max_difference_ns) * 1e-9,
+                               reference.written.poses.size(), kMinPairs));
+}
+
+TrajectoryComparison pair_and_align(const NamedPoses& reference, const NamedPoses& estimate,
+                                    const TrajectoryOptions& options) {
+  const Trajectory &true_poses = reference.written.poses, &poses = estimate.written.poses;
+  TrajectoryComparison result;
+  result.reference_poses = true_poses.size();
+  result.estimate_poses = poses.size();
+  result.reference_path_m = path_m(true_poses);
+  result.estimate_path_m = path_m(poses);
+  pair_up(true_poses, poses, pairs_of(reference.written, estimate.written, options), result);
+  require_pairs(reference, estimate, result.pairs, options);
+  try {
+    align_estimate(options, result);
+  } catch (const OpenAlignment& e) {
+    throw InputError(e.of_reference ? reference.name : estimate.name, e.what());
+  } catch (const InputError& e) {
+    throw InputError(estimate.name, e.what());
+  }
+  return result;
+}
+
+TrajectoryComparison compare(const NamedPoses& reference, const NamedPoses& estimate,
+                             const TrajectoryOptions& options) {
+  TrajectoryComparison result = pair_and_align(reference, estimate, options);
+  for (const PoseRelation relation : options.relations)
+    for (const ErrorPart part : options.parts)
+      result.errors.push_back(relation == PoseRelation::ape
+                                  ? absolute_series(result.pairs, part)
+                                  : relative_series(result.pairs, steps_of(result.pairs, options), part));
+  if (options.drift) {
+    result.drift = maximum_drift(result.pairs);
+    result.drift_angles = drift_angles(result.pairs);
+    result.calibrated = calibrated_drift(result.pairs);
+  }
+  if (options.kitti) result.kitti = kitti_odometry(result.pairs);
+  return result;
+}
+
 }  // namespace
 
 const char* to_string(PoseRelation relation) {
@@ -130,43 +194,16 @@ const char* unit_of(ErrorPart part) {
   return part == ErrorPart::full ? "" : part == ErrorPart::translation ? "m" : "rad";
 }
 
-TrajectoryComparison compare_trajectories(const fs::path& reference_file, const fs::path& estimate_file,
+TrajectoryComparison compare_trajectories(const fs::path& reference, const fs::path& estimate,
                                           const TrajectoryOptions& options) {
-  const WrittenPoses reference_read = read_poses(reference_file, options.evo),
-                     estimate_read = read_poses(estimate_file, options.evo);
-  const auto &reference = reference_read.poses, &estimate = estimate_read.poses;
-  TrajectoryComparison result;
-  result.reference_poses = reference.size();
-  result.estimate_poses = estimate.size();
-  result.reference_path_m = path_m(reference);
-  result.estimate_path_m = path_m(estimate);
-  pair_up(reference, estimate, pairs_of(reference_read, estimate_read, options), result);
-  if (result.pairs.size() < kMinPairs)
-    throw InputError(
-        estimate_file,
-        fmt::format("{} of {} poses lie within {} s of the reference's {}, at least {} are needed",
-                    result.pairs.size(), estimate.size(),
-                    static_cast<double>(options.association.max_difference_ns) * 1e-9, reference.size(),
-                    kMinPairs));
-  try {
-    align_estimate(options, result);
-  } catch (const OpenAlignment& e) {
-    throw InputError(e.of_reference ? reference_file : estimate_file, e.what());
-  } catch (const InputError& e) {
-    throw InputError(estimate_file, e.what());
-  }
-  for (const PoseRelation relation : options.relations)
-    for (const ErrorPart part : options.parts)
-      result.errors.push_back(relation == PoseRelation::ape
-                                  ? absolute_series(result.pairs, part)
-                                  : relative_series(result.pairs, steps_of(result.pairs, options), part));
-  if (options.drift) {
-    result.drift = maximum_drift(result.pairs);
-    result.drift_angles = drift_angles(result.pairs);
-    result.calibrated = calibrated_drift(result.pairs);
-  }
-  if (options.kitti) result.kitti = kitti_odometry(result.pairs);
-  return result;
+  const NamedPoses read = read_poses(reference, options.evo);  // its faults are told first
+  return compare(read, read_poses(estimate, options.evo), options);
+}
+
+TrajectoryComparison compare_trajectories(const Trajectory& reference, const Trajectory& estimate,
+                                          const TrajectoryOptions& options) {
+  const NamedPoses named = poses_in_memory("reference", reference);
+  return compare(named, poses_in_memory("estimate", estimate), options);
 }
 
 }  // namespace uniquadric

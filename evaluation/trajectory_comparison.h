@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sequence/trajectory.h"
 #include "evaluation/align/alignment.h"
 #include "evaluation/association/stamps.h"
 #include "evaluation/statistics/statistics.h"
@@ -62,6 +63,9 @@ struct TrajectoryComparison {
 /// kMinPairs pairs, for an alignment that the poses leave open, and when no two poses lie delta apart.
 TrajectoryComparison compare_trajectories(const std::filesystem::path& reference,
                                           const std::filesystem::path& estimate,
+                                          const TrajectoryOptions& options);
+/// The same of poses with strictly increasing stamps; messages call them `reference` and `estimate`.
+TrajectoryComparison compare_trajectories(const Trajectory& reference, const Trajectory& estimate,
                                           const TrajectoryOptions& options);
 
 /// The comparison as JSON: keys sorted, doubles that read back the same, units in the names.
