@@ -2,6 +2,7 @@
 # variants, benches, in folders side by side as in the sources, since they name each other by relative paths), the pages
 # that the README leads to, shell completion and manual pages; nothing of it is needed for the program to run.
 # Component `development`: the libraries of core and evaluation with their headers, for find_package(uniquadric).
+# Component `python`: the Python package (python/CMakeLists.txt).
 include(CMakePackageConfigHelpers)
 set(data ${CMAKE_INSTALL_DATADIR}/uniquadric)
 

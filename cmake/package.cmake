@@ -1,5 +1,6 @@
-# cpack makes two Debian packages of the components: the program, which depends on what its libraries are found in
-# (dpkg-shlibdeps), and the libraries for other projects, which depend on what uniquadric-config.cmake looks for.
+# cpack makes a Debian package of each component: the program, which depends on what its libraries are found in
+# (dpkg-shlibdeps), the libraries for other projects, which depend on what uniquadric-config.cmake looks for, and the
+# Python package, whose module is of one version of Python.
 set(CPACK_GENERATOR DEB)
 set(CPACK_COMPONENTS_ALL runtime development)
 set(CPACK_PACKAGE_CONTACT "The Uniquadric authors <noreply@uniquadric.invalid>")
@@ -24,4 +25,15 @@ set(needed libboost-dev libdeflate-dev libeigen3-dev libembree-dev libfmt-dev li
            libpolyclipping-dev libtbb-dev libxxhash-dev libyaml-cpp-dev nlohmann-json3-dev pkg-config)
 list(JOIN needed ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "core and evaluation libraries of uniquadric")
+if(UNIQUADRIC_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  math(EXPR next "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-uniquadric)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next}), python3-numpy, ${imgcodecs}")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-pandas)
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "reads, writes and scores uniquadric's folders from Python")
+endif()
 include(CPack)
