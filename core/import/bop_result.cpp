@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "core/base/warning.h"
+#include "core/import/bop_models.h"
 #include "core/import/fields.h"
 #include "core/import/result.h"
 #include "core/import/result_world.h"
@@ -19,7 +20,6 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr double kMmPerM = 1000;
 constexpr std::size_t kColumns = 7;  // scene_id,im_id,obj_id,score,R,t,time
 
 // An object's shape about the centre of its box.
@@ -27,6 +27,14 @@ struct Model {
   ObjectShape shape;
   Pose model_from_object;
 };
+
+Model model_of(const BopModel& box) {
+  Model model;
+  model.shape.semi_axes_m = box.semi_axes_m;
+  model.shape.exponents = {1, 1, 1};
+  model.model_from_object.translation = box.center_m;
+  return model;
+}
 
 struct Detection {
   BoxInCamera box;
@@ -42,28 +50,11 @@ fs::path result_file(const fs::path& source) {
   throw InputError(source, fmt::format("has {} files .csv, expected one: name the file", files.size()));
 }
 
-Eigen::Vector3d read_xyz_m(const ConfigNode& node, const std::string& prefix) {
-  const auto read = [&](const char* axis) { return node.get<double>(prefix + axis) / kMmPerM; };
-  return {read("x"), read("y"), read("z")};
-}
-
-Model read_model(const ConfigNode& node) {
-  Model model;
-  model.shape.semi_axes_m = read_xyz_m(node, "size_") / 2;
-  model.shape.exponents = {1, 1, 1};
-  if (const std::string fault = semi_axes_fault(model.shape.semi_axes_m); !fault.empty())
-    node.fail("size_x, size_y, size_z: " + fault);
-  model.model_from_object.translation = read_xyz_m(node, "min_") + model.shape.semi_axes_m;
-  return model;
-}
-
 std::map<int, Model> read_models(const fs::path& folder) {
   std::map<int, Model> models;
   for (const fs::path& file : {folder / "models_info.json", folder / "models/models_info.json"}) {
     if (!fs::exists(file)) continue;
-    for (const auto& [key, node] : ConfigNode::load(file).entries())
-      models[static_cast<int>(
-          read_count(file, node.line(), key, "object", std::numeric_limits<int>::max()))] = read_model(node);
+    for (const auto& [id, box] : read_bop_models(file)) models[id] = model_of(box);
     return models;
   }
   for (const auto& [id, shape] : read_object_shapes(folder / "objects.yaml")) models[id] = {shape, {}};
@@ -79,7 +70,7 @@ Pose read_pose_mm(const fs::path& file, int line, const std::vector<double>& rot
   if (translation_mm.size() != 3)
     throw InputError(file, line, fmt::format("t: expected 3 numbers, found {}", translation_mm.size()));
   Pose pose = read_pose_rows(file, line, rotation);
-  pose.translation = Eigen::Vector3d(translation_mm.data()) / kMmPerM;
+  pose.translation = Eigen::Vector3d(translation_mm.data()) / kBopMmPerM;
   return pose;
 }
 

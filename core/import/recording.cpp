@@ -67,6 +67,8 @@ void write_truth(const RecordedTruth& truth, const Camera& camera, const fs::pat
   fs::create_directories(folder / "objects");
   for (const auto& [id, trajectory] : truth.objects_at)
     write_tum(folder / fmt::format("objects/{}.tum", id), trajectory);
+  for (const auto& [id, read_mesh] : truth.meshes)
+    write_surface_ply(folder / fmt::format("objects/{}.ply", id), read_mesh(), kProgram);
   write_objects_yaml(folder / "objects.yaml", truth.objects, "", truth.notes);
   write_tum(folder / "camera.tum", truth.camera);
   write_camera_yaml(folder / "camera.yaml", camera);

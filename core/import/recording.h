@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/sequence/calibration.h"
+#include "core/sequence/ply.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/stamps.h"
 
@@ -28,6 +29,8 @@ struct RecordedTruth {
   Trajectory camera;                       ///< world_from_camera at stamps of frames
   std::vector<ObjectDescription> objects;  ///< may be none
   std::map<int, Trajectory> objects_at;    ///< world_from_object by id, at stamps of `camera`
+  /// Reads an object's mesh [m, in its frame] by id; of some objects alone.
+  std::map<int, std::function<SurfaceFile()>> meshes{};
   TruthNotes notes{};
 };
 

@@ -3,6 +3,7 @@
 
 #include "core/base/apart.h"
 #include "core/base/text.h"
+#include "core/import/bop.h"
 #include "core/import/euroc.h"
 #include "core/import/kitti.h"
 #include "core/import/omd.h"
@@ -106,12 +107,29 @@ void add_omd(CLI::App& app, Common& common) {
       ->check(CLI::IsMember({"disparity", "metric"}));
 }
 
+void add_bop(CLI::App& app, Common& common) {
+  static ImportBopOptions options;
+  static std::string models;
+  auto* sub = layout(app, "bop", "a scene of the BOP challenge",
+                     "folder with scene_camera.json, rgb/ or gray/, scene_gt.json, ...",
+                     "folder for sequence/ and, of poses, truth/", options, common,
+                     [](const std::string& source, const std::string& out) {
+                       options.models = models;
+                       require_apart(out, {models});
+                       import_bop(source, options, out);
+                     });
+  sub->add_option("--models", models,
+                  "folder with models_info.json; default: models/ or models_eval/ of the dataset");
+  sub->add_option("--rate", options.rate_hz, "images a second, by their numbers [Hz]; default: 30")
+      ->check(CLI::Range(1e-3, 1e4));
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, Common& common) {
   auto* sub = app.add_subcommand("import", "a real recording -> sequence");
   sub->require_subcommand(1);
-  for (const auto add : {add_kitti, add_tum, add_omd, add_euroc}) add(*sub, common);
+  for (const auto add : {add_kitti, add_tum, add_omd, add_euroc, add_bop}) add(*sub, common);
 }
 
 }  // namespace uniquadric

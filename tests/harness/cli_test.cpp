@@ -27,6 +27,7 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
                                     "import kitti-tracking",
                                     "import omd",
                                     "import euroc",
+                                    "import bop",
                                     "export",
                                     "perceive",
                                     "check-result",
