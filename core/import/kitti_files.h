@@ -11,6 +11,8 @@
 
 namespace uniquadric {
 
+struct PcdFile;
+
 // Files of KITTI's tracking benchmark (Geiger et al., CVPR 2012; devkit_tracking/readme.txt). Readers throw
 // InputError with file and line. `rectified` is the frame of camera 0 after rectification, in which labels
 // and poses stand; the images are camera 2's.
@@ -64,5 +66,7 @@ struct KittiScan {
 /// scan's start), time (F4, F8: so, too) and timestamp (F4, F8: s, counted from the scan's first point).
 /// Points without times have `end_ns`; a return at no time of a scan is an error.
 KittiScan read_kitti_scan(const std::filesystem::path& path, std::uint32_t end_ns);
+/// The same of a .pcd's contents; `path` names them in messages.
+KittiScan scan_of_points(const std::filesystem::path& path, const PcdFile& file, std::uint32_t end_ns);
 
 }  // namespace uniquadric

@@ -120,8 +120,9 @@ std::vector<std::string> fields_left_out(const PcdFile& file, bool has_times) {
   return names;
 }
 
-KittiScan read_pcd_scan(const fs::path& path, std::uint32_t end_ns) {
-  const PcdFile file = read_pcd(path);
+}  // namespace
+
+KittiScan scan_of_points(const fs::path& path, const PcdFile& file, std::uint32_t end_ns) {
   const PcdColumn x = pcd_column(path, file, "x", 'F', 4), y = pcd_column(path, file, "y", 'F', 4),
                   z = pcd_column(path, file, "z", 'F', 4);
   KittiScan scan;
@@ -135,10 +136,9 @@ KittiScan read_pcd_scan(const fs::path& path, std::uint32_t end_ns) {
   return scan;
 }
 
-}  // namespace
-
 KittiScan read_kitti_scan(const fs::path& path, std::uint32_t end_ns) {
-  return path.extension() == ".bin" ? KittiScan{read_bin(path, end_ns), {}} : read_pcd_scan(path, end_ns);
+  return path.extension() == ".bin" ? KittiScan{read_bin(path, end_ns), {}}
+                                    : scan_of_points(path, read_pcd(path), end_ns);
 }
 
 }  // namespace uniquadric

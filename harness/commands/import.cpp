@@ -10,6 +10,7 @@
 #include "core/import/tum.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/options.h"
+#include "harness/rosbag/import_rosbag.h"
 
 namespace uniquadric {
 namespace {
@@ -124,12 +125,34 @@ void add_bop(CLI::App& app, Common& common) {
       ->check(CLI::Range(1e-3, 1e4));
 }
 
+void add_rosbag(CLI::App& app, Common& common) {
+  static ImportRosbagOptions options;
+  static std::string objects;
+  auto* sub = layout(app, "rosbag", "a ROS 1 bag", "file .bag", "folder for sequence/ and, of poses, truth/",
+                     options, common, [](const std::string& source, const std::string& out) {
+                       options.objects = objects;
+                       require_apart(out, {objects});
+                       import_rosbag(source, options, out);
+                     });
+  const auto add_topic = [&](const char* option, std::string& topic, const char* what) {
+    sub->add_option(option, topic, std::string(what) + "; default: the only topic of its type");
+  };
+  add_topic("--rgb-topic", options.topics.rgb, "colour, Image or CompressedImage");
+  add_topic("--depth-topic", options.topics.depth, "depth, Image of 16UC1 (mm) or 32FC1 (m)");
+  sub->add_option("--camera-info-topic", options.topics.camera_info,
+                  "calibration, CameraInfo; default: camera_info beside the colour topic, else the only one");
+  add_topic("--imu-topic", options.topics.imu, "Imu");
+  add_topic("--lidar-topic", options.topics.lidar, "scans, PointCloud2 or Livox CustomMsg");
+  sub->add_option("--objects", objects,
+                  "sizes of the objects of /truth/object_ID, an objects.yaml; default: no objects' truth");
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, Common& common) {
   auto* sub = app.add_subcommand("import", "a real recording -> sequence");
   sub->require_subcommand(1);
-  for (const auto add : {add_kitti, add_tum, add_omd, add_euroc, add_bop}) add(*sub, common);
+  for (const auto add : {add_kitti, add_tum, add_omd, add_euroc, add_bop, add_rosbag}) add(*sub, common);
 }
 
 }  // namespace uniquadric

@@ -5,7 +5,7 @@
 #include <regex>
 
 #include "core/base/files.h"
-#include "harness/export/bag_writer.h"
+#include "harness/rosbag/bag_writer.h"
 #include "tests/export/bag_reader.h"
 #include "tests/export/exported_scene.h"
 

@@ -28,6 +28,7 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
                                     "import omd",
                                     "import euroc",
                                     "import bop",
+                                    "import rosbag",
                                     "export",
                                     "perceive",
                                     "check-result",

@@ -9,23 +9,11 @@
 #include <vector>
 
 #include "core/geometry/camera.h"
-#include "core/geometry/pose.h"
 #include "core/sequence/imu.h"
 #include "core/sequence/lidar.h"
+#include "harness/rosbag/bag_message.h"
 
 namespace uniquadric {
-
-/// Stamp and frame of a message: the `Header` of ROS.
-struct BagHeader {
-  std::int64_t stamp_ns = 0;  ///< more than 0: ROS takes 0 for "no time"
-  std::string frame_id;
-};
-
-/// A transform parent_from_child of the static tree.
-struct BagTransform {
-  std::string parent, child;
-  Pose parent_from_child;
-};
 
 /// Writes the messages of a ROS 1 bag (format 2.0, chunks not compressed). `record_ns` is the time that
 /// players go by. Throws std::runtime_error when the file cannot be written. This header and its source are

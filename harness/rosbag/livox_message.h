@@ -10,7 +10,7 @@
 
 // The messages of the Livox driver for ROS 1, after its public definitions
 // (livox_ros_driver/msg/CustomMsg.msg, CustomPoint.msg), with what roscpp wants to know of them. For
-// bag_writer.cpp alone.
+// bag_reader.cpp and bag_writer.cpp alone.
 namespace uniquadric {
 
 struct LivoxPoint {

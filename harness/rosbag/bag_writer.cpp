@@ -1,4 +1,4 @@
-#include "harness/export/bag_writer.h"
+#include "harness/rosbag/bag_writer.h"
 
 #include <geometry_msgs/PoseStamped.h>
 #include <rosbag/bag.h>
@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "harness/export/livox_message.h"
+#include "harness/rosbag/livox_message.h"
 
 namespace uniquadric {
 namespace {
