@@ -70,8 +70,10 @@ void require_unchanged_texts(const fs::path& folder) {
   static const std::set<std::string> kTexts = {".tum", ".csv", ".yaml", ".txt"};
   const fs::path list = folder / kHashesFile;
   if (!fs::exists(list)) return;
+  std::set<std::string> listed;
   for_each_line(list, [&](int line, const std::vector<std::string_view>& fields) {
     if (fields.size() != 2) throw InputError(list, line, "expected: hash path");
+    listed.emplace(fields[1]);
     const fs::path file = folder / fields[1];
     if (!kTexts.contains(file.extension().string())) return;
     if (!fs::is_regular_file(file))
@@ -81,6 +83,10 @@ void require_unchanged_texts(const fs::path& folder) {
           file, fmt::format("is not as {} says: it was edited or damaged; --no-verify takes it as it is",
                             kHashesFile));
   });
+  for (const std::string& name : list_files(folder))
+    if (kTexts.contains(fs::path(name).extension().string()) && !listed.contains(name))
+      throw InputError(folder / name,
+                       fmt::format("does not stand in {}; --no-verify takes it as it is", kHashesFile));
 }
 
 std::vector<std::string> check_hashes(const fs::path& folder, int threads) {

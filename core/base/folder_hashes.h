@@ -22,8 +22,9 @@ std::string list_hashes(const std::filesystem::path& folder, int threads = 0);
 /// empty list is no list.
 bool holds_all_of(std::string_view list, const std::filesystem::path& folder);
 
-/// Throws InputError for the first text file (TUM, CSV, YAML, lists) that differs from the folder's
-/// hashes.txt, or is missing; nothing where there is no such list. Images and scans are not read: `info
+/// Throws InputError for the first text file (TUM, CSV, YAML, lists) that differs from, or does not stand in,
+/// the folder's hashes.txt, or is missing; nothing where there is no such list. Images and scans are not
+/// read: `info
 /// --check` does that.
 void require_unchanged_texts(const std::filesystem::path& folder);
 

@@ -268,6 +268,8 @@ std::vector<int> trajectory_ids(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder / "objects")) {
     if (entry.path().extension() != ".tum") continue;
     ids.push_back(id_of_file(entry.path()));
+    if (entry.path().filename() != fmt::format("{}.tum", ids.back()))
+      throw InputError(entry.path(), fmt::format("expected the name {}.tum", ids.back()));
   }
   std::ranges::sort(ids);
   return ids;
@@ -345,8 +347,9 @@ std::vector<ObjectTrack> read_estimated_objects(const fs::path& folder) {
     if (!track.states.empty()) tracks.emplace(id, std::move(track));
   }
   for (const auto& [id, shape] : shapes)
-    if (!has_rows && !fs::exists(trajectory_file(folder, id)))
-      throw InputError(sizes, fmt::format("object {} has no poses: objects/{}.tum is missing", id, id));
+    if (!has_rows && !tracks.contains(id))
+      throw InputError(sizes, fmt::format("object {} has no poses: objects/{}.tum is {}", id, id,
+                                          fs::exists(trajectory_file(folder, id)) ? "empty" : "missing"));
   std::vector<ObjectTrack> result;
   for (auto& [id, track] : tracks) result.push_back(std::move(track));
   return result;

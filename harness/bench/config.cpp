@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <functional>
 #include <set>
 
@@ -112,6 +113,13 @@ BenchScene read_scene(const ConfigNode& root, const ConfigNode& node,
   return scene;
 }
 
+// Recordings have the seed 0, and any item may name its own.
+bool all_have_seeds(const ConfigNode& root) {
+  return std::ranges::all_of(root.at("scenes").items(), [](const ConfigNode& node) {
+    return node.is_map() && (node.has("recording") || node.has("seeds"));
+  });
+}
+
 // The list at `key`, an item each by `read`; their names are told apart.
 template <typename Read>
 auto read_items(const ConfigNode& root, const std::string& key, const Read& read) {
@@ -169,7 +177,7 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::load(path);
   BenchConfig config;
   config.name = root.name("name", path.stem().string());
-  config.seeds = read_seeds(root);
+  if (root.has("seeds") || !all_have_seeds(root)) config.seeds = read_seeds(root);
   config.scenes = read_items(root, "scenes",
                              [&](const ConfigNode& node) { return read_scene(root, node, config.seeds); });
   leave_out_absent(root, config.scenes);

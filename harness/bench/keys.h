@@ -12,8 +12,7 @@ namespace uniquadric {
 /// included.
 std::string simulation_key(const std::string& scene_hash, std::uint64_t seed,
                            std::optional<std::int64_t> frames);
-/// Of a recording: of its list of hashes, or of all its files where a folder has none. An empty `truth`:
-/// none.
+/// Of a recording: of all its files. An empty `truth`: none.
 std::string recording_key(const std::filesystem::path& sequence, const std::filesystem::path& truth);
 std::string perception_key(const std::string& simulation_key, const std::string& perception_yaml,
                            std::uint64_t seed);

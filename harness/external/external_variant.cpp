@@ -20,6 +20,8 @@ const std::vector<std::string> kLayouts = {"native", "tum", "kitti-tracking", "b
                                            "rosbag", "vdo"};
 const std::vector<std::string> kResults = {"native", "tum", "kitti-tracking", "bop"};
 
+constexpr const char* kNeverMounted[] = {"/", "/proc", "/dev", "/sys", "/run"};
+
 std::vector<std::string> read_texts(const ConfigNode& root, const std::string& key) {
   std::vector<std::string> texts;
   if (const auto list = root.find(key))
@@ -141,6 +143,9 @@ ExternalVariant load_external_variant(const fs::path& variant_file) {
   variant.inputs = read_paths(root, "inputs", variant.folder);
   add_named_files(variant);
   variant.mounts = read_paths(root, "mounts", variant.folder);
+  for (const fs::path& mount : variant.mounts)
+    if (std::ranges::any_of(kNeverMounted, [&](const char* path) { return mount == path; }))
+      root.at("mounts").fail(fmt::format("{} would show more than a program's files", mount.string()));
   read_environment(root, variant);
   read_limits(root, variant);
   variant.gpu = root.get<bool>("gpu", variant.gpu);

@@ -76,6 +76,8 @@ class Printed {
     std::string text = tail_;
     while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
     text = text.substr(text.rfind('\n') + 1);
+    for (char& c : text)
+      if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';  // it goes into messages and tables
     return text.size() > kLongestLine || !is_utf8(text) ? "" : text;
   }
 
@@ -108,7 +110,8 @@ class Printed {
 };
 
 rlim_t file_limit(const TreeLimits& limits) {
-  return static_cast<rlim_t>(limits.output_mb * kBytesPerMb);
+  constexpr double kMost = 9e18;  // of rlim_t and of files
+  return static_cast<rlim_t>(std::min(limits.output_mb * kBytesPerMb, kMost));
 }
 
 // The program itself, a child of the supervisor.

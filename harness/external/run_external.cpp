@@ -53,6 +53,10 @@ bool holds(const fs::path& folder, const fs::path& path) {
 // The truth stands beside the sequence, results of others beside `out`.
 void refuse_to_show_the_truth(const ExternalVariant& variant, const fs::path& sequence) {
   const fs::path data = fs::canonical(sequence).parent_path();
+  if (is_in_system(data))
+    throw InputError(
+        sequence,
+        fmt::format("lies in a folder of the system, which {} could read: move it elsewhere", variant.name));
   for (const auto* list : {&variant.inputs, &variant.mounts})
     for (const fs::path& path : *list)
       if (const fs::path target = fs::weakly_canonical(path); holds(target, data) || holds(data, target))

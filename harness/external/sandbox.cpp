@@ -27,6 +27,16 @@ void add_system(Arguments& arguments) {
   }
 }
 
+// An installed simulator would make the truth of a sequence that names its scene and seed.
+void hide_ourselves(Arguments& arguments) {
+  for (const fs::path prefix : {"/usr", "/usr/local"}) {
+    if (const fs::path program = prefix / "bin/uniquadric"; fs::exists(program))
+      add(arguments, {"--ro-bind", "/dev/null", program});
+    if (const fs::path data = prefix / "share/uniquadric"; fs::exists(data))
+      add(arguments, {"--tmpfs", data});
+  }
+}
+
 void add_devices(Arguments& arguments, const Sandbox& sandbox) {
   add(arguments, {"--proc", "/proc", "--dev", "/dev"});
   if (sandbox.gpu) {
@@ -41,6 +51,13 @@ void add_devices(Arguments& arguments, const Sandbox& sandbox) {
 }
 
 }  // namespace
+
+bool is_in_system(const fs::path& path) {
+  const fs::path target = fs::canonical(path);
+  return std::ranges::any_of(kSystem, [&](const fs::path folder) {
+    return std::mismatch(folder.begin(), folder.end(), target.begin(), target.end()).first == folder.end();
+  });
+}
 
 bool can_isolate() {
   static const bool can = [] {
@@ -57,6 +74,7 @@ bool can_isolate() {
 std::vector<std::string> isolated(const std::vector<std::string>& command, const Sandbox& sandbox) {
   Arguments arguments = {"bwrap", "--unshare-all", "--die-with-parent", "--new-session", "--cap-drop", "ALL"};
   add_system(arguments);
+  hide_ourselves(arguments);
   add_devices(arguments, sandbox);
   add(arguments, {"--bind", sandbox.scratch / "tmp", "/tmp"});
   add(arguments, {"--tmpfs", kInsideSequence});

@@ -8,7 +8,9 @@
 namespace uniquadric {
 
 /// What a program sees when it is isolated: the system (/usr, /etc, ...), read only, and what is named here.
-/// It has no network, its own processes alone, and writes to `out` and to `scratch` (its /tmp and /dev/shm).
+/// This program and its scenes are hidden, where they are
+/// installed: they would make the truth anew. It has no network, its own processes alone, and writes to `out`
+/// and to `scratch` (its /tmp and /dev/shm).
 struct Sandbox {
   std::vector<std::pair<std::filesystem::path, std::filesystem::path>> readable;  ///< outside, inside
   std::filesystem::path out, scratch;                                             ///< folders outside
@@ -20,6 +22,9 @@ struct Sandbox {
 inline constexpr const char* kInsideSequence = "/sequence";
 inline constexpr const char* kInsideOut = "/out";
 inline constexpr const char* kInsidePrompt = "/prompt";
+
+/// Whether a path lies in a folder of the system, which every program sees. Needs an existing path.
+bool is_in_system(const std::filesystem::path& path);
 
 /// Whether bubblewrap is installed and may make a sandbox here.
 bool can_isolate();

@@ -85,6 +85,11 @@ TEST(FolderHashes, TextsThatAreNotAsListedAreRefused) {
   fs::remove(folder / "objects/1.tum");
   EXPECT_EQ(input_error([&] { require_unchanged_texts(folder); }),
             (folder / "objects/1.tum").string() + ": is missing, but stands in hashes.txt");
+  write_text(folder / "hashes.txt", "");  // a list that lost its lines vouches for nothing
+  EXPECT_NE(input_error([&] {
+              require_unchanged_texts(folder);
+            }).find("objects.yaml: does not stand in hashes.txt"),
+            std::string::npos);
   write_text(folder / "hashes.txt", "damaged\n");
   EXPECT_EQ(input_error([&] { require_unchanged_texts(folder); }),
             (folder / "hashes.txt").string() + ":1: expected: hash path");

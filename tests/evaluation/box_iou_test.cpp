@@ -54,6 +54,31 @@ TEST(BoxIou, OfBoxesThatTouchOrLieApartIsZero) {
   EXPECT_EQ(box_iou(box({1, 1, 1}), box({1, 1, 1}, {5, 5, 5}, {0.1, 0.2, 0.3})), 0);
 }
 
+// Face to face, however both are turned: no volume, and none by rounding.
+TEST(BoxIou, OfTurnedBoxesThatShareAFaceIsZero) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> within(-3, 3);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Eigen::Vector3d turn(within(random), within(random), within(random));
+    const Eigen::Vector3d shift = exp_so3(turn) * Eigen::Vector3d(0.4, 0, 0);
+    const Ellipsoid a = box({0.2, 0.2, 0.2}, {1, 2, 3}, turn),
+                    b = box({0.2, 0.2, 0.2}, Eigen::Vector3d(1, 2, 3) + shift, turn);
+    EXPECT_LT(box_iou(a, b), 1e-12);
+    EXPECT_LT(box_iou(b, a), 1e-12);
+  }
+}
+
+// The same box but for a turn of rounding size, and of any size between: 1 less what the turn takes.
+TEST(BoxIou, OfHardlyTurnedBoxesIsNearlyOne) {
+  for (double angle = 1e-16; angle < 1e-2; angle *= 3)
+    for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0.6, 0, 0.8)}) {
+      const Ellipsoid a = box({1, 2, 3}, {0.1, 0, 0}, {0.3, 0.2, 0.1}),
+                      b = box({1, 2, 3}, {0.1, 0, 0}, Eigen::Vector3d(0.3, 0.2, 0.1) + angle * axis);
+      EXPECT_GT(box_iou(a, b), 1 - 4 * angle - kExact) << angle;
+      EXPECT_NEAR(box_iou(a, b), box_iou(b, a), kExact) << angle;
+    }
+}
+
 // A second way: the share of random points of one that lie in the other.
 TEST(BoxIou, AgreesWithCountedPoints) {
   std::mt19937 random(3);

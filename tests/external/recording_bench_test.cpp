@@ -63,6 +63,21 @@ TEST_F(RecordingBench, WithTruthIsScoredLikeAScene) {
   EXPECT_EQ(fs::last_write_time(out() / "cells/mine/rotbbox_rigid_axis/seed_0/estimate/run.yaml"), made);
 }
 
+// Whatever of it changes, and though it needs no seeds.
+TEST_F(RecordingBench, AnEditedRecordingRunsAgain) {
+  const fs::path variant = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/single_frame_obb.yaml";
+  write_text(folder() / "b.yaml",
+             "scenes: [{recording: with, name: mine}]\nvariants: [" + variant.string() + "]\n");
+  const auto run = [&] { return run_program({"bench", folder() / "b.yaml", out(), "--quiet"}); };
+  ASSERT_EQ(run().exit_code, 0);
+  const fs::path result = out() / "cells/mine/single_frame_obb/seed_0/estimate/run.yaml";
+  const auto made = fs::last_write_time(result);
+  fs::copy_file(folder() / "with/sequence/depth/000001.png", folder() / "with/sequence/depth/000002.png",
+                fs::copy_options::overwrite_existing);
+  ASSERT_EQ(run().exit_code, 0);
+  EXPECT_NE(fs::last_write_time(result), made);
+}
+
 // Sizes over time and overlays need no truth.
 TEST_F(RecordingBench, WithoutTruthShowsSizesAndOverlays) {
   const ProgramRun run = bench("{recording: without, seeds: [5]}");
