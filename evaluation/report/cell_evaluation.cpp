@@ -123,11 +123,14 @@ std::map<std::string, double> read_stages(const fs::path& file, const json& root
   return stages;
 }
 
-// As the run's options say; of estimates without any, the errors: no program follows a camera without one.
+// As the run's options say; of programs of others and estimates without any, the errors: no program follows a
+// camera without one.
 bool read_camera_given(const json& root) {
   const json config = root.value("config", json());
   const json run = config.is_object() ? config.value("estimate", json()) : json();
-  if (run.is_object() && run.contains("variant")) return camera_was_given(run.dump());
+  const json variant = run.is_object() ? run.value("variant", json()) : json();
+  const bool is_external = variant.is_object() && variant.contains("command");
+  if (run.is_object() && run.contains("variant") && !is_external) return camera_was_given(run.dump());
   for (const char* part : {"/camera/ape/translation_m/rmse", "/camera/ape/rotation_rad/rmse"})
     if (const json::json_pointer rmse(part); !root.contains(rmse) || root[rmse] != 0) return false;
   return true;
