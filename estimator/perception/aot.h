@@ -32,7 +32,8 @@ enum class MaskTrackerKind {
 
 /// How long the segmenter takes.
 enum class AotLatency {
-  sequence,  ///< what the sequence says (masks.txt) of the simulated segmenter; none of prompts; else latency_s
+  sequence,  ///< what the sequence says (masks.txt) of the simulated segmenter; none of prompts; else
+             ///< latency_s
   fixed,     ///< latency_s
 };
 

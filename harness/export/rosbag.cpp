@@ -10,10 +10,10 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
-#include "harness/rosbag/bag_writer.h"
 #include "harness/export/export.h"
 #include "harness/export/export_source.h"
 #include "harness/export/writers.h"
+#include "harness/rosbag/bag_writer.h"
 
 namespace uniquadric {
 namespace {
