@@ -103,10 +103,10 @@ std::vector<std::vector<bool>> hidden_frames(const Tracks& truth, const ObjectOv
 
 // What counts in the scores over all objects.
 ObjectOverlaps counted_overlaps(const Tracks& truth, const ObjectOverlaps& overlaps,
+                                const std::vector<std::optional<std::size_t>>& matches,
                                 const VisibilityTable& visibility, const std::vector<bool>& scored,
                                 Unlabelled unlabelled, bool labels_are_partial) {
   ObjectOverlaps counted = overlaps;
-  const auto matches = match_objects(overlaps);
   auto hidden = hidden_frames(truth, overlaps, visibility);
   for (std::size_t g = 0; g < hidden.size(); ++g)
     if (!scored[g]) hidden[g].assign(hidden[g].size(), true);
@@ -130,7 +130,7 @@ Evaluation compare(const Tracks& truth, const Tracks& estimate,
   const ObjectOverlaps overlaps = overlap_objects(truth, estimate, kMaxDifferenceNs);
   const auto matches = match_objects(overlaps);
   const ObjectOverlaps counted =
-      counted_overlaps(truth, overlaps, visibility, scored, unlabelled, labels_are_partial);
+      counted_overlaps(truth, overlaps, matches, visibility, scored, unlabelled, labels_are_partial);
   const std::vector<int> switches = identity_switches(counted, kAnyOverlap);
   std::vector<bool> used(estimate.objects.size());
   for (std::size_t g = 0; g < truth.objects.size(); ++g) {
