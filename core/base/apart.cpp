@@ -24,11 +24,11 @@ bool is_pipe(const fs::path& path) {
   return type == fs::file_type::fifo || type == fs::file_type::character || type == fs::file_type::socket;
 }
 
+}  // namespace
+
 bool holds(const fs::path& folder, const fs::path& path) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
-
-}  // namespace
 
 void require_apart(const fs::path& out, const std::vector<fs::path>& inputs) {
   if (out.empty()) return;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "core/base/apart.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/folder_hashes.h"
@@ -44,10 +45,6 @@ fs::path new_temporary_folder() {
   std::string pattern = (fs::temp_directory_path() / "uniquadric-cell-XXXXXX").string();
   if (!mkdtemp(pattern.data())) throw_unwritable(pattern);
   return pattern;
-}
-
-bool holds(const fs::path& folder, const fs::path& path) {
-  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
 // The truth stands beside the sequence, results of others beside `out`.

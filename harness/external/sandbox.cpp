@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/apart.h"
 #include "harness/external/process_tree.h"
 
 namespace uniquadric {
@@ -54,9 +55,7 @@ void add_devices(Arguments& arguments, const Sandbox& sandbox) {
 
 bool is_in_system(const fs::path& path) {
   const fs::path target = fs::canonical(path);
-  return std::ranges::any_of(kSystem, [&](const fs::path folder) {
-    return std::mismatch(folder.begin(), folder.end(), target.begin(), target.end()).first == folder.end();
-  });
+  return std::ranges::any_of(kSystem, [&](const char* folder) { return holds(folder, target); });
 }
 
 bool can_isolate() {
