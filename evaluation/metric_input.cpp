@@ -139,7 +139,7 @@ std::string whole_scalar(std::string_view line, std::size_t begin) {
 
 int image_side(const json& camera, const char* key) {
   constexpr double kMaxSide = 1e6;  // px: more is a mistake
-  const json& value = member(camera, "camera", key);
+  const json value = member(camera, "camera", key);
   if (!value.is_number() || value.get<double>() != std::floor(value.get<double>()) ||
       value.get<double>() < 1 || value.get<double>() > kMaxSide)
     throw InputError(fmt::format("camera.{}: expected a whole number of pixels", key));

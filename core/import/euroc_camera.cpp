@@ -71,8 +71,8 @@ EurocCamera read_euroc_camera(const fs::path& folder) {
 
 void add_images(const EurocCamera& camera, Recording& recording) {
   for (const auto& [stamp_ns, source] : camera.images) {
-    const SequenceFrame& frame =
-        add_frame(recording.sequence, stamp_ns, fmt::format("rgb/{}.png", format_stamp(stamp_ns)));
+    const std::string name = format_stamp(stamp_ns) + ".png";
+    SequenceFrame& frame = add_frame(recording.sequence, stamp_ns, "rgb/" + name);
     recording.images.push_back({source, frame.rgb, ImageKind::color, make_color});
   }
 }
