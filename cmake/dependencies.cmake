@@ -1,5 +1,8 @@
 # Every library comes from Debian's packages (packages.txt).
 set(CMAKE_DISABLE_FIND_PACKAGE_VTK ON)  # PCL asks for it, nothing here does
+if(POLICY CMP0144)
+  cmake_policy(SET CMP0144 NEW)  # PCL's FindFLANN names a variable FLANN_ROOT
+endif()
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(OpenCV 4.6 REQUIRED CONFIG COMPONENTS core imgproc imgcodecs calib3d features2d video dnn)
 find_package(Ceres 2.1 REQUIRED CONFIG)
