@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
-#include <span>
 
 #include "estimator/factors/pose_jacobian.h"
+#include "estimator/objects/known_states.h"
 #include "estimator/shape/even_choice.h"
 
 namespace uniquadric {
@@ -45,41 +44,6 @@ ObjectState object_state(const BodyState& body) {
   return state;
 }
 
-// A state's pose of the object, whose place in the body is known by now.
-PoseSample sample_of(const BodyState& state, const Pose& body_from_object) {
-  const Matrix6d moved = adjoint(body_from_object.inverse());
-  return {state.stamp_ns, state.world_from_body * body_from_object,
-          moved * state.covariance * moved.transpose(), state.evidence};
-}
-
-// The states of a body's life as they are known at the end: the last shape, the whole trajectory smoothed,
-// about which `look_again` looks at states that were guessed. From here on the body's frame is the object's.
-template <typename LookAgain>
-void finish_life(std::span<BodyState> states, const TrajectorySmootherOptions& options,
-                 const LookAgain& look_again) {
-  const Shape shape = states.back().shape;
-  const auto smoothed = [&] {
-    std::vector<PoseSample> samples;
-    for (const BodyState& state : states) samples.push_back(sample_of(state, shape.body_from_object));
-    smooth_trajectory(samples, options);
-    return samples;
-  };
-  std::vector<PoseSample> samples = smoothed();
-  const auto is_guess = [](const BodyState& state) { return state.evidence == PoseEvidence::guess; };
-  if (std::any_of(states.begin(), states.end(), is_guess)) {
-    const Pose object_from_body = shape.body_from_object.inverse();
-    for (std::size_t i = 0; i < states.size(); ++i)
-      if (is_guess(states[i])) look_again(states[i], samples[i].world_from_object * object_from_body);
-    samples = smoothed();
-  }
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    states[i].shape = shape;
-    states[i].shape.body_from_object = Pose();
-    states[i].world_from_body = samples[i].world_from_object;
-    states[i].covariance = samples[i].covariance;
-  }
-}
-
 // Evenly thinned: a bound for what is written.
 SurfaceFile surface_file(const SurfaceModel& model, const Pose& object_from_body) {
   constexpr std::ptrdiff_t kMostPoints = 20'000;  // 0.5 MB; bodies have some thousands
@@ -102,9 +66,8 @@ class BodyRun {
     Stopwatch watch(frame.frame, windows);
     const BodyObservation* body = find_body(frame, id_);
     auto state = estimator_.step(frame, body, &solutions);
-    if (body) seen_.insert(frame.frame);
     without_state_ += body && (!state || state->status == ObjectStatus::lost);
-    if (state) states_.push_back(std::move(*state));
+    if (state) raw_.push_back({std::move(*state), frame});
     watch.stop("windows");
     for (StageTime& solution : solutions) {
       solution.frame = frame.frame;
@@ -116,50 +79,36 @@ class BodyRun {
 
   // After its last frame.
   void finish(const Variant& variant) {
-    if (states_.empty()) return;
-    Stopwatch watch(states_.back().frame, times_);
-    if (estimator_.is_present(states_.back()))
-      surface_ = surface_file(estimator_.surface(), states_.back().shape.body_from_object.inverse());
-    if (variant.output == Output::final) {
-      forget_glimpses();
-      finish_lives(variant.body.trajectory);
-    }
+    if (raw_.empty()) return;
+    const BodyState& last = raw_.back().state;
+    Stopwatch watch(last.frame, times_);
+    if (estimator_.is_present(last))
+      surface_ = surface_file(estimator_.surface(), last.shape.body_from_object.inverse());
+    const TrajectorySmootherOptions& options = variant.body.trajectory;
+    final_ = final_states(raw_, options,
+                          [&](BodyState& state, const Pose& expected) { look_again(state, expected); });
+    const auto lag_ns = static_cast<std::int64_t>(1e9 * variant.perception.fixed_lag_s);
+    lagged_ = states_known_after(lag_ns, raw_, options);
+    std::erase_if(raw_, [](const RawState& raw) { return raw.frame.camera_came_late; });
+    causal_ = states_known_after(0, raw_, options);
     watch.stop("finish");
   }
 
   void give(BackendResult& result) const {
     result.observations_without_state += without_state_;
     result.times.insert(result.times.end(), times_.begin(), times_.end());
-    if (states_.empty()) return;
     if (!surface_.points.empty()) result.surfaces[id_] = surface_;
-    ObjectTrack& track = result.objects.emplace_back();
-    track.id = id_;
-    for (const BodyState& state : states_) track.states.push_back(object_state(state));
+    add_track(causal_, result.causal);
+    add_track(lagged_, *result.fixed_lag);
+    add_track(final_, *result.final);
   }
 
  private:
-  // A body is begun anew where its first sights led nowhere. What they were taken for is not what it turned
-  // out to be, and nothing leads from their frame to that of the later life.
-  void forget_glimpses() {
-    std::set<int> lives = {states_.back().beginning};
-    for (const BodyState& state : states_)
-      if (state.status == ObjectStatus::active) lives.insert(state.beginning);
-    std::erase_if(states_, [&](const BodyState& state) {
-      const bool goes = !lives.contains(state.beginning);
-      without_state_ += goes && state.status != ObjectStatus::lost && seen_.contains(state.frame);
-      return goes;
-    });
-  }
-
-  // Each life has a frame of its own.
-  void finish_lives(const TrajectorySmootherOptions& options) {
-    for (auto begin = states_.begin(); begin != states_.end();) {
-      const auto end = std::find_if(
-          begin, states_.end(), [&](const BodyState& state) { return state.beginning != begin->beginning; });
-      finish_life({begin, end}, options,
-                  [&](BodyState& state, const Pose& expected) { look_again(state, expected); });
-      begin = end;
-    }
+  void add_track(const std::vector<BodyState>& states, std::vector<ObjectTrack>& tracks) const {
+    if (states.empty()) return;
+    ObjectTrack& track = tracks.emplace_back();
+    track.id = id_;
+    for (const BodyState& state : states) track.states.push_back(object_state(state));
   }
 
   void look_again(BodyState& state, const Pose& expected) const {
@@ -167,7 +116,8 @@ class BodyRun {
     const auto at =
         std::lower_bound(frames.begin(), frames.end(), state.frame,
                          [](const FrameInfo& info, std::int64_t frame) { return info.frame < frame; });
-    const PerceivedFrame frame = perception_.read(static_cast<std::size_t>(at - frames.begin()));
+    PerceivedFrame frame = perception_.read(static_cast<std::size_t>(at - frames.begin()));
+    frame.world_from_camera = frame.final_camera;
     if (const BodyObservation* body = find_body(frame, id_))
       estimator_.look_again(frame, *body, expected, state);
   }
@@ -175,8 +125,8 @@ class BodyRun {
   int id_;
   const Perception& perception_;
   BodyEstimator estimator_;
-  std::vector<BodyState> states_;
-  std::set<std::int64_t> seen_;  // frames that show it
+  std::vector<RawState> raw_;
+  std::vector<BodyState> causal_, lagged_, final_;
   int without_state_ = 0;
   SurfaceFile surface_;
   std::vector<StageTime> times_;
@@ -204,6 +154,8 @@ BackendResult estimate_windows(const Perception& perception, const Variant& vari
   }
   for_each_body([&](BodyRun& body) { body.finish(variant); });
   BackendResult result;
+  result.fixed_lag.emplace();
+  result.final.emplace();
   for (const auto& [id, body] : by_id) body.give(result);
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "core/sequence/ply.h"
@@ -12,9 +13,11 @@
 
 namespace uniquadric {
 
-/// What a back end makes of a perception.
+/// What a back end makes of a perception. Objects come in order of their ids.
 struct BackendResult {
-  std::vector<ObjectTrack> objects;     ///< in order of their ids
+  std::vector<ObjectTrack> causal;  ///< states as known at their frame
+  /// States as known a fixed lag after their frame, and at the end; nothing: the back end never goes back.
+  std::optional<std::vector<ObjectTrack>> fixed_lag, final;
   std::map<int, SurfaceFile> surfaces;  ///< points that were seen of them, in the frame of their last state
   int observations_without_state = 0;   ///< bodies in frames of which nothing could be said
   std::vector<StageTime> times;

@@ -167,16 +167,24 @@ Variant of_camera_alone(Variant variant, const Sequence& sequence) {
 
 BackendResult estimate_objects(const Perception& perception, const Variant& variant,
                                const EstimateOptions& options) {
-  if (options.camera_only) return {};
+  if (options.camera_only) {
+    BackendResult nothing;
+    nothing.fixed_lag.emplace();
+    nothing.final.emplace();
+    return nothing;
+  }
   return variant.backend == Backend::single_frame ? estimate_single_frames(perception, variant, options.seed)
                                                   : estimate_windows(perception, variant, options.seed);
 }
 
-Tracks tracks_of(const Perception& perception, BackendResult& result) {
+// What is known at one time: `pose_of` gives the camera's of a frame, or nothing.
+template <typename PoseOf>
+Tracks tracks_of(const Perception& perception, const std::vector<ObjectTrack>& objects,
+                 const PoseOf& pose_of) {
   Tracks tracks;
   for (const FrameInfo& frame : perception.frames())
-    if (frame.world_from_camera) tracks.camera.push_back({frame.stamp_ns, *frame.world_from_camera});
-  tracks.objects = std::move(result.objects);
+    if (const std::optional<Pose> pose = pose_of(frame)) tracks.camera.push_back({frame.stamp_ns, *pose});
+  tracks.objects = objects;
   return tracks;
 }
 
@@ -220,6 +228,18 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
                       count(perception.frames(), [](const auto& f) { return !f.has_masks; }));
   text += fmt::format("objects_without_state: {}\n", without_state);
   return text + "variant:\n" + indented(variant_yaml(variant));
+}
+
+// One of the trajectories of a run, in a folder of its own: `output` says when its states were known.
+void write_output(const fs::path& folder, const Tracks& tracks, const std::map<int, SurfaceFile>& surfaces,
+                  const Camera& camera, const std::string& output, const std::string& run) {
+  fs::create_directories(folder);
+  write_estimate(folder, tracks);
+  for (const auto& [id, surface] : surfaces)
+    write_surface_ply(folder / fmt::format("objects/{}.ply", id), surface,
+                      "points seen, object frame, metres");
+  write_camera_yaml(folder / "camera.yaml", camera);
+  write_text(folder / "run.yaml", fmt::format("output: {}\n", output) + run);
 }
 
 // What the frames show of the bodies' points, before any back end.
@@ -321,23 +341,28 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
   const ResourceUsage before = is_own ? own.used() : read_usage(perceived).value_or(ResourceUsage{});
   const UsageMeter backend;
   BackendResult result = estimate_objects(perception, variant, options);
-  const int without_state = result.observations_without_state;
-  const Tracks tracks = tracks_of(perception, result);
+  const Tracks causal = tracks_of(perception, result.causal, [](const FrameInfo& frame) {
+    return frame.camera_came_late ? std::nullopt : frame.world_from_camera;
+  });
   if (fs::exists(perceived / kMapFile)) duplicate_file(perceived / kMapFile, pending.path() / kMapFile);
   copy_masks(perceived / "masks", pending.path() / "masks");
-  write_estimate(pending.path(), tracks);
-  for (const auto& [id, surface] : result.surfaces)
-    write_surface_ply(pending.path() / fmt::format("objects/{}.ply", id), surface,
-                      "points seen, object frame, metres");
+  const std::string run =
+      run_yaml(sequence, variant, options, perception, causal, result.observations_without_state);
+  write_output(pending.path(), causal, result.surfaces, sequence.camera, "causal", run);
+  if (result.fixed_lag)
+    write_output(pending.path() / "fixed_lag",
+                 tracks_of(perception, *result.fixed_lag, [](const auto& f) { return f.lagged_camera; }),
+                 result.surfaces, sequence.camera, "fixed_lag", run);
+  if (result.final)
+    write_output(pending.path() / "final",
+                 tracks_of(perception, *result.final, [](const auto& f) { return f.final_camera; }),
+                 result.surfaces, sequence.camera, "final", run);
   if (variant.write_features) write_text(pending.path() / "features.csv", features_csv(perception));
-  write_camera_yaml(pending.path() / "camera.yaml", sequence.camera);
   write_text(pending.path() / "timing.csv", timing_csv(result.times, read_text(perceived / "timing.csv")));
-  write_text(pending.path() / "run.yaml",
-             run_yaml(sequence, variant, options, perception, tracks, without_state));
   if (is_own) fs::remove_all(perceived);
   write_usage(pending.path(), before + backend.used());
   pending.commit();
-  warn_of_little(perception, tracks, !sequence.frames.empty(), !options.camera_only);
+  warn_of_little(perception, causal, !sequence.frames.empty(), !options.camera_only);
 }
 
 void keep_perception(const fs::path& sequence_folder, const Variant& variant,

@@ -92,6 +92,7 @@ BackendResult estimate_single_frames(const Perception& perception, const Variant
   tbb::parallel_for(std::size_t{0}, frames.size(),
                     [&](std::size_t i) { frames[i] = estimate_frame(perception.read(i), variant, seed); });
   BackendResult result;
+  if (variant.smooth) result.final.emplace();
   std::map<int, ObjectTrack> tracks;
   for (const FrameStates& frame : frames) {
     for (const auto& [id, state] : frame.states) tracks[id].states.push_back(state);
@@ -101,8 +102,10 @@ BackendResult estimate_single_frames(const Perception& perception, const Variant
   for (auto& [id, track] : tracks) {
     track.id = id;
     if (variant.axis_naming == AxisNaming::previous) follow_axes(track);
-    if (variant.smooth) smooth(track, variant.body.trajectory);
-    result.objects.push_back(std::move(track));
+    result.causal.push_back(track);
+    if (!variant.smooth) continue;
+    smooth(track, variant.body.trajectory);
+    result.final->push_back(std::move(track));
   }
   return result;
 }

@@ -42,7 +42,6 @@ void visit(Io& io, Variant& o) {
   });
   io.flag("smooth", o.smooth);
   io.flag("write_features", o.write_features);
-  io.choice("output", o.output, Choices<Output>{{"causal", Output::causal}, {"final", Output::final}});
 }
 
 Variant read_variant(const ConfigNode& root, const std::string& name) {

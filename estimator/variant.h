@@ -22,16 +22,6 @@ enum class AxisNaming {
   previous,  ///< axes nearest to the object's last state (the world's for the first): names follow the body
 };
 
-/// When a state is written as of.
-enum class Output {
-  causal,  ///< what was known at its frame
-  final,   ///< what is known at the end: the last shape, the whole trajectory smoothed (smooth_trajectory)
-};
-
-constexpr const char* to_string(Output output) {
-  return output == Output::causal ? "causal" : "final";
-}
-
 /// What the tracking of features knows beforehand of how the bodies move and what they cover.
 enum class Feedback {
   perception,  ///< perception's own motions from frame to frame: its result can be kept and shared
@@ -48,8 +38,7 @@ struct Variant {
   bool smooth = false;  // of `single_frame`: one size a track, its trajectory smoothed at the end
   BodyOptions body;
   Backend backend = Backend::single_frame;
-  bool write_features = false;    // features.csv, a row a sighting: megabytes
-  Output output = Output::final;  // ours: as the trajectories of SLAM systems are given
+  bool write_features = false;  // features.csv, a row a sighting: megabytes
   Feedback feedback = Feedback::perception;
   JoinedOptions joined;  // of Feedback::backend
 };

@@ -201,15 +201,9 @@ void warn_of_units(const fs::path& folder, const Tracks& truth, const Tracks& es
     warn((folder / "objects.csv").string() + ": " + *fault);
 }
 
-}  // namespace
-
-void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, const EvaluateOptions& options,
-              const fs::path& out) {
-  if (options.iou_samples < 1) throw InputError("iou samples: expected a number greater than 0");
-  const bool is_simulation =
-      !fs::exists(truth_folder / "camera.tum") && fs::is_directory(truth_folder / "truth");
-  const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
-  if (options.verify) require_unchanged_texts(truth_path);
+// Of one output of an estimate, which may be the estimate's own folder, into an existing folder.
+void evaluate_output(const fs::path& truth_path, const fs::path& estimate_folder,
+                     const EvaluateOptions& options, const fs::path& out) {
   const std::string of_truth = scene_of(truth_path), of_estimate = scene_of(estimate_folder);
   require_one_scene({truth_path, of_truth}, {estimate_folder, of_estimate});
   const bool knows_objects = !fs::exists(truth_path / "sequence.yaml");
@@ -246,17 +240,34 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   evaluation.map = compare_surroundings(truth_path, estimate_folder, alignment.truth_from_estimate);
   evaluation.timing_ms = read_timing(estimate_folder);
   evaluation.usage = read_usage(estimate_folder);
-  PendingFolder pending(out, "evaluation", options.force);
-  write_text(pending.path() / "evaluation.json", evaluation_json(evaluation, options, run_config));
-  write_text(pending.path() / "frames.csv", frames_csv(evaluation.objects));
-  write_text(pending.path() / "poses.csv", poses_csv(truth, estimate, evaluation));
-  pending.commit();
+  write_text(out / "evaluation.json", evaluation_json(evaluation, options, run_config));
+  write_text(out / "frames.csv", frames_csv(evaluation.objects));
+  write_text(out / "poses.csv", poses_csv(truth, estimate, evaluation));
   // an estimate of this program numbers its frames as its sequence does, which may be scans
   const bool same_frames = !of_truth.empty() && of_estimate.empty();
   for (const std::string& fault :
        stamp_faults(estimate_folder, truth, original, kMaxDifferenceNs, same_frames))
     warn(fault);
   if (!fits_scale(kind)) warn_of_units(estimate_folder, truth, estimate, evaluation.objects);
+}
+
+}  // namespace
+
+void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, const EvaluateOptions& options,
+              const fs::path& out) {
+  if (options.iou_samples < 1) throw InputError("iou samples: expected a number greater than 0");
+  const bool is_simulation =
+      !fs::exists(truth_folder / "camera.tum") && fs::is_directory(truth_folder / "truth");
+  const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
+  if (options.verify) require_unchanged_texts(truth_path);
+  PendingFolder pending(out, "evaluation", options.force);
+  evaluate_output(truth_path, estimate_folder, options, pending.path());
+  for (const char* output : kLaterOutputs) {
+    if (!fs::is_directory(estimate_folder / output)) continue;
+    fs::create_directory(pending.path() / output);
+    evaluate_output(truth_path, estimate_folder / output, options, pending.path() / output);
+  }
+  pending.commit();
 }
 
 }  // namespace uniquadric

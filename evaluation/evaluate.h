@@ -30,7 +30,8 @@ struct EvaluateOptions {
 /// names), `frames.csv` (one row per frame and object) and `poses.csv` (both sides' poses and semi-axes, in
 /// the truth's world) to `out`. Throws InputError for folders that cannot be read or compared: an estimate of
 /// another scene, stamps of another recording. Stamps that do not fit the truth's frames are warned of on
-/// stderr (stamp_check.h).
+/// stderr (stamp_check.h). Those of later outputs of the estimate (kLaterOutputs) are written to folders of
+/// their names in `out`.
 void evaluate(const std::filesystem::path& truth, const std::filesystem::path& estimate,
               const EvaluateOptions& options, const std::filesystem::path& out);
 

@@ -59,6 +59,10 @@ struct Tracks {
 /// (read_estimated_objects). Throws InputError with file and line.
 Tracks read_tracks(const std::filesystem::path& folder);
 
+/// Folders below an estimate's own, which holds what was known at each frame: the same files with what was
+/// known a fixed lag later, and at the end. An estimate may lack them.
+inline constexpr const char* kLaterOutputs[] = {"fixed_lag", "final"};
+
 /// Counts the frames of states that have none (-1) by all stamps of the tracks.
 void number_frames(Tracks& tracks);
 

@@ -75,6 +75,9 @@ struct RgbdOdometry::State {
   std::optional<Pose> camera_from_world;  // of the last frame
   Pose presumed;                          // the same, where it is not known: the last known, moved on
   std::optional<Eigen::Vector3d> up;      // in the map's world, the first camera
+  double fixed_lag_s = 1;
+  Trajectory causal, lagged;      // map_from_camera, as known at each frame and a fixed lag after it
+  std::size_t lagged_frames = 0;  // of the frames: those in `lagged`
   int frames_seen = 0;
   bool depth_changed = false;  // and no map has begun since
 
@@ -88,6 +91,8 @@ struct RgbdOdometry::State {
   bool follow(std::int64_t frame, const TrackedFeatures& features);
   bool is_young() const { return given_up.empty() && std::ssize(frames) < options.young_frames; }
   bool is_hopeless(std::int64_t stamp_ns) const;
+  void look_back(std::int64_t until_ns);
+  Trajectory in_world(const Trajectory& map_from_camera) const;
   void begin_anew(std::int64_t frame, const std::vector<Feature>& features);
   void append(const EgoMap& of, const std::vector<FramePose>& placed, const std::vector<FramePose>& earlier,
               Trajectory& trajectory) const;
@@ -186,29 +191,51 @@ bool RgbdOdometry::State::is_hopeless(std::int64_t stamp_ns) const {
          followed >= options.restart_features;
 }
 
+// Notes the poses of frames up to a stamp as they are known now.
+void RgbdOdometry::State::look_back(std::int64_t until_ns) {
+  for (; lagged_frames < frames.size() && frames[lagged_frames].stamp_ns <= until_ns; ++lagged_frames) {
+    const FramePose& frame = frames[lagged_frames];
+    lagged.push_back({frame.stamp_ns, found_again(map, frame).inverse()});
+  }
+}
+
+Trajectory RgbdOdometry::State::in_world(const Trajectory& map_from_camera) const {
+  Trajectory trajectory;
+  for (const auto& [stamp_ns, pose] : map_from_camera) {
+    trajectory.push_back({stamp_ns, world_from_map() * pose});
+    trajectory.back().pose.rotation.normalize();
+  }
+  return trajectory;
+}
+
 // A young map is no loss: its frames are looked for in the new one, as are those that were lost.
 void RgbdOdometry::State::begin_anew(std::int64_t frame, const std::vector<Feature>& features) {
   if (is_young()) {
     before.insert(before.end(), frames.begin(), frames.end());
+    causal.clear();
+    lagged.clear();
     presumed = {};
     up.reset();
     frames_seen = 1;
   } else {
+    look_back(frames.back().stamp_ns);
     given_up.push_back({std::move(map), std::move(frames), std::move(before)});
     before.clear();
   }
   before.insert(before.end(), lost.begin(), lost.end());
   map = {};
   frames.clear();
-  settled = 0;
+  settled = lagged_frames = 0;
   begin_map(presumed, frame, features);
 }
 
-RgbdOdometry::RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed)
+RgbdOdometry::RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed,
+                           double fixed_lag_s)
     : state_(std::make_unique<State>()) {
   state_->camera = without_distortion(camera);
   state_->options = options;
   state_->seed = seed;
+  state_->fixed_lag_s = fixed_lag_s;
 }
 
 RgbdOdometry::~RgbdOdometry() = default;
@@ -237,6 +264,8 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
   const Pose camera_from_keyframe = *s.camera_from_world * s.map.keyframes.back().camera_from_world.inverse();
   s.frames.push_back({frame.frame, frame.stamp_ns, int(s.map.keyframes.size()) - 1, camera_from_keyframe,
                       seen, features.background_motion});
+  s.causal.push_back({frame.stamp_ns, s.camera_from_world->inverse()});
+  s.look_back(frame.stamp_ns - static_cast<std::int64_t>(1e9 * s.fixed_lag_s));
   s.look_for_floor(depth, masks, frame.frame);
 }
 
@@ -282,6 +311,16 @@ Trajectory RgbdOdometry::trajectory() const {
   for (const Stretch& s : state_->given_up) state_->append(s.map, s.frames, s.before, trajectory);
   if (!state_->frames.empty()) state_->append(state_->map, state_->frames, state_->before, trajectory);
   return trajectory;
+}
+
+Trajectory RgbdOdometry::causal_trajectory() const {
+  return state_->in_world(state_->causal);
+}
+
+Trajectory RgbdOdometry::lagged_trajectory() const {
+  State& s = *state_;
+  if (!s.frames.empty()) s.look_back(s.frames.back().stamp_ns);
+  return s.in_world(s.lagged);
 }
 
 std::int64_t RgbdOdometry::features_kept() const {

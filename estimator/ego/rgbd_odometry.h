@@ -53,7 +53,8 @@ struct EgoOptions {
 /// by the floor where the first frames show one, else by the camera's own up.
 class RgbdOdometry {
  public:
-  RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed);
+  /// `fixed_lag_s`: of lagged_trajectory().
+  RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed, double fixed_lag_s = 1);
   ~RgbdOdometry();
 
   /// Frames in their order. `depth` and `masks` as in FeatureTracker::track; only to find the floor.
@@ -65,6 +66,10 @@ class RgbdOdometry {
 
   /// world_from_camera of all frames but those where the camera was lost, with all that is known now.
   Trajectory trajectory() const;
+  /// The same as known at each frame. Where a young map was given up, its frames are missing.
+  Trajectory causal_trajectory() const;
+  /// The same as known `fixed_lag_s` after each frame, or now.
+  Trajectory lagged_trajectory() const;
 
   /// Features by which frames of the present map will be placed once more: as many as the frames of the local
   /// bundle adjustment have.

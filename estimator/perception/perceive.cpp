@@ -226,7 +226,8 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
                            segmenter.source != MaskSource::none;
   if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
   FeatureTracker features(sequence.camera, options.features, run.seed);
-  RgbdOdometry odometry(sequence.camera, options.odometry, run.seed);
+  RgbdOdometry odometry(sequence.camera, options.odometry, run.seed, options.fixed_lag_s);
+  Trajectory known;  // the camera at each frame, but from features
   std::optional<LidarEgo> lidar;
   if (by_lidar) lidar.emplace(sequence, options.lidar);
   const auto tracker = make_tracker(sequence, segmenter, options.aot, run.seed);
@@ -315,6 +316,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     work->world_from_camera = is_given ? pose_at(*poses, frame.stamp_ns)
                               : lidar  ? path(frame.stamp_ns)
                                        : std::nullopt;
+    if (work->world_from_camera) known.push_back({frame.stamp_ns, *work->world_from_camera});
     if (points) {
       work->points = points->take(frame.stamp_ns, next_stamp_ns(sequence, work->index), work->masks);
       watch.stop("lidar_depth");
@@ -408,7 +410,11 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
                                : std::vector<std::string>();
   for (const std::string& fault : faults) warn(fault);
   for (const PerceivedFrame& frame : waiting) out.add(frame);
-  out.finish(is_given ? *poses : by_stamp(lidar ? lidar->trajectory() : odometry.trajectory()),
+  const Trajectory later = is_given ? known : lidar ? lidar->trajectory() : Trajectory();
+  out.finish(options.ego == EgoSource::rgbd
+                 ? CameraTrajectories{odometry.causal_trajectory(), odometry.lagged_trajectory(),
+                                      odometry.trajectory()}
+                 : CameraTrajectories{known, later, later},  // a filter never goes back to a pose
              odometry.restarts());
 }
 

@@ -39,8 +39,9 @@ enum class DepthSource {
 struct PerceptionOptions {
   std::int64_t lidar_time_offset_ns = 0;  // the LiDAR's clock less the camera's, for all that reads scans
   EgoSource ego = EgoSource::given;
-  EgoOptions odometry;    // of EgoSource::rgbd
-  LidarEgoOptions lidar;  // of EgoSource::lidar
+  EgoOptions odometry;     // of EgoSource::rgbd
+  double fixed_lag_s = 1;  // after which `fixed_lag` trajectories are known
+  LidarEgoOptions lidar;   // of EgoSource::lidar
   DepthSource depth = DepthSource::recorded;
   DepthCheckOptions depth_check;  // of depth images
   LidarDepthOptions lidar_depth;  // of DepthSource::lidar

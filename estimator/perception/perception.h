@@ -9,6 +9,7 @@
 
 #include "core/geometry/ellipsoid.h"
 #include "core/geometry/pose.h"
+#include "core/sequence/trajectory.h"
 
 namespace uniquadric {
 
@@ -61,13 +62,22 @@ struct BodyObservation {
   std::optional<Pose> motion;  ///< p_now = motion * p_before of the body's points in the two camera frames
 };
 
+/// The camera's trajectory (world_from_camera) as known at each frame, a fixed lag after it, and at the end.
+struct CameraTrajectories {
+  Trajectory causal, fixed_lag, final;
+};
+
 /// What is known of a frame besides its bodies.
 struct FrameInfo {
   std::int64_t frame = 0, stamp_ns = 0;
-  std::optional<Pose> world_from_camera;  ///< nothing: the camera was lost
-  bool has_masks = false;                 ///< whether its masks are known: segmented, or carried to it
-  bool depth_refused = false;             ///< its depth image is no measurement, or holds none
-  bool depth_changed = false;             ///< from here on depth has another scale than all that was known
+  /// As known at the frame, or, where it was not known then, at the end. Nothing: the camera was lost.
+  std::optional<Pose> world_from_camera;
+  bool camera_came_late = false;        ///< world_from_camera was not known at the frame
+  std::optional<Pose> lagged_camera{};  ///< world_from_camera as known a fixed lag after the frame
+  std::optional<Pose> final_camera{};   ///< world_from_camera as known at the end
+  bool has_masks = false;               ///< whether its masks are known: segmented, or carried to it
+  bool depth_refused = false;           ///< its depth image is no measurement, or holds none
+  bool depth_changed = false;           ///< from here on depth has another scale than all that was known
 };
 
 struct PerceivedFrame : FrameInfo {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <map>
 #include <set>
 #include <span>
 
@@ -27,7 +28,7 @@ constexpr int kSchema = 1;
 // The magic, the bodies of each frame, the index of the frames, and where that is.
 constexpr const char* kObservations = "observations.bin";
 constexpr const char* kMasks = "masks";
-constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '6'};
+constexpr char kMagic[8] = {'U', 'Q', 'P', 'E', 'R', 'C', '0', '7'};
 constexpr std::uint64_t kMaxCount = 1u << 28;  // of anything in a list; more is a damaged file
 
 [[noreturn]] void throw_damaged(const fs::path& path) {
@@ -192,6 +193,12 @@ BodyObservation get_body(Reader& in) {
   return body;
 }
 
+std::map<std::int64_t, Pose> by_stamp(const Trajectory& trajectory) {
+  std::map<std::int64_t, Pose> poses;
+  for (const auto& [stamp_ns, pose] : trajectory) poses.emplace(stamp_ns, pose);
+  return poses;
+}
+
 FilePlace place_of(std::uint64_t offset, const std::string& bytes) {
   return {offset, bytes.size(), Hash().add(bytes).value()};
 }
@@ -263,25 +270,28 @@ void PerceptionWriter::keep_map(const std::vector<Eigen::Vector3d>& points) cons
     write_surface_ply(folder_ / kMapFile, map, "map of the surroundings, world, metres");
 }
 
-void PerceptionWriter::finish(const std::map<std::int64_t, Pose>& world_from_camera, int ego_restarts) {
-  Trajectory camera;
+void PerceptionWriter::finish(const CameraTrajectories& camera, int ego_restarts) {
+  const auto causal = by_stamp(camera.causal), fixed_lag = by_stamp(camera.fixed_lag),
+             final = by_stamp(camera.final);
   Writer index, end;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
-    const auto pose = world_from_camera.find(frames_[i].stamp_ns);
-    const bool has_pose = pose != world_from_camera.end();
-    if (has_pose) camera.push_back({frames_[i].stamp_ns, pose->second});
+    const bool is_lost = !final.contains(frames_[i].stamp_ns);
     index.put(frames_[i].frame);
     index.put(frames_[i].stamp_ns);
     index.put(frames_[i].has_masks);
     index.put(static_cast<char>(frames_[i].depth_refused | frames_[i].depth_changed << 1));
-    index.put(has_pose);
-    if (has_pose) put(index, pose->second);
+    for (const auto* poses : {&causal, &fixed_lag, &final}) {
+      const auto pose = poses->find(frames_[i].stamp_ns);
+      const bool is_known = !is_lost && pose != poses->end();
+      index.put(is_known);
+      if (is_known) put(index, pose->second);
+    }
     index.put(places_[i]);
   }
   end.put(place_of(size_, index.bytes()));
   write(index.bytes());
   write(end.bytes());
-  write_tum(folder_ / "camera.tum", camera);
+  write_tum(folder_ / "camera.tum", camera.final);
   write_camera_yaml(folder_ / "camera.yaml", camera_);
   write_text(folder_ / "perception.yaml",
              fmt::format("schema: {}\nprogram: {}\nkey: {}\nsequence: {}\nsequence_hash: {}\nframes: {}\n"
@@ -329,7 +339,10 @@ Perception::Perception(const fs::path& folder)
     const auto depth = index.get<char>();
     frame.depth_refused = depth & 1;
     frame.depth_changed = depth & 2;
-    if (index.get<char>() != 0) frame.world_from_camera = get_pose(index);
+    for (auto* pose : {&frame.world_from_camera, &frame.lagged_camera, &frame.final_camera})
+      if (index.get<char>() != 0) *pose = get_pose(index);
+    frame.camera_came_late = frame.final_camera && !frame.world_from_camera;
+    if (frame.camera_came_late) frame.world_from_camera = frame.final_camera;
     places_.push_back(index.get<FilePlace>());
   }
   if (root.get<std::int64_t>("frames") != std::ssize(frames_))

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -35,16 +34,16 @@ class PerceptionWriter {
   /// `camera`: without distortion. `source` may be empty.
   PerceptionWriter(std::filesystem::path folder, const Camera& camera, PerceptionSource source);
 
-  /// The next frame; its pose counts only where finish() gives it. Throws std::runtime_error when it cannot
+  /// The next frame, without its poses. Throws std::runtime_error when it cannot
   /// be written.
   void add(const PerceivedFrame& frame);
 
   /// Keeps the map that the camera was followed by, in the poses' world (map.ply).
   void keep_map(const std::vector<Eigen::Vector3d>& points) const;
 
-  /// To be called last. The poses of the frames by stamp; a frame without one is one where the camera was
-  /// lost. `ego_restarts`: how often a new map went on from the last known pose.
-  void finish(const std::map<std::int64_t, Pose>& world_from_camera, int ego_restarts = 0);
+  /// To be called last. A frame without a pose in `camera.final` is one where the camera was lost.
+  /// `ego_restarts`: how often a new map went on from the last known pose.
+  void finish(const CameraTrajectories& camera, int ego_restarts = 0);
 
  private:
   void write(const std::string& bytes);

@@ -115,6 +115,7 @@ void visit(Io& io, ScanObjectOptions& o) {
 
 template <typename Io>
 void visit(Io& io, PerceptionOptions& o) {
+  io.number("fixed_lag_s", o.fixed_lag_s, 0.0, 60.0);
   io.section("lidar", [&](auto& inner) {
     inner.number("time_offset_ns", o.lidar_time_offset_ns, -kMaxTimeOffset_ns, kMaxTimeOffset_ns);
   });

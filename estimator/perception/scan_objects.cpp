@@ -323,7 +323,7 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
   const Camera camera = scan_camera(options);
   Progress progress("perceive", std::ssize(stamps_ns), quiet);
   PerceivedFrame frame;
-  std::map<std::int64_t, Pose> poses;
+  CameraTrajectories poses;
   for (const std::int64_t stamp_ns : stamps_ns) {
     Stopwatch watch(frame.frame, times);
     const auto timed = options.enabled ? stream.take(stamp_ns) : std::vector<TimedPoint>();
@@ -340,10 +340,11 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
       watch.stop("clusters");
     }
     out.add(frame);
-    if (pose) poses.emplace(stamp_ns, *pose);
+    if (pose) poses.final.push_back({stamp_ns, *pose});
     ++frame.frame;
     progress.advance();
   }
+  poses.causal = poses.fixed_lag = poses.final;  // a filter never goes back to a pose
   out.finish(poses);
 }
 

@@ -263,18 +263,22 @@ void weigh(Chain& chain, double scale, double outlier) {
 }
 
 void smooth(std::vector<PoseSample>& samples, std::vector<Pose>& nominal, Part part,
-            const TrajectorySmootherOptions& options) {
-  double jerk = kFirstJerk, scale = 1;
+            const TrajectorySmootherOptions& options, Restlessness* known) {
+  double* const known_jerk = known ? &known->jerk[part == Part::translation ? 0 : 1] : nullptr;
+  const bool goes_on = known_jerk && *known_jerk > 0;
+  const std::vector<double> steps = goes_on ? std::vector{3.0} : std::vector{100.0, 10.0, 3.0};
+  const int rounds = known ? 1 : options.robust_rounds;
+  double jerk = goes_on ? *known_jerk : kFirstJerk, scale = 1;
   Solution solution;
   // A turn about an axis of revolution, which nothing holds, is large: the linearisation takes its time.
   double moved = kSettled;
-  for (int round = 0; round < options.robust_rounds || (moved >= kSettled && round < kMostRounds); ++round) {
+  for (int round = 0; round < rounds || (moved >= kSettled && round < kMostRounds); ++round) {
     Chain chain = linearise(samples, nominal, part, options);
-    if (round > 0) weigh(chain, scale, options.outlier);
+    if (round > 0 && !known) weigh(chain, scale, options.outlier);
     const double unit = typical_variance(chain);
     const auto score = [&](double ratio) { return unlikelihood(chain, solve(chain, ratio * unit), ratio); };
-    if (round < options.robust_rounds)
-      for (const double step : {100.0, 10.0, 3.0}) jerk = descend(jerk, step, score);
+    if (round < rounds)
+      for (const double step : steps) jerk = descend(jerk, step, score);
     solution = solve(chain, jerk * unit);
     if (!(solution.cost > 0)) return;  // a quadric fixed in the world: there is no noise to take off
     scale = solution.cost / dimensions(chain);
@@ -284,6 +288,7 @@ void smooth(std::vector<PoseSample>& samples, std::vector<Pose>& nominal, Part p
       moved = std::max(moved, solution.states[k].head<3>().norm());
     }
   }
+  if (known_jerk) *known_jerk = jerk;
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const Eigen::Matrix3d R = nominal[k].rotation.toRotationMatrix();
     const int at = part == Part::translation ? 0 : 3;
@@ -308,14 +313,15 @@ std::vector<Pose> bridged(const std::vector<PoseSample>& samples) {
 
 }  // namespace
 
-void smooth_trajectory(std::vector<PoseSample>& samples, const TrajectorySmootherOptions& options) {
+void smooth_trajectory(std::vector<PoseSample>& samples, const TrajectorySmootherOptions& options,
+                       Restlessness* known) {
   const auto has_evidence = [](const PoseSample& s) { return s.evidence != PoseEvidence::none; };
   const auto first = std::find_if(samples.begin(), samples.end(), has_evidence);
   const auto last = std::find_if(samples.rbegin(), samples.rend(), has_evidence).base();
   if (first == samples.end() || std::count_if(first, last, has_evidence) < kLeastSamples) return;
   std::vector<PoseSample> part(first, last);
   std::vector<Pose> nominal = bridged(part);
-  for (const Part p : {Part::translation, Part::rotation}) smooth(part, nominal, p, options);
+  for (const Part p : {Part::translation, Part::rotation}) smooth(part, nominal, p, options, known);
   const auto is_finite = [](const Pose& p) {
     return p.translation.allFinite() && p.rotation.coeffs().allFinite();
   };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -32,6 +33,13 @@ struct TrajectorySmootherOptions {
   double guess_sigma_m = 0.02, guess_sigma_rad = 0.05;  // of a guess besides
   double outlier = 3;  // sigmas at which a pose, or a step, counts half (Cauchy)
   int robust_rounds = 4;
+  double history_s = 1;  // of a trajectory that goes on: how far back it is smoothed
+};
+
+/// How restless a body has been found to be: density of its jerk's noise over the variance of a pose, of
+/// translation and rotation. 0: not known.
+struct Restlessness {
+  std::array<double, 2> jerk{};
 };
 
 /// The whole trajectory at once: poses as measured, and between frames a motion of constant acceleration that
@@ -40,7 +48,9 @@ struct TrajectorySmootherOptions {
 /// themselves. How restless the body is, and by how much the covariances are too small, is what makes the
 /// samples most likely; samples without any noise stay as they are. Frames without evidence between others
 /// are filled in; those after the last evidence stay as they are. Poses and covariances are replaced; stamps
-/// are strictly increasing.
-void smooth_trajectory(std::vector<PoseSample>& samples, const TrajectorySmootherOptions& options);
+/// are strictly increasing. `known`: from a stretch just before, to start from, and then of this one; where
+/// it is given, no pose is taken for an outlier, for the newest have no later ones to speak for them.
+void smooth_trajectory(std::vector<PoseSample>& samples, const TrajectorySmootherOptions& options,
+                       Restlessness* known = nullptr);
 
 }  // namespace uniquadric

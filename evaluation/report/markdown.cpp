@@ -77,15 +77,21 @@ std::string sizes(const Results& results) {
 std::string failures(const Results& results) {
   std::string text;
   for (const Cell& cell : results.cells)
-    if (cell.status != CellStatus::ok)
+    if (cell.status != CellStatus::ok && cell.output.empty())
       text += line({cell.scene, cell.variant, std::to_string(cell.seed),
                     cell.status == CellStatus::failed ? markdown_cell(cell.message) : "not run"});
-  for (const Cell& cell : results.not_applicable)
-    text += line({cell.scene, cell.variant, std::to_string(cell.seed),
-                  "not applicable: " + markdown_cell(cell.message)});
   if (text.empty()) return "";
   return "\n## Runs without a result\n" + line({"scene", "variant", "seed", "why"}) +
          line({"---", "---", "---:", "---"}) + text;
+}
+
+std::string not_applicable(const Results& results) {
+  if (results.not_applicable.empty()) return "";
+  std::string text = "\n## Not applicable\n" + line({"scene", "variant", "seed", "why"}) +
+                     line({"---", "---", "---:", "---"});
+  for (const Cell& cell : results.not_applicable)
+    text += line({cell.scene, cell.variant, std::to_string(cell.seed), markdown_cell(cell.message)});
+  return text;
 }
 
 }  // namespace
@@ -96,7 +102,7 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
       "results in bold; given: poses of the camera that were not estimated.\n\n",
       results.name);
   text += table(summary) + arc_markdown(results) + lidar_markdown(results.lidar) + sizes(results) +
-          failures(results) + "\n## How it was made\n";
+          failures(results) + not_applicable(results) + "\n## How it was made\n";
   if (!results.command.empty()) text += fmt::format("- command: `{}`\n", results.command);
   text += fmt::format("- program: {} (report: {})\n", fmt::join(programs_of(results), ", "), kProgram);
   if (!results.program.empty()) text += fmt::format("- gathered by: {}\n", results.program);

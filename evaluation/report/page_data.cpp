@@ -123,6 +123,7 @@ json cell_json(const Cell& cell, int digits) {
   return {{"scene", cell.scene},
           {"variant", cell.variant},
           {"seed", cell.seed},
+          {"output", cell.output},
           {"status", to_string(cell.status)},
           {"folder", cell.folder.generic_string()},
           {"message", cell.message},

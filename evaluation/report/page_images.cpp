@@ -60,7 +60,8 @@ std::vector<Gallery> read_galleries(const Results& results) {
   std::vector<Gallery> galleries;
   std::set<std::pair<std::string, std::string>> seen;
   for (const Cell& cell : results.cells) {
-    if (cell.status != CellStatus::ok || seen.contains({cell.scene, cell.variant})) continue;
+    if (cell.status != CellStatus::ok || !cell.output.empty() || seen.contains({cell.scene, cell.variant}))
+      continue;
     Gallery gallery{&cell, read_pictures(results.folder / cell.folder / "overlays")};
     if (gallery.pictures.empty()) continue;
     seen.emplace(cell.scene, cell.variant);

@@ -104,7 +104,7 @@ std::string page_motion(const Results& results, const PageOptions& options) {
   json truths = json::array(), runs = json::array();
   std::set<std::pair<std::string, std::string>> seen, without;  // scene, variant
   for (const Cell& cell : results.cells) {
-    const fs::path file = results.folder / cell.folder / "evaluation/poses.csv";
+    const fs::path file = evaluation_folder(results, cell) / "poses.csv";
     if (!cell.evaluation) continue;
     if (!fs::exists(file)) {
       without.emplace(cell.scene, cell.variant);

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/text.h"
+#include "core/sequence/tracks.h"
 
 namespace uniquadric {
 namespace {
@@ -89,7 +90,34 @@ std::vector<LidarRoutes> read_all_lidar_routes(const Results& results) {
   return all;
 }
 
+// A variant that has an output in one run has it in all: in those that failed it failed, too.
+void add_later_outputs(Results& results) {
+  std::set<std::pair<std::string, std::string>> variants;  // and output
+  const auto later = [](const Cell& cell, const char* output) {
+    Cell result = cell;
+    result.output = output;
+    result.variant = cell.variant + "@" + output;
+    return result;
+  };
+  for (const Cell& cell : results.cells)
+    for (const char* output : kLaterOutputs)
+      if (cell.status == CellStatus::ok && fs::exists(evaluation_folder(results, later(cell, output))))
+        variants.emplace(cell.variant, output);
+  std::vector<Cell> cells;
+  for (Cell& cell : results.cells) {
+    cells.push_back(cell);
+    for (const char* output : kLaterOutputs)
+      if (variants.contains({cell.variant, output})) cells.push_back(later(cell, output));
+  }
+  results.cells = std::move(cells);
+}
+
 }  // namespace
+
+fs::path evaluation_folder(const Results& results, const Cell& cell) {
+  const fs::path folder = results.folder / cell.folder / "evaluation";
+  return cell.output.empty() ? folder : folder / cell.output;
+}
 
 std::vector<Cell> read_cells(const fs::path& file) {
   std::vector<Cell> cells;
@@ -129,9 +157,10 @@ Results read_results(const fs::path& folder) {
   results.name = "bench";
   if (!results.config.empty())
     results.name = ConfigNode::parse(results.config, folder / "bench.yaml").get<std::string>("name", "bench");
+  add_later_outputs(results);
   for (Cell& cell : results.cells)
     if (cell.status == CellStatus::ok)
-      cell.evaluation = read_cell_evaluation(folder / cell.folder / "evaluation");
+      cell.evaluation = read_cell_evaluation(evaluation_folder(results, cell));
   results.lidar = read_all_lidar_routes(results);
   return results;
 }

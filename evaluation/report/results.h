@@ -40,7 +40,8 @@ struct CellEvaluation {
 
 enum class CellStatus { ok, failed, missing, not_applicable };
 
-/// One (scene, variant, seed) of a bench.
+/// One (scene, variant, seed) of a bench, or a later output of one (kLaterOutputs), whose variant is named
+/// VARIANT@OUTPUT.
 struct Cell {
   std::string scene, variant;
   std::uint64_t seed = 0;
@@ -48,6 +49,7 @@ struct Cell {
   std::filesystem::path folder;              ///< relative to the results folder
   std::string message;                       ///< why it failed
   std::optional<CellEvaluation> evaluation;  ///< of cells that are ok
+  std::string output{};                      ///< empty: what was known at each frame
 };
 
 /// A results folder (docs/report.md).
@@ -57,7 +59,7 @@ struct Results {
   std::string config, command, hardware;  ///< bench.yaml, command.txt, hardware.txt; empty where absent
   std::string program;                    ///< program.txt: version and commit; empty where absent
   std::vector<std::string> inputs;        ///< inputs.csv: "scene cube_cuboid 0123456789abcdef"
-  std::vector<Cell> cells;                ///< in order of cells.csv
+  std::vector<Cell> cells;                ///< in order of cells.csv, later outputs behind their own
   std::vector<Cell> not_applicable;       ///< the same of variants that cannot run on their sequence
   std::vector<LidarRoutes> lidar;  ///< of scenes whose LiDAR took the paper's way, a (scene, seed) each
 };
@@ -71,6 +73,9 @@ std::vector<Cell> read_cells(const std::filesystem::path& file);
 
 /// Reads one `evaluation` folder: evaluation.json and frames.csv. Throws InputError.
 CellEvaluation read_cell_evaluation(const std::filesystem::path& folder);
+
+/// Where a cell's evaluation is.
+std::filesystem::path evaluation_folder(const Results& results, const Cell& cell);
 
 /// Distinct values in order of their first appearance.
 std::vector<std::string> scenes_of(const Results& results);

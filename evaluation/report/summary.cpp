@@ -46,22 +46,28 @@ SummaryRow summarize_row(const Results& results, const std::string& scene, const
 }
 
 // The spreads of a metric that compare: of the rows with the most results, those over the most runs.
-std::vector<Spread*> comparable(std::span<SummaryRow> rows, const char* metric) {
+std::vector<Spread*> comparable(const std::vector<SummaryRow*>& rows, const char* metric) {
   int good = 0, n = 0;
   std::vector<Spread*> spreads;
-  for (const SummaryRow& row : rows)
-    if (!row.given) good = std::max(good, row.good);
-  for (SummaryRow& row : rows)
-    if (const auto found = row.spread.find(metric);
-        !row.given && row.good == good && found != row.spread.end())
+  for (const SummaryRow* row : rows)
+    if (!row->given) good = std::max(good, row->good);
+  for (SummaryRow* row : rows)
+    if (const auto found = row->spread.find(metric);
+        !row->given && row->good == good && found != row->spread.end())
       spreads.push_back(&found->second);
   for (const Spread* spread : spreads) n = std::max(n, spread->n);
   std::erase_if(spreads, [n](const Spread* spread) { return spread->n < n; });
   return spreads;
 }
 
-// Marks the best of the rows of one scene and object.
-void mark_best(std::span<SummaryRow> rows) {
+// Empty: what was known at each frame.
+std::string output_of(const std::string& variant) {
+  const std::size_t at = variant.find('@');
+  return at == std::string::npos ? "" : variant.substr(at);
+}
+
+// Marks the best of rows of one scene, object and output.
+void mark_best(const std::vector<SummaryRow*>& rows) {
   const auto less = [](const Spread* a, const Spread* b) { return a->median < b->median; };
   for (const Metric& metric : all_metrics()) {
     const std::vector<Spread*> spreads = comparable(rows, metric.name);
@@ -134,7 +140,10 @@ std::vector<SummaryRow> summarize(const Results& results) {
       const auto first = rows.size();
       for (const std::string& variant : variants_of(results, scene))
         rows.push_back(summarize_row(results, scene, subject, variant));
-      mark_best(std::span(rows).subspan(first));
+      std::map<std::string, std::vector<SummaryRow*>> by_output;
+      for (SummaryRow& row : std::span(rows).subspan(first))
+        by_output[output_of(row.variant)].push_back(&row);
+      for (const auto& [output, of_output] : by_output) mark_best(of_output);
     }
   }
   return rows;
@@ -166,8 +175,9 @@ std::string summary_text(const std::vector<SummaryRow>& rows) {
     if (row.paper && ends_object(rows, i)) lines.push_back(paper_line(row));
   }
   return aligned_columns(lines, "<<<") +
-         "medians over seeds; APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares; * best of its "
-         "object's variants with the most runs;\n"
+         "medians over seeds; as known at each frame, @fixed_lag: a lag later, @final: offline smoothing; "
+         "APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares;\n"
+         "* best of its object's variants with the most runs;\n"
          "(paper): Table III, Single Frame OBB, on the paper's own sequences\n";
 }
 

@@ -33,8 +33,8 @@ struct SummaryRow {
 /// Rows by scene, object (`camera` and `all` last) and variant, in the order of cells.csv. A scene without a
 /// single good run has one row a variant with the object `all`. A run whose evaluation lists the object but
 /// never met it (coverage 0, or no APE) has no result. The best of a metric is sought among the variants of
-/// the same scene and object that have the most runs with a result, and of those the most with this metric:
-/// who loses the hard runs is not the better for it. Given cameras are left out.
+/// the same scene, object and output that have the most runs with a result, and of those the most with this
+/// metric: who loses the hard runs is not the better for it. Given cameras are left out.
 std::vector<SummaryRow> summarize(const Results& results);
 
 /// Whether a table says `given` in place of the row's figure: errors of poses that were given.

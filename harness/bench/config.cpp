@@ -187,9 +187,6 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
     config.frames = frames->as<std::int64_t>();
     if (*config.frames < 1) frames->fail("expected at least 1");
   }
-  if (root.has("output"))
-    config.output =
-        root.choice("output", {"causal", "final"}, "final") == "causal" ? Output::causal : Output::final;
   config.keep_sequences = root.get<bool>("keep_sequences", config.keep_sequences);
   config.stage_limit_s = root.positive("stage_limit_s", config.stage_limit_s);
   config.overlays = root.get<int>("overlays", config.overlays);
@@ -204,7 +201,6 @@ std::string bench_yaml(const BenchConfig& config) {
                   fmt::join(scene_entries(config), ", "), fmt::join(quoted_names(config.variants), ", "),
                   fmt::join(config.seeds, ", "));
   if (config.frames) text += fmt::format("frames: {}\n", *config.frames);
-  if (config.output) text += fmt::format("output: {}\n", to_string(*config.output));
   return text;
 }
 

@@ -32,7 +32,6 @@ struct BenchConfig {
   std::vector<BenchItem> variants;
   std::vector<std::uint64_t> seeds;
   std::optional<std::int64_t> frames;  ///< instead of each scene's own number
-  std::optional<Output> output;        ///< instead of each variant's own
   bool keep_sequences = false;         ///< ours: 250 MB a sequence would fill a disk in a sweep
   double stage_limit_s = 3600;         ///< ours: a stage that hangs is killed after this time
   int overlays = 8;                    ///< frames with overlays a cell

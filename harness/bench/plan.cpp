@@ -28,14 +28,13 @@ struct PlannedVariant {
   std::string yaml;  // that the estimate depends on
 };
 
-PlannedVariant load_planned(const BenchConfig& config, const BenchItem& item) {
+PlannedVariant load_planned(const BenchItem& item) {
   PlannedVariant planned;
   if (is_external(item.path)) {
     planned.external = load_external_variant(item.path);
     planned.yaml = external_yaml(*planned.external);
   } else {
     planned.own = load_variant(item.path);
-    planned.own->output = config.output.value_or(planned.own->output);
     planned.yaml = variant_yaml(*planned.own);
   }
   return planned;
@@ -43,7 +42,7 @@ PlannedVariant load_planned(const BenchConfig& config, const BenchItem& item) {
 
 std::vector<PlannedVariant> load_variants(const BenchConfig& config) {
   std::vector<PlannedVariant> variants;
-  for (const BenchItem& item : config.variants) variants.push_back(load_planned(config, item));
+  for (const BenchItem& item : config.variants) variants.push_back(load_planned(item));
   return variants;
 }
 
@@ -255,8 +254,6 @@ BenchStage BenchPlan::estimate(const BenchSimulation& simulation, const BenchCel
     inputs.push_back(perceive(simulation, *cell.perception).folder);
     command.insert(command.end(), {"--perception", inputs.back()});
   }
-  if (config.output && !cell.is_external)
-    command.insert(command.end(), {"--output", to_string(*config.output)});
   add_prompt(config.scenes[simulation.scene], command);
   return stage(folder / "estimate", cell.estimate_key, std::move(command), std::move(inputs),
                folder / "log.txt");

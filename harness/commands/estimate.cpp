@@ -21,7 +21,7 @@ namespace {
 
 // Options that only our own estimator has; those of `sub` that were given are refused.
 void refuse_own_options(const CLI::App* sub, const std::string& variant) {
-  for (const char* option : {"--perception", "--perception-seed", "--output", "--camera-only"})
+  for (const char* option : {"--perception", "--perception-seed", "--camera-only"})
     if (sub->get_option(option)->count() > 0)
       throw InputError(variant, fmt::format("is a variant with a command, which takes no {}", option));
 }
@@ -31,7 +31,7 @@ void refuse_own_options(const CLI::App* sub, const std::string& variant) {
 void add_estimate(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "estimate", "sequence -> 9-DoF tracks of every object", common);
   sub->get_option("--quiet")->description("no progress on stderr, no summary on stdout");
-  static std::string sequence, out, variant, prompt = "everything", perception, output;
+  static std::string sequence, out, variant, prompt = "everything", perception;
   static EstimateOptions options;
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
   sub->add_option("OUT", out, "folder for the estimate")->required();
@@ -43,14 +43,10 @@ void add_estimate(CLI::App& app, Common& common) {
                                    "of the perception stage's, for seeds to share one; default: --seed")
                        ->check(whole_number());
   sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
-  auto* as_of =
-      sub->add_option("--output", output,
-                      "states as of their frame (causal) or of the end (final), instead of the variant's")
-          ->check(CLI::IsMember({"causal", "final"}));
   sub->add_flag("--camera-only", options.camera_only, "follow the camera or LiDAR alone: no objects");
   add_no_verify(sub, options.verify);
   add_stage_options(sub, common);
-  sub->callback([&common, sub, as_of, own_seed] {
+  sub->callback([&common, sub, own_seed] {
     if (own_seed->count() > 0) options.perception_seed = perception_seed;
     options.threads = common.threads;
     options.quiet = common.quiet;
@@ -65,8 +61,7 @@ void add_estimate(CLI::App& app, Common& common) {
       const ExternalOptions run{options.seed, options.prompts.path, options.force, options.verify};
       return make_stage(common, out, [&] { run_external(sequence, external, run, out); });
     }
-    Variant chosen = variant.empty() ? default_variant(open_sequence(sequence)) : load_variant(variant);
-    if (as_of->count() > 0) chosen.output = output == "causal" ? Output::causal : Output::final;
+    const Variant chosen = variant.empty() ? default_variant(open_sequence(sequence)) : load_variant(variant);
     make_stage(common, out, [&] {
       const auto start = std::chrono::steady_clock::now();
       estimate(sequence, chosen, options, out);

@@ -150,7 +150,7 @@ ExternalVariant load_external_variant(const fs::path& variant_file) {
   read_limits(root, variant);
   variant.gpu = root.get<bool>("gpu", variant.gpu);
   read_sensors(root, variant);
-  if (root.choice("output", {"causal", "final"}, "causal") == "final") variant.output = Output::final;
+  variant.output = root.choice("output", {"causal", "final"}, variant.output);
   root.refuse_unknown_keys();
   return variant;
 }
@@ -170,7 +170,7 @@ std::string external_yaml(const ExternalVariant& variant) {
       yaml_quoted(variant.name), quoted_list(variant.command), variant.layout, variant.result,
       quoted_list(inputs), quoted_list(mounts), fmt::join(environment, ", "), variant.time_limit_s,
       variant.memory_limit_mb, variant.output_limit_mb, variant.gpu, quoted_list(variant.sensors),
-      to_string(variant.output));
+      variant.output);
 }
 
 }  // namespace uniquadric

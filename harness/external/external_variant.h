@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/sequence/sequence.h"
-#include "estimator/variant.h"
 
 namespace uniquadric {
 
@@ -25,7 +24,7 @@ struct ExternalVariant {
   double output_limit_mb = 2000;
   bool gpu = false;
   std::vector<std::string> sensors;  ///< that it needs (kSensorNames)
-  Output output = Output::causal;    ///< when its poses were known
+  std::string output = "causal";     ///< when its poses were known: at their frame, or `final`, at the end
 
   bool operator==(const ExternalVariant&) const = default;
 };

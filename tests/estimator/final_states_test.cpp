@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include "estimator/backend.h"
-#include "estimator/objects/body_estimator.h"
+#include "estimator/objects/known_states.h"
 #include "synthetic_perception.h"
 #include "tests/support/temp_folder.h"
 
@@ -20,18 +21,23 @@ Pose moving(double t) {
   return {exp_so3({0.2 * t, 0.1, 0.5 * t}), Eigen::Vector3d(-0.3 + 0.2 * t, 0.1 * t, 2)};
 }
 
-BackendResult result_of(const SyntheticPerception& perception, Output output) {
+// `error`: by which the camera's poses are off at their frames, world_from_wrong_world of a time [s].
+BackendResult result_of(
+    const SyntheticPerception& perception,
+    const std::function<Pose(double)>& error = [](double) { return Pose(); }) {
   const TempFolder temp;
   PerceptionWriter out(temp.path(), perception.camera, {});
-  std::map<std::int64_t, Pose> poses;
+  CameraTrajectories camera;
   for (const PerceivedFrame& frame : perception.frames) {
     out.add(frame);
-    poses.emplace(frame.stamp_ns, *frame.world_from_camera);
+    const Pose wrong = error(1e-9 * static_cast<double>(frame.stamp_ns)).inverse() * *frame.world_from_camera;
+    camera.causal.push_back({frame.stamp_ns, wrong});
+    camera.fixed_lag.push_back({frame.stamp_ns, *frame.world_from_camera});
   }
-  out.finish(poses);
+  camera.final = camera.fixed_lag;
+  out.finish(camera);
   Variant variant;
   variant.backend = Backend::windows;
-  variant.output = output;
   return estimate_windows(Perception(temp.path()), variant, 1);
 }
 
@@ -51,13 +57,12 @@ TEST(FinalStates, FirstSightsThatLedNowhereAreNoStates) {
     for (Feature& feature : glimpse.features) feature.track += 1'000'000 * (n + 1);
     if (n > 0) glimpse.motion.reset();
   }
-  const BackendResult causal = result_of(perception, Output::causal);
-  const BackendResult final = result_of(perception, Output::final);
-  ASSERT_TRUE(causal.objects.size() == 1 && final.objects.size() == 1);
-  const auto &at_its_frame = causal.objects[0].states, &at_the_end = final.objects[0].states;
-  EXPECT_EQ(std::ssize(at_its_frame) + causal.observations_without_state, std::ssize(perception.frames));
-  EXPECT_EQ(std::ssize(at_the_end) + final.observations_without_state, std::ssize(perception.frames));
-  EXPECT_LT(at_its_frame[0].frame, kGlimpse);  // what was thought at the time
+  const BackendResult result = result_of(perception);
+  ASSERT_TRUE(result.causal.size() == 1 && result.fixed_lag->size() == 1 && result.final->size() == 1);
+  const auto &at_its_frame = result.causal[0].states, &at_the_end = result.final->at(0).states;
+  EXPECT_EQ(std::ssize(at_its_frame) + result.observations_without_state, std::ssize(perception.frames));
+  EXPECT_EQ(result.fixed_lag->at(0).states.size(), at_the_end.size());  // known within the lag
+  EXPECT_LT(at_its_frame[0].frame, kGlimpse);                           // what was thought at the time
   ASSERT_GE(std::ssize(at_the_end), std::ssize(perception.frames) - kGlimpse - 1);
   for (const ObjectState& state : at_the_end) {
     const Ellipsoid& expected = truth.objects[0].states[state.frame].ellipsoid;
@@ -65,6 +70,56 @@ TEST(FinalStates, FirstSightsThatLedNowhereAreNoStates) {
               0.02)
         << state.frame;
     EXPECT_EQ(state.ellipsoid.semi_axes_m, at_the_end.back().ellipsoid.semi_axes_m) << state.frame;
+  }
+}
+
+double worst_error_m(const std::vector<ObjectTrack>& objects, const Tracks& truth) {
+  double worst_m = 0;
+  for (const ObjectState& state : objects.at(0).states) {
+    const Pose& expected = truth.objects[0].states[state.frame].ellipsoid.world_from_object;
+    worst_m =
+        std::max(worst_m, (state.ellipsoid.world_from_object.translation - expected.translation).norm());
+  }
+  return worst_m;
+}
+
+// The camera drifts by 5 cm/s, and later its poses are known: the body was always where the camera saw it.
+TEST(FinalStates, StandWhereTheCameraIsKnownToHaveSeenThem) {
+  SyntheticOptions options;
+  options.world_from_camera = [](double) { return Pose(); };
+  const std::vector<SyntheticBody> bodies = {box_body(kAxes, moving)};
+  const Tracks truth = synthetic_truth(bodies, options);
+  const BackendResult result = result_of(synthetic_perception(bodies, options), [](double t) {
+    return Pose{exp_so3({0, 0.01 * t, 0}), Eigen::Vector3d(0.05 * t, 0, 0)};
+  });
+  const double last_s = 1e-9 * static_cast<double>(truth.objects[0].states.back().stamp_ns);
+  EXPECT_GT(worst_error_m(result.causal, truth), 0.8 * 0.05 * last_s);
+  EXPECT_LT(worst_error_m(*result.fixed_lag, truth), 0.02);
+  EXPECT_LT(worst_error_m(*result.final, truth), 0.01);
+}
+
+// What is known at a time does not depend on what comes after it.
+TEST(KnownStates, AreThoseOfARunThatEndsThen) {
+  SyntheticOptions options;
+  options.world_from_camera = [](double) { return Pose(); };
+  const std::vector<SyntheticBody> bodies = {box_body(kAxes, moving)};
+  const SyntheticPerception perception = synthetic_perception(bodies, options);
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  std::vector<RawState> raw;
+  for (const PerceivedFrame& frame : perception.frames)
+    if (auto state = estimator.step(frame, &frame.bodies.at(0))) raw.push_back({*state, frame});
+  ASSERT_GT(raw.size(), 40u);
+  const std::vector<RawState> shorter(raw.begin(), raw.begin() + 30);
+  for (const std::int64_t lag_ns : {0L, 300'000'000L}) {
+    const auto all = states_known_after(lag_ns, raw, {}), known = states_known_after(lag_ns, shorter, {});
+    std::size_t compared = 0;
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      if (known[k].stamp_ns + lag_ns > shorter.back().state.stamp_ns) continue;
+      ++compared;
+      EXPECT_EQ(all[k].world_from_body.translation, known[k].world_from_body.translation) << k;
+      EXPECT_EQ(all[k].shape.semi_axes_m, known[k].shape.semi_axes_m) << k;
+    }
+    EXPECT_GE(compared, 15u);
   }
 }
 
@@ -103,14 +158,14 @@ TEST(FinalStates, PointsThatAreKeptLieOnTheBodyInItsOwnFrame) {
   const std::vector<SyntheticBody> bodies = {box_body(kAxes, moving)};
   const SyntheticPerception perception = synthetic_perception(bodies, options);
   const Tracks truth = synthetic_truth(bodies, options);
-  for (const Output output : {Output::causal, Output::final}) {
-    const BackendResult result = result_of(perception, output);
-    ASSERT_TRUE(result.objects.size() == 1 && result.surfaces.size() == 1);
-    const SurfaceFile& surface = result.surfaces.at(result.objects[0].id);
+  const BackendResult result = result_of(perception);
+  for (const auto& objects : {result.causal, *result.final}) {
+    ASSERT_TRUE(objects.size() == 1 && result.surfaces.size() == 1);
+    const SurfaceFile& surface = result.surfaces.at(objects[0].id);
     ASSERT_EQ(surface.points.size(), surface.normals.size());
     EXPECT_GT(surface.points.size(), 100u);
     EXPECT_LT(surface.points.size(), 5000u);
-    const ObjectState& state = result.objects[0].states.back();
+    const ObjectState& state = objects[0].states.back();
     const Pose truth_from_object =
         truth.objects[0].states[state.frame].ellipsoid.world_from_object.inverse() *
         state.ellipsoid.world_from_object;

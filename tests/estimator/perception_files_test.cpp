@@ -23,6 +23,8 @@ SyntheticPerception two_frames() {
   SyntheticPerception perception = synthetic_perception({box}, options);
   perception.frames[1].bodies[0].motion = exp_se3((Vector6d() << 1, 2, 3, 0.1, 0.2, 0.3).finished());
   perception.frames[1].world_from_camera.reset();
+  perception.frames[0].lagged_camera = Pose{exp_so3({0.1, 0, 0}), {1, 2, 3}};
+  perception.frames[0].final_camera = Pose{exp_so3({0, 0.1, 0}), {4, 5, 6}};
   perception.frames[1].bodies[0].colors = Eigen::Matrix3Xf::Constant(3, 7, 42.5F);
   perception.frames[1].bodies[0].features.back().rim = true;
   perception.frames[0].has_masks = true;
@@ -39,12 +41,15 @@ SyntheticPerception two_frames() {
 void write(const fs::path& folder, const std::vector<PerceivedFrame>& frames, const Camera& camera) {
   fs::create_directories(folder);
   PerceptionWriter out(folder, camera, {"its key", "its sequence", "its hash"});
-  std::map<std::int64_t, Pose> poses;
+  CameraTrajectories camera_path;
   for (const PerceivedFrame& frame : frames) {
     out.add(frame);
-    if (frame.world_from_camera) poses.emplace(frame.stamp_ns, *frame.world_from_camera);
+    if (frame.world_from_camera && !frame.camera_came_late)
+      camera_path.causal.push_back({frame.stamp_ns, *frame.world_from_camera});
+    if (frame.lagged_camera) camera_path.fixed_lag.push_back({frame.stamp_ns, *frame.lagged_camera});
+    if (frame.final_camera) camera_path.final.push_back({frame.stamp_ns, *frame.final_camera});
   }
-  out.finish(poses, 2);
+  out.finish(camera_path, 2);
 }
 
 void read_all(const fs::path& folder) {
@@ -74,6 +79,9 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   EXPECT_FALSE(back.frames()[1].depth_changed);
   EXPECT_EQ(back.ego_restarts(), 2);
   EXPECT_EQ(frames[0].world_from_camera->translation, perception.frames[0].world_from_camera->translation);
+  EXPECT_EQ(frames[0].lagged_camera->translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(frames[0].final_camera->translation, Eigen::Vector3d(4, 5, 6));
+  EXPECT_FALSE(frames[0].camera_came_late);
   EXPECT_FALSE(frames[1].world_from_camera);
   const BodyObservation &a = perception.frames[1].bodies[0], &b = frames[1].bodies[0];
   EXPECT_EQ(a.points, b.points);

@@ -99,7 +99,7 @@ TEST(Recordings, ACabinetKeepsItsSizeAndLiesOnItsPoints) {
   EstimateOptions options = quiet_options();
   options.prompts = recording("tum_fr3_cabinet") / "boxes";
   options.perception = temp.path() / "perception";
-  Variant variant = variant_of("superquadric_causal.yaml");
+  Variant variant = variant_of("superquadric.yaml");
   variant.perception.ego = EgoSource::given;
   estimate(folder, variant, options, out);
   const Tracks tracks = read_tracks(out);

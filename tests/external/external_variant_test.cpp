@@ -42,7 +42,7 @@ TEST_F(ExternalVariantFile, ReadsAllItsKeys) {
   EXPECT_EQ(v.memory_limit_mb, 800);
   EXPECT_EQ(v.output_limit_mb, 20);
   EXPECT_EQ(v.sensors, (std::vector<std::string>{"rgb", "lidar"}));
-  EXPECT_EQ(v.output, Output::final);
+  EXPECT_EQ(v.output, "final");
   EXPECT_TRUE(v.gpu);
 }
 

@@ -297,14 +297,22 @@ TEST_F(Pipeline, BenchMendsWhatWasDamagedInItsResults) {
   EXPECT_NE(made("evaluation/frames.csv"), evaluated) << "times of another run";
 }
 
-TEST_F(Pipeline, BenchSaysAsOfWhenStatesAre) {
+TEST_F(Pipeline, OneEstimateHasWhatWasKnownAtEachFrameLaterAndAtTheEnd) {
   const fs::path out = folder() / "out", file = bench_file("small.yaml");
-  const fs::path run = out / "cells/small/single_frame_obb/seed_1/estimate/run.yaml";
-  for (const char* output : {"causal", "final"}) {
-    write_text(file, read_text(bench_file("small.yaml")) + "output: " + output + "\n");
-    ok({"bench", file, out, "--quiet"});
-    EXPECT_NE(read_text(run).find("output: " + std::string(output)), std::string::npos) << read_text(run);
-    EXPECT_NE(read_text(out / "bench.yaml").find("output: " + std::string(output)), std::string::npos);
+  std::string config = read_text(file);
+  const auto at = config.find("single_frame_obb.yaml");
+  config.replace(at, 21, "superquadric.yaml");
+  write_text(file, config);
+  ok({"bench", file, out, "--quiet"});
+  const fs::path cell = out / "cells/small/superquadric/seed_1";
+  const std::string scores = read_text(out / "scores.csv");
+  for (const std::string output : {"causal", "fixed_lag", "final"}) {
+    const fs::path folder = output == "causal" ? cell / "estimate" : cell / "estimate" / output;
+    EXPECT_NE(read_text(folder / "run.yaml").find("output: " + output), std::string::npos);
+    EXPECT_TRUE(fs::exists(folder / "camera.tum")) << output;
+    const std::string variant = output == "causal" ? "superquadric" : "superquadric@" + output;
+    EXPECT_NE(scores.find("small,camera," + variant + ",1,ape_translation_rmse_m,"), std::string::npos)
+        << variant;
   }
 }
 
@@ -313,7 +321,7 @@ TEST_F(Pipeline, BenchWithoutOverlays) {
   const fs::path overlays = out / "cells/small/single_frame_obb/seed_1/overlays";
   ok({"bench", file, out, "--quiet"});
   EXPECT_TRUE(fs::exists(overlays / "sheet.jpg"));
-  std::string config = read_text(file) + "output: causal\n";
+  std::string config = read_text(file);
   config.replace(config.find("overlays: 2"), 11, "overlays: 0");
   write_text(file, config);
   ok({"bench", file, out, "--quiet"});

@@ -1,4 +1,5 @@
 // Puts the parts together.
+const runs = data.cells.filter((cell) => !cell.output); // without their later outputs
 const scenes = distinct(data.cells.map((cell) => cell.scene));
 const subjects = scenes.flatMap((scene) => distinct(data.cells.filter((cell) => cell.scene === scene)
   .flatMap((cell) => cell.series.map((s) => s.object))).map((object) => ({ scene, object })));
@@ -6,20 +7,19 @@ const subjects = scenes.flatMap((scene) => distinct(data.cells.filter((cell) => 
 const object_hash = (scene, object) => `#object/${encodeURIComponent(scene)}/${encodeURIComponent(object)}`;
 
 function draw_facts() {
-  const good = data.cells.filter((cell) => cell.status === "ok").length;
-  const all = data.cells.filter((cell) => cell.status !== "not applicable").length;
+  const good = runs.filter((cell) => cell.status === "ok").length;
+  const all = runs.filter((cell) => cell.status !== "not applicable").length;
   const fact = (name, value, bad) => el("div", { class: bad ? "bad" : null }, el("dt", {}, name), el("dd", {}, value));
   by_id("facts").replaceChildren(fact("runs with a result", `${good} / ${all}`, good < all),
     fact("scenes", scenes.length), fact("objects", subjects.length), fact("variants", variants.length), fact("seeds", data.seeds.length));
 }
 
 function failure(cell) {
-  if (cell.status === "not applicable") return `not applicable: ${cell.message}`;
   return cell.status === "failed" ? cell.message : "not run";
 }
 
 function draw_failures() {
-  const failed = data.cells.filter((cell) => cell.status !== "ok");
+  const failed = runs.filter((cell) => cell.status === "failed" || cell.status === "missing");
   by_id("failures").hidden = failed.length === 0;
   by_id("failures").querySelector("tbody").replaceChildren(...failed.map((cell) => el("tr", {}, el("td", {}, cell.scene),
     el("td", {}, cell.variant), el("td", { class: "number" }, cell.seed), el("td", {}, failure(cell)))));
@@ -49,9 +49,9 @@ function draw_made() {
     ...entry("inputs (hashes)", data.inputs.join(", ")),
     ...entry("seeds", data.seeds.join(", ")), ...entry("hardware", data.hardware));
   by_id("config").textContent = data.config || "not recorded";
-  by_id("run-table").tBodies[0].replaceChildren(...data.cells.map((cell) => el("tr", {}, el("td", {}, cell.scene), el("td", {}, cell.variant),
+  by_id("run-table").tBodies[0].replaceChildren(...runs.map((cell) => el("tr", {}, el("td", {}, cell.scene), el("td", {}, cell.variant),
     el("td", { class: "number" }, cell.seed), el("td", { class: `status-${cell.status}` }, cell.not_isolated ? `${cell.status}, not isolated` : cell.status),
-    el("td", {}, ...(cell.status !== "ok" ? [] : [el("a", { href: `${cell.folder}/evaluation/evaluation.json` }, "evaluation.json"), " ",
+    el("td", {}, ...(cell.status !== "ok" ? [cell.message] : [el("a", { href: `${cell.folder}/evaluation/evaluation.json` }, "evaluation.json"), " ",
       el("a", { href: `${cell.folder}/evaluation/frames.csv` }, "frames.csv")])))));
 }
 
