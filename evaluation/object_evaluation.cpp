@@ -8,6 +8,7 @@
 #include "evaluation/association/stamps.h"
 #include "evaluation/image_overlap.h"
 #include "evaluation/iou/box_iou.h"
+#include "evaluation/stretches.h"
 #include "evaluation/view_arc.h"
 
 namespace uniquadric {
@@ -17,14 +18,17 @@ namespace {
 struct Matched {
   std::vector<std::size_t> frame;  // index into the truth's states
   std::vector<Ellipsoid> truth, estimate;
+  std::vector<std::optional<ObjectStatus>> status;  // of all the truth's states; empty without a match
 };
 
 Matched collect_matched(const ObjectTrack& truth, const ObjectTrack* track,
                         const std::vector<std::optional<MatchedState>>& states) {
   Matched matched;
+  matched.status.resize(states.size());
   for (std::size_t k = 0; track && k < states.size(); ++k) {
     if (!states[k]) continue;
     matched.frame.push_back(k);
+    matched.status[k] = track->states[states[k]->index].status;
     matched.truth.push_back(truth.states[k].ellipsoid);
     matched.estimate.push_back(track->states[states[k]->index].ellipsoid);
   }
@@ -37,10 +41,16 @@ std::vector<Pose> poses_of(const std::vector<Ellipsoid>& ellipsoids) {
   return result;
 }
 
-void move_frame(BodyFrame kind, const std::vector<Ellipsoid>& truth, std::vector<Ellipsoid>& estimate) {
-  if (kind == BodyFrame::none) return;
-  const Pose offset = body_frame_offset(kind, poses_of(truth), poses_of(estimate));
-  for (Ellipsoid& ellipsoid : estimate) ellipsoid.world_from_object = ellipsoid.world_from_object * offset;
+Ellipsoid moved(const Ellipsoid& ellipsoid, const std::optional<Pose>& offset) {
+  if (!offset) return ellipsoid;
+  return {ellipsoid.world_from_object * *offset, ellipsoid.semi_axes_m};
+}
+
+// The one body-frame transform of the whole track, where one is asked for.
+std::optional<Pose> frame_offset(BodyFrame kind, const std::vector<Ellipsoid>& truth,
+                                 const std::vector<Ellipsoid>& settled) {
+  if (kind == BodyFrame::none) return std::nullopt;
+  return body_frame_offset(kind, poses_of(truth), poses_of(settled));
 }
 
 StatedSigmas stated_sigmas(const Vector9d& variances) {
@@ -97,13 +107,17 @@ void fill_image_overlap(const Ellipsoid& truth, const Ellipsoid& original, const
   frame.iou2d_ellipse = overlap.ellipse_iou;
 }
 
-void fill_relative(const ObjectTrack& truth, std::vector<ObjectFrame>& frames) {
+// Both states of a pair bear the names of the second one's stretch: a change of names between them is no
+// error, and a flip of the estimate is one.
+void fill_relative(const ObjectTrack& truth, const Matched& matched, const std::vector<AxesChange>& changes,
+                   const std::optional<Pose>& offset, std::vector<ObjectFrame>& frames) {
   const std::vector<bool> is_next = are_next_frames(stamps_of(truth.states));
-  for (std::size_t k = 1; k < frames.size(); ++k) {
-    if (!is_next[k] || !frames[k - 1].estimate || !frames[k].estimate) continue;
+  for (std::size_t i = 1; i < matched.frame.size(); ++i) {
+    const std::size_t k = matched.frame[i];
+    if (!is_next[k] || matched.frame[i - 1] + 1 != k) continue;
     const Pose& a = truth.states[k - 1].ellipsoid.world_from_object;
     const Pose& b = truth.states[k].ellipsoid.world_from_object;
-    const Pose& p = frames[k - 1].estimate->world_from_object;
+    const Pose p = moved(changed_axes(matched.estimate[i - 1], changes[i]), offset).world_from_object;
     const Pose& q = frames[k].estimate->world_from_object;
     frames[k].rpe = relative_error(a, b, p, q);
     frames[k].motion = object_motion_error(a, b, p, q);
@@ -163,13 +177,17 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
   if (!matched.frame.empty())
     result.truth_from_body = usual_body_offset(poses_of(matched.truth), poses_of(matched.estimate),
                                                matched.truth.front().semi_axes_m.norm());
-  SettledTrack settled = settle_axes(result.symmetry, matched.estimate, matched.truth);
-  move_frame(context.body_frame, matched.truth, settled.estimate);
+  SettledTrack settled = settle_axes(
+      result.symmetry, matched.estimate, matched.truth,
+      later_stretch_starts(stretch_frames(truth.id, result.frames, matched.status, context.visibility)));
+  const auto offset = frame_offset(context.body_frame, matched.truth, settled.estimate);
+  for (Ellipsoid& ellipsoid : settled.estimate) ellipsoid = moved(ellipsoid, offset);
   result.relabel_flips = settled.relabel_flips;
   for (std::size_t i = 0; i < settled.estimate.size(); ++i) {
     ObjectFrame& frame = result.frames[matched.frame[i]];
     const MatchedState& matched_state = *matched_states[matched.frame[i]];
     const ObjectState& state = track->states[matched_state.index];
+    frame.names = settled.changes[i].names;
     frame.iou3d = matched_state.iou3d;
     if (state.status == ObjectStatus::occluded) frame.occluded = true;
     frame.stated = stated_sigmas(state.covariance_diagonal);
@@ -178,7 +196,7 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
     fill_single_frame(matched.truth[i], matched.estimate[i], settled.estimate[i], context, frame);
     fill_image_overlap(matched.truth[i], matched.estimate[i], context, frame);
   }
-  fill_relative(truth, result.frames);
+  fill_relative(truth, matched, settled.changes, offset, result.frames);
   fill_arcs(truth, context, result.frames);
   result.matched_frames = settled.estimate.size();
   result.presence = object_presence(result.frames);

@@ -27,7 +27,8 @@ struct ObjectEvaluation {
   ObjectPresence presence;
   int id_switches = 0;
   ShapeSymmetry symmetry;
-  int relabel_flips = 0;  ///< matched frames that by themselves would name the axes otherwise than the track
+  int relabel_flips =
+      0;  ///< matched frames that by themselves would name the axes otherwise than their stretch
   std::optional<Drift> drift;
   std::optional<Pose> truth_from_body;  ///< where the track's own frame usually lies in the true one
   std::optional<SurfaceError> surface;

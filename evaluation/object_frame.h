@@ -34,9 +34,11 @@ struct ObjectFrame {
   /// empty before it is visible.
   std::optional<double> arc_deg;
   std::optional<Ellipsoid> estimate;  ///< axes renamed, body frame turned within the true shape's symmetry
-  std::optional<PoseError> ape;       ///< of `estimate`
-  StatedSigmas stated;                ///< of `estimate`: without one, of nothing
-  ErrorsInSigmas in_sigmas;           ///< of the same
+  /// The box rotation that renamed the estimate's axes: |names| semi_axes_m has them as they came.
+  Eigen::Matrix3d names = Eigen::Matrix3d::Identity();
+  std::optional<PoseError> ape;                  ///< of `estimate`
+  StatedSigmas stated;                           ///< of `estimate`: without one, of nothing
+  ErrorsInSigmas in_sigmas;                      ///< of the same
   std::optional<double> ape_rotation_naive_rad;  ///< of the estimate as it came
   std::optional<double> rotation_symmetric_rad;  ///< by the class of the true axes; empty for spheres
   /// From the truth frame before; empty where that has no estimate, and after a hole of the truth.

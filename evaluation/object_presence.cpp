@@ -39,7 +39,7 @@ std::optional<double> semi_axes_change_occluded(const std::vector<ObjectFrame>& 
   std::optional<Eigen::Vector3d> before_m;
   for (const ObjectFrame& frame : frames) {
     if (!frame.estimate) continue;
-    const Eigen::Vector3d& a = frame.estimate->semi_axes_m;
+    const Eigen::Vector3d a = frame.names.cwiseAbs() * frame.estimate->semi_axes_m;
     if (!frame.occluded)
       before_m = a;
     else if (before_m)

@@ -37,7 +37,8 @@ struct ObjectPresence {
 ObjectPresence object_presence(const std::vector<ObjectFrame>& frames);
 
 /// The greatest relative change |a - a_before| / a_before of a semi-axis during an occlusion, over all runs
-/// of estimated frames that are occluded; a_before is that of the last estimated frame before the run.
+/// of estimated frames that are occluded; a_before is that of the last estimated frame before the run. Axes
+/// have the names that the estimate gave them: a name that changes with the stretch is no change of size.
 /// Nothing where no occluded frame has an estimate and one before it.
 std::optional<double> semi_axes_change_occluded(const std::vector<ObjectFrame>& frames);
 

@@ -27,19 +27,37 @@ Eigen::Matrix3d best_symmetry_rotation(const ShapeSymmetry& symmetry, const Eige
                                        const std::vector<Eigen::Matrix3d>& estimate,
                                        const std::vector<Eigen::Matrix3d>& truth);
 
-/// Matched frames whose own naming of the axes would settle a free rotation: SPEC 6 fits it on the first 10.
+/// Matched frames on which a free rotation is fitted: SPEC 6 takes the first 10.
 inline constexpr std::size_t kFitFrames = 10;
 
-/// A track's matched ellipsoids after one body-frame rotation for the whole track (SPEC 6, APE.r).
+/// How the axes of an estimate are named anew: `names`, one of the 24 box rotations, takes the semi-axes
+/// along; `turn`, a rotation that the true shape leaves open, keeps them.
+struct AxesChange {
+  Eigen::Matrix3d names = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+};
+/// The same estimate with that change. The identity changes no digit.
+Ellipsoid changed_axes(const Ellipsoid& ellipsoid, const AxesChange& change);
+
+/// A track's matched ellipsoids after one body-frame rotation a stretch (SPEC 6, APE.r).
 struct SettledTrack {
   std::vector<Ellipsoid> estimate;
-  int relabel_flips = 0;  ///< frames that by themselves would name the axes otherwise
+  std::vector<AxesChange> changes;  ///< of each pair; the same throughout a stretch
+  int relabel_flips = 0;            ///< frames that by themselves would name the axes otherwise
 };
 
-/// First the estimate's axes get the names that suit the truth best over all pairs (best_relabelling), then
-/// the body frame is turned by best_symmetry_rotation: box rotations over all pairs, free ones over the first
-/// kFitFrames. A shape without symmetry (`none`) keeps frame and names as they came. Lists in pairs.
+/// Settles each stretch of the track by itself. `later_starts` holds the first pair of each stretch but the
+/// first, in order (stretches.h); without any the whole track is one stretch. Lists in pairs.
+///
+/// A stretch's axes get the names that suit the truth best over its pairs (best_relabelling). Then
+/// best_symmetry_rotation turns its body frame: box rotations over all its pairs, free ones over the first
+/// kFitFrames. A shape without symmetry (`none`) keeps frame and names as they came.
+///
+/// A stretch of fewer than kFitFrames pairs fits no free rotation. It takes names and turn from the last
+/// longer stretch before it, else from the first after it. A track without any is fitted as one stretch.
+/// A short stretch of a body of revolution settles only which way its unique axis points.
 SettledTrack settle_axes(const ShapeSymmetry& symmetry, const std::vector<Ellipsoid>& estimate,
-                         const std::vector<Ellipsoid>& truth);
+                         const std::vector<Ellipsoid>& truth,
+                         const std::vector<std::size_t>& later_starts = {});
 
 }  // namespace uniquadric

@@ -28,7 +28,8 @@ constexpr Metric kMetrics[] = {
     {"rpe_translation_rmse_m", "RPE.t", "m", kLower, kObject | kCamera, "/rpe/translation_m/rmse",
      "Relative pose error, translation: root mean square of the translation of (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) "
      "over "
-     "consecutive frames, after the same relabelling of axes."},
+     "consecutive frames, after the same relabelling of axes. Where a stretch begins both frames have the "
+     "names of its axes."},
     {"rpe_rotation_rmse_rad", "RPE.r", "rad", kLower, kObject | kCamera, "/rpe/rotation_rad/rmse",
      "Relative pose error, rotation: root mean square of the angle of the same frame-to-frame difference."},
     {"motion_error_translation_rmse_m", "motion.t", "m", kLower, kObject, "/motion_error/translation_m/rmse",

@@ -7,32 +7,14 @@
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "tests/evaluation/evaluate_fixture.h"
+#include "tests/evaluation/visibility_fixture.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr double kNs = 1e-9;
 
-// An evaluation whose truth says how much of the cuboid (object 1) each frame shows; the others are in full
-// view.
-class Presence : public Evaluate {
- protected:
-  struct View {
-    int visible_px = 1000, silhouette_px = 1000;
-  };
-  void write_visibility(const std::function<View(int)>& cuboid_at) {
-    std::string text = "frame,timestamp_ns,id,visible_px,silhouette_px,visible_fraction,touches_border\n";
-    for (int frame = 0; frame < kFrames; ++frame)
-      for (const ObjectDescription& object : kObjects) {
-        const View view = object.id == 1 ? cuboid_at(frame) : View{};
-        const double fraction = view.silhouette_px > 0 ? 1.0 * view.visible_px / view.silhouette_px : 0;
-        text += fmt::format("{},{},{},{},{},{},0\n", frame, frame * kPeriodNs, object.id, view.visible_px,
-                            view.silhouette_px, fraction);
-      }
-    fs::create_directories(truth() / "instances");
-    write_text(truth() / "instances/visibility.csv", text);
-  }
-};
+class Presence : public VisibilityFixture {};
 
 TEST_F(Presence, HiddenFramesAreNoMisses) {
   // Out of view in frames 8 to 11, behind something in 12 to 14; lost from 6 to 17.
