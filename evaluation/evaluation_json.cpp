@@ -69,6 +69,19 @@ json from_wide_arc(const ObjectEvaluation& object, std::optional<double> ObjectF
   });
 }
 
+// Null where the truth says nothing of visibility.
+json in_view(const ObjectEvaluation& object) {
+  if (!says_what_is_visible(object.frames)) return nullptr;
+  ObjectEvaluation seen;
+  seen.frames = frames_in_view(object.frames);
+  for (const ObjectFrame& frame : seen.frames) seen.matched_frames += frame.estimate ? 1 : 0;
+  return {{"frames", seen.frames.size()},
+          {"matched_frames", seen.matched_frames},
+          {"ape", pose_errors(seen, &ObjectFrame::ape)},
+          {"rpe", pose_errors(seen, &ObjectFrame::rpe)},
+          {"iou2d", over_frames(seen, [](const ObjectFrame& frame) { return frame.iou2d; })}};
+}
+
 json semi_axes_errors(const ObjectEvaluation& object) {
   json errors;
   for (int i = 0; i < 3; ++i)
@@ -146,7 +159,8 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"surface", to_json(object.surface)},
                  {"feature_depth", to_json(object.feature_depth)},
                  {"semi_axes_error_m", semi_axes_errors(object)},
-                 {"consistency", consistency(object)}};
+                 {"consistency", consistency(object)},
+                 {"in_view", in_view(object)}};
   if (object.matched_frames < kMinPairs) {
     result["drift"] = result["ape"]["rotation_naive_rad"] = result["ape"]["rotation_symmetric_rad"] = nullptr;
     return result;

@@ -49,6 +49,22 @@ std::optional<double> semi_axes_change_occluded(const std::vector<ObjectFrame>& 
   return greatest;
 }
 
+bool says_what_is_visible(const std::vector<ObjectFrame>& frames) {
+  return std::ranges::any_of(frames, [](const ObjectFrame& f) { return f.visible_fraction.has_value(); });
+}
+
+std::vector<ObjectFrame> frames_in_view(const std::vector<ObjectFrame>& frames) {
+  std::vector<ObjectFrame> seen;
+  bool was_in_view = true;
+  for (const ObjectFrame& frame : frames) {
+    const bool is_in_view = frame.visible && frame.visible_fraction;
+    if (is_in_view) seen.push_back(frame);
+    if (is_in_view && !was_in_view) seen.back().rpe = seen.back().motion = std::nullopt;
+    was_in_view = is_in_view;
+  }
+  return seen;
+}
+
 std::size_t first_frame_after_start(const std::vector<ObjectFrame>& frames) {
   const auto begin = frames.begin(), end = frames.end();
   const auto first = std::find_if(begin, end, [](const ObjectFrame& f) { return f.estimate.has_value(); });

@@ -42,6 +42,12 @@ ObjectPresence object_presence(const std::vector<ObjectFrame>& frames);
 /// Nothing where no occluded frame has an estimate and one before it.
 std::optional<double> semi_axes_change_occluded(const std::vector<ObjectFrame>& frames);
 
+/// Whether the truth says of any frame how much of the object is visible.
+bool says_what_is_visible(const std::vector<ObjectFrame>& frames);
+/// The frames of which the truth says that the object is visible. A frame keeps its relative errors if the
+/// frame before it is among them.
+std::vector<ObjectFrame> frames_in_view(const std::vector<ObjectFrame>& frames);
+
 /// Figures after the start leave out this time from an object's first estimated frame.
 inline constexpr double kStart_s = 3;
 /// The first frame from then on; the number of frames where there is none, or no estimate.

@@ -19,9 +19,16 @@ constexpr Metric kMetrics[] = {
      "and the true centre, in the world frame; no alignment of the object's own."},
     {"ape_rotation_rmse_rad", "APE.r", "rad", kLower, kObject | kCamera, "/ape/rotation_rad/rmse",
      "Absolute pose error, rotation: root mean square of the angle of R_est^T R_true, after one body-frame "
-     "rotation per track taken from the true shape's own symmetries: box rotations that keep the semi-axes "
-     "within "
-     "5 %, a free rotation for bodies of revolution and balls (fitted on the first 10 matched frames)."},
+     "rotation per stretch taken from the true shape's own symmetries: box rotations that keep the semi-axes "
+     "within 5 %, a free rotation for bodies of revolution and balls (fitted on the first 10 matched "
+     "frames). A stretch of states ends where the object was lost or hidden; one of fewer than 10 matched "
+     "frames takes the free rotation of a longer one."},
+    {"ape_translation_in_view_rmse_m", "APE.t in view", "m", kLower, kObject,
+     "/in_view/ape/translation_m/rmse",
+     "APE.t over the frames in which the truth says that the object is visible. Empty where it says nothing "
+     "of visibility."},
+    {"ape_rotation_in_view_rmse_rad", "APE.r in view", "rad", kLower, kObject,
+     "/in_view/ape/rotation_rad/rmse", "APE.r over the same frames."},
     {"ape_rotation_naive_rmse_rad", "APE.r naive", "rad", kLower, kObject, "/ape/rotation_naive_rad/rmse",
      "The same angle without regard to symmetry: a cube whose axes were named in another order counts as "
      "wrong."},
@@ -32,6 +39,11 @@ constexpr Metric kMetrics[] = {
      "names of its axes."},
     {"rpe_rotation_rmse_rad", "RPE.r", "rad", kLower, kObject | kCamera, "/rpe/rotation_rad/rmse",
      "Relative pose error, rotation: root mean square of the angle of the same frame-to-frame difference."},
+    {"rpe_translation_in_view_rmse_m", "RPE.t in view", "m", kLower, kObject,
+     "/in_view/rpe/translation_m/rmse",
+     "RPE.t over the pairs of frames in both of which the truth says that the object is visible."},
+    {"rpe_rotation_in_view_rmse_rad", "RPE.r in view", "rad", kLower, kObject,
+     "/in_view/rpe/rotation_rad/rmse", "RPE.r over the same pairs of frames."},
     {"motion_error_translation_rmse_m", "motion.t", "m", kLower, kObject, "/motion_error/translation_m/rmse",
      "Error of the object's motion in the world, H_k = X_(k+1) X_k^-1, seen from the true object; "
      "independent of "
@@ -50,6 +62,8 @@ constexpr Metric kMetrics[] = {
      "The same ratio in the image, for the rotated rectangles around the two projected outlines, intersected "
      "by the "
      "Vatti clipper as in the paper. It jumps for near circles, whose rectangle has no preferred angle."},
+    {"iou2d_in_view_mean", "IoU 2D in view", "", kHigher, kObject, "/in_view/iou2d/mean",
+     "IoU 2D over the frames in which the truth says that the object is visible."},
     {"iou2d_ellipse_mean", "IoU 2D ellipse", "", kHigher, kObject, "/iou2d_ellipse/mean",
      "The same ratio for the projected outlines themselves."},
     {"iou3d_after_3s_mean", "IoU 3D after 3 s", "", kHigher, kObject, "/iou3d_after_3s/mean",

@@ -9,6 +9,7 @@
 #include "evaluation/report/metrics.h"
 #include "evaluation/report/results.h"
 #include "tests/evaluation/evaluate_fixture.h"
+#include "tests/evaluation/visibility_fixture.h"
 
 namespace uniquadric {
 namespace {
@@ -25,6 +26,11 @@ const std::set<std::string> kObject = {"ape_translation_rmse_m",
                                        "ape_rotation_naive_rmse_rad",
                                        "rpe_translation_rmse_m",
                                        "rpe_rotation_rmse_rad",
+                                       "ape_translation_in_view_rmse_m",
+                                       "ape_rotation_in_view_rmse_rad",
+                                       "rpe_translation_in_view_rmse_m",
+                                       "rpe_rotation_in_view_rmse_rad",
+                                       "iou2d_in_view_mean",
                                        "motion_error_translation_rmse_m",
                                        "motion_error_rotation_rmse_rad",
                                        "iou3d_mean",
@@ -56,10 +62,13 @@ const std::set<std::string> kAll = {"hota",
                                     "cpu_time_s",
                                     "peak_memory_mb"};
 
-TEST_F(Evaluate, HasEveryFigureOfTheScores) {
+class Contract : public VisibilityFixture {};
+
+TEST_F(Contract, HasEveryFigureOfTheScores) {
   constexpr std::int64_t kSlow_ns = 200'000'000;  // 6 s
   constexpr double kWide_rad = 0.05;              // a frame: 83 degrees
   write_truth(kSlow_ns, kWide_rad);
+  write_visibility([](int) { return View{}; }, kSlow_ns);
   write_changed([](Tracks& tracks) {
     for (auto& object : tracks.objects) object.states[9].status = ObjectStatus::occluded;
   });

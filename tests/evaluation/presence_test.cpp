@@ -176,6 +176,54 @@ TEST_F(Presence, IouAfterTheFirstThreeSeconds) {
   EXPECT_TRUE(run()["objects"][0]["iou3d_after_3s"].is_null());
 }
 
+TEST_F(Presence, FiguresInViewEqualTheOthersOfWhatIsAlwaysVisible) {
+  write_visibility([](int) { return View{}; });
+  write_changed([](Tracks& tracks) {
+    for (ObjectState& state : tracks.objects[0].states)
+      state.ellipsoid.world_from_object.translation.x() += 0.001 * static_cast<double>(state.frame % 7);
+  });
+  const json cuboid = run()["objects"][0];
+  EXPECT_EQ(cuboid["in_view"]["frames"], kFrames);
+  EXPECT_EQ(cuboid["in_view"]["matched_frames"], kFrames);
+  for (const char* part : {"translation_m", "rotation_rad"}) {
+    EXPECT_EQ(cuboid["in_view"]["ape"][part], cuboid["ape"][part]);
+    EXPECT_EQ(cuboid["in_view"]["rpe"][part], cuboid["rpe"][part]);
+  }
+  EXPECT_EQ(cuboid["in_view"]["iou2d"], cuboid["iou2d"]);
+  EXPECT_GT(cuboid["in_view"]["ape"]["translation_m"]["rmse"], 0.001);
+}
+
+// Off by 0.4 m while hidden in frames 10 to 14, by 0.1 m else. The steps into and out of them are not in
+// view.
+TEST_F(Presence, FiguresInViewLeaveOutHiddenFrames) {
+  write_visibility([](int frame) { return frame >= 10 && frame < 15 ? View{0, 1000} : View{}; });
+  write_changed([](Tracks& tracks) {
+    for (ObjectState& state : tracks.objects[0].states)
+      state.ellipsoid.world_from_object.translation.x() += state.frame >= 10 && state.frame < 15 ? 0.4 : 0.1;
+  });
+  const json result = run();
+  const json& cuboid = result["objects"][0];
+  const json& in_view = cuboid["in_view"];
+  EXPECT_EQ(in_view["frames"], kFrames - 5);
+  EXPECT_EQ(in_view["ape"]["translation_m"]["n"], kFrames - 5);
+  EXPECT_NEAR(in_view["ape"]["translation_m"]["rmse"], 0.1, kRounding);
+  EXPECT_NEAR(cuboid["ape"]["translation_m"]["rmse"], std::sqrt((25 * 0.01 + 5 * 0.16) / 30), kRounding);
+  EXPECT_EQ(in_view["rpe"]["translation_m"]["n"], 9 + 14);
+  EXPECT_GT(cuboid["rpe"]["translation_m"]["max"], 0.2);
+  EXPECT_LT(in_view["rpe"]["translation_m"]["max"], 0.01);
+  EXPECT_EQ(in_view["iou2d"]["n"], kFrames - 5);
+  EXPECT_GT(in_view["iou2d"]["mean"], cuboid["iou2d"]["mean"]);
+}
+
+TEST_F(Presence, WithoutVisibilityNothingIsInView) {
+  write_changed([](Tracks&) {});
+  EXPECT_TRUE(run()["objects"][0]["in_view"].is_null());
+  write_visibility([](int) { return View{0, 1000}; });
+  const json hidden = run()["objects"][0]["in_view"];
+  EXPECT_EQ(hidden["frames"], 0);
+  EXPECT_TRUE(hidden["ape"]["translation_m"].is_null());
+}
+
 // The truth turned so that the cuboid is seen from a direction that goes round it by 4.1 degrees a frame.
 class Arc : public Presence {
  protected:
