@@ -13,6 +13,7 @@
 #include "evaluation/association/hidden_objects.h"
 #include "evaluation/association/object_overlap.h"
 #include "evaluation/evaluation_files.h"
+#include "evaluation/false_bodies.h"
 #include "evaluation/image_overlap.h"
 #include "evaluation/object_presence.h"
 #include "evaluation/object_surface.h"
@@ -228,6 +229,9 @@ void evaluate_output(const fs::path& truth_path, const fs::path& estimate_folder
     throw InputError(truth_path, fmt::format("has no object of --objects {}", to_string(options.objects)));
   evaluation.sizes = size_steadiness(estimate.objects);
   if (!knows_objects) evaluation.unmatched_ids.clear();  // no truth says that they belong to none
+  const bool lists_objects = fs::exists(truth_path / "objects.yaml") || !truth.objects.empty();
+  if (knows_objects && lists_objects && evaluation.unlabelled == Unlabelled::counted_false)
+    evaluation.false_bodies = count_false_bodies(estimate.objects, evaluation.unmatched_ids);
   // that the camera was never found is a result, stamps of another recording are not
   if (!truth.camera.empty() && !notes.in_sensor_frame && evaluation.camera.pairs < kMinPairs &&
       estimate.camera.size() >= kMinPairs)

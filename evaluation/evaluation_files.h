@@ -25,7 +25,8 @@ struct Evaluation {
   CameraEvaluation camera;
   std::vector<ObjectEvaluation> objects;
   Unlabelled unlabelled = Unlabelled::counted_false;
-  std::vector<int> unmatched_ids;  ///< estimated tracks that belong to no truth object
+  std::vector<int> unmatched_ids;   ///< estimated tracks that belong to no truth object
+  std::optional<int> false_bodies;  ///< empty where labels are partial, or no truth of objects exists
   std::optional<TrackingScores> tracking;
   std::vector<SizeSteadiness> sizes;  ///< of all estimated objects, whether or not a truth speaks of them
   std::map<std::string, std::vector<double>> timing_ms;

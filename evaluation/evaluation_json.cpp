@@ -209,6 +209,7 @@ json tracking_json(const Evaluation& evaluation) {
   result["similarity"] = "iou3d";
   result["threshold"] = kClearThreshold;
   result["unmatched_ids"] = evaluation.unmatched_ids;
+  result["false_bodies"] = or_null(evaluation.false_bodies);
   if (!evaluation.tracking) return result;
   result["hota"] = evaluation.tracking->hota;
   result["mota"] = evaluation.tracking->mota;

@@ -9,6 +9,7 @@ namespace {
 const double kRatioMargin = std::log(1.02);      // SPEC
 constexpr double kShareMargin = 0.005;           // SPEC: of IoU; ours: of all shares
 constexpr double kSwitchesMargin = 0.1;          // ours: one switch in ten runs
+constexpr double kFalseBodiesMargin = 0.1;       // ours: one false body in ten runs
 constexpr double kGapMargin_s = 0.05;            // ours: a frame or two
 const double kPlaceRatioMargin = std::log(1.1);  // ours: see place_margin in docs/compare.md
 constexpr double kPlaceFactor = 5;               // ours: as ln 1.1 is to ln 1.02
@@ -29,6 +30,7 @@ bool is_measured(const std::string& metric) {
 ChangeRule change_rule(const std::string& metric, bool lower_is_better) {
   if (!lower_is_better) return by_difference(false, kShareMargin);
   if (metric == "id_switches") return by_difference(true, kSwitchesMargin);
+  if (metric == "false_bodies") return by_difference(true, kFalseBodiesMargin);
   if (metric == "longest_gap_s") return by_difference(true, kGapMargin_s);
   if (metric == "semi_axes_change_occluded_max") return by_difference(true, kShareMargin);
   return {true, ChangeScale::ratio, kRatioMargin, kPlaceRatioMargin, is_measured(metric)};

@@ -23,9 +23,9 @@ struct ChangeRule {
 /// too.
 bool is_measured(const std::string& metric);
 
-/// higher is better: difference, margin 0.005. Lower: difference for `id_switches` (margin 0.1),
-/// `longest_gap_s` (0.05 s) and `semi_axes_change_occluded_max` (0.005), for which 0 is a common value; ratio
-/// for the others (ln 1.02).
+/// higher is better: difference, margin 0.005. Lower: difference for `id_switches` and `false_bodies` (margin
+/// 0.1), `longest_gap_s` (0.05 s) and `semi_axes_change_occluded_max` (0.005), for which 0 is a common value;
+/// ratio for the others (ln 1.02).
 ChangeRule change_rule(const std::string& metric, bool lower_is_better);
 
 /// The loss from `a` to `b`: positive is worse. By ratio, values count as at least 1e-9: 0 against 0 (or

@@ -116,6 +116,10 @@ constexpr Metric kMetrics[] = {
      "Multiple-object tracking accuracy: 1 - (misses + false tracks + id switches) / true objects."},
     {"idf1", "IDF1", "", kHigher, kAll, "/tracking/idf1",
      "F1 score of identities kept over the whole sequence."},
+    {"false_bodies", "false bodies", "", kLower, kAll, "/tracking/false_bodies",
+     "Number of estimated objects that match no true one, in a scene without objects too. An object counts "
+     "if it has a state that is active or occluded; one that is tentative throughout does not. Empty where "
+     "labels are partial, or no truth of objects exists."},
     {"size_spread_mean", "size spread", "", kLower, kAll, "/size_spread_mean",
      "How steady the estimated sizes are over time, which needs no truth: root mean square relative "
      "deviation "

@@ -84,6 +84,8 @@ TEST(ScoreComparison, ZerosOfErrorsAndCounts) {
   EXPECT_NEAR(loss_of("ape_translation_rmse_m", 1e-3, 0), -std::log(1e6), kRounding);
   EXPECT_NEAR(loss_of("ape_translation_rmse_m", 0.1, 0.102), std::log(1.02), kRounding);
   EXPECT_EQ(loss_of("id_switches", 0, 2), 2);
+  EXPECT_EQ(loss_of("false_bodies", 0, 3), 3);
+  EXPECT_NEAR(change_rule("false_bodies", true).margin, 0.1, kRounding);
   EXPECT_NEAR(loss_of("longest_gap_s", 0.5, 0.25), -0.25, kRounding);
   EXPECT_EQ(loss_of("semi_axes_change_occluded_max", 0, 0.25), 0.25);
   EXPECT_EQ(loss_of("coverage", 0.75, 0.5), 0.25);

@@ -81,6 +81,71 @@ TEST_F(Evaluate, AFalseTrackCounts) {
   EXPECT_NEAR(result["tracking"]["idf1"], 2 * 90.0 / (90 + 102), 1e-12);
   EXPECT_NEAR(result["tracking"]["hota"], std::sqrt(90.0 / 102), 1e-12);
   EXPECT_EQ(result["tracking"]["unmatched_ids"], json::array({40}));
+  EXPECT_EQ(result["tracking"]["false_bodies"], 1);
+}
+
+class FalseBodies : public Evaluate {
+ protected:
+  // The three true tracks and a ghost of twelve states far off, all of `status` but the last, of `last`.
+  void write_ghost(ObjectStatus status, ObjectStatus last) {
+    write_changed([&](Tracks& tracks) {
+      ObjectTrack ghost = tracks.objects[0];
+      ghost.id = 40;
+      ghost.states.resize(12);
+      for (ObjectState& state : ghost.states) {
+        state.ellipsoid.world_from_object.translation.x() += 100;
+        state.status = status;
+      }
+      ghost.states.back().status = last;
+      tracks.objects.push_back(ghost);
+    });
+  }
+  void remove_true_objects() {
+    write_objects_yaml(truth() / "objects.yaml", {});
+    for (const auto& object : kObjects)
+      fs::remove(truth() / "objects" / (std::to_string(object.id) + ".tum"));
+  }
+  json false_bodies() { return run()["tracking"]["false_bodies"]; }
+};
+
+TEST_F(FalseBodies, AreTracksThatTheEstimateStandsBy) {
+  using enum ObjectStatus;
+  write_ghost(tentative, tentative);
+  const json tracking = run()["tracking"];
+  EXPECT_EQ(tracking["unmatched_ids"], json::array({40}));
+  EXPECT_EQ(tracking["false_bodies"], 0);
+  for (const ObjectStatus last : {active, occluded}) {
+    write_ghost(tentative, last);
+    EXPECT_EQ(false_bodies(), 1) << to_string(last);
+  }
+}
+
+TEST_F(FalseBodies, AreAllTracksOfASceneWithoutObjects) {
+  using enum ObjectStatus;
+  write_ghost(active, active);
+  remove_true_objects();
+  const json result = run();
+  EXPECT_EQ(result["tracking"]["false_bodies"], 4);
+  EXPECT_TRUE(result["objects"].empty());
+  write_truth();
+  write_ghost(tentative, tentative);
+  remove_true_objects();
+  EXPECT_EQ(false_bodies(), 3);
+  fs::remove_all(estimate());
+  write_changed([](Tracks& tracks) { tracks.objects.clear(); });
+  EXPECT_EQ(false_bodies(), 0);
+}
+
+TEST_F(FalseBodies, AreNotCountedWhereTheTruthDoesNotNameAll) {
+  write_ghost(ObjectStatus::active, ObjectStatus::active);
+  const std::string yaml = read_text(truth() / "objects.yaml");
+  write_text(truth() / "objects.yaml", yaml + "labels: partial\n");
+  EXPECT_TRUE(false_bodies().is_null());
+  write_text(truth() / "objects.yaml", yaml);
+  EXPECT_EQ(false_bodies(), 1);
+  remove_true_objects();
+  fs::remove(truth() / "objects.yaml");  // no truth of objects at all
+  EXPECT_TRUE(false_bodies().is_null());
 }
 
 // Of an estimate at twice the truth's rate, through a hole of the truth, every other state is at a frame, or
