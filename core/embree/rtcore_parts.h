@@ -13,6 +13,20 @@ namespace uniquadric {
 
 #if RTC_VERSION_MAJOR >= 4
 
+/// What a filter function gets of its query; the first member of what the query's caller wants to hand over.
+using RayContext = RTCRayQueryContext;
+
+/// Calls the geometries' occlusion filters for hits of each valid ray, of all triangles where the filters
+/// reject all. `valid` as below; `context` need not be initialised.
+inline void filter_hits(RTCScene scene, const int* valid, RTCRay8& rays, RayContext& context) {
+  rtcInitRayQueryContext(&context);
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  arguments.context = &context;
+  rtcOccluded8(valid, scene, &rays, &arguments);
+}
+
 inline void intersect(RTCScene scene, RTCRayHit& ray) {
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
@@ -29,6 +43,14 @@ inline void intersect(RTCScene scene, const int* valid, RTCRayHit8& rays) {
 }
 
 #else
+
+using RayContext = RTCIntersectContext;
+
+inline void filter_hits(RTCScene scene, const int* valid, RTCRay8& rays, RayContext& context) {
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  rtcOccluded8(valid, scene, &context, &rays);
+}
 
 inline void intersect(RTCScene scene, RTCRayHit& ray) {
   RTCIntersectContext context;

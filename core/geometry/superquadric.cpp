@@ -94,6 +94,20 @@ double superellipsoid_support(const Eigen::Vector3d& semi_axes_m, const SuperExp
   return superellipsoid_support_derivatives(semi_axes_m, q, normal, smoothing_m).value;
 }
 
+// The cross-section at height z is the outline scaled by (1 - z^p)^(1/p): its area, integrated, is a beta
+// function.
+double superellipsoid_volume(const Superellipsoid& body) {
+  const auto inverse_p = [](double q) { return 1 - 1 / q; };
+  const double s = inverse_p(body.exponents.outline);
+  const double outline_area = 4 * std::pow(std::tgamma(1 + s), 2) / std::tgamma(1 + 2 * s);
+  const auto height = [&](double q) {
+    const double t = inverse_p(q);
+    return std::tgamma(1 + t) * std::tgamma(1 + 2 * t) / std::tgamma(1 + 3 * t);
+  };
+  return body.semi_axes_m.prod() * outline_area *
+         (height(body.exponents.upper) + height(body.exponents.lower));
+}
+
 Eigen::Vector3d support_point(const Superellipsoid& body, const Eigen::Vector3d& normal) {
   const Eigen::Vector3i named = named_axes(body.profile_axis);
   Eigen::Vector3d point;

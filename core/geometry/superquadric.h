@@ -66,6 +66,10 @@ struct Superellipsoid {
   int profile_axis = 2;
 };
 
+/// Volume in closed form [m^3]: the mean of the volumes that the upper and the lower half would have with
+/// their mirror images. Exponents from 1 to 2.
+double superellipsoid_volume(const Superellipsoid& body);
+
 /// The point of the body that supports `normal`.
 Eigen::Vector3d support_point(const Superellipsoid& body, const Eigen::Vector3d& normal);
 

@@ -5,16 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/random.h"
 #include "evaluation/iou/count_inside_parts.h"
+#include "evaluation/iou/shifted_sequence.h"
 #include "evaluation/iou/whitened_pair.h"
 
 namespace uniquadric {
 namespace {
-
-// Additive recurrence by the root of x^4 = x + 1, the three-dimensional golden ratio (M. Roberts, "The
-// unreasonable effectiveness of quasirandom sequences", 2018).
-constexpr double kGolden3 = 1.2207440846057596;
 
 Eigen::Vector3d ball_point(const Eigen::Vector3d& unit_cube) {
   const double radius = std::cbrt(unit_cube.x());
@@ -39,18 +35,14 @@ double iou_slope(double share, double ratio) {
 BallSamples::BallSamples(int samples, std::uint64_t seed) {
   assert(samples > 0);
   const int each = (samples + kReplicates - 1) / kReplicates;
-  const Eigen::Array3d step(1 / kGolden3, 1 / (kGolden3 * kGolden3), 1 / (kGolden3 * kGolden3 * kGolden3));
   for (Eigen::VectorXd& column : columns_) column.resize(Eigen::Index{each} * kReplicates);
   Eigen::Index n = 0;
-  for (int replicate = 0; replicate < kReplicates; ++replicate) {
-    RandomStream random(seed, "iou3d", static_cast<std::uint64_t>(replicate));
-    const double x = random.uniform(), y = random.uniform(), z = random.uniform();
-    for (int i = 0; i < each; ++i, ++n) {
-      const Eigen::Array3d u = Eigen::Array3d(x, y, z) + i * step;
-      const Eigen::Vector3d point = ball_point((u - u.floor()).matrix());
+  for (int replicate = 0; replicate < kReplicates; ++replicate)
+    for (const Eigen::Vector3d& unit_cube : shifted_sequence(each, seed, "iou3d", replicate)) {
+      const Eigen::Vector3d point = ball_point(unit_cube);
       for (int k = 0; k < 3; ++k) columns_[static_cast<std::size_t>(k)][n] = point[k];
+      ++n;
     }
-  }
 }
 
 MonteCarloIou ellipsoid_iou_monte_carlo(const Ellipsoid& a, const Ellipsoid& b, const BallSamples& samples) {

@@ -1,0 +1,28 @@
+#include "evaluation/iou/shifted_sequence.h"
+
+#include "core/base/random.h"
+
+namespace uniquadric {
+namespace {
+
+// Additive recurrence by the root of x^4 = x + 1, the three-dimensional golden ratio (M. Roberts, "The
+// unreasonable effectiveness of quasirandom sequences", 2018).
+constexpr double kGolden3 = 1.2207440846057596;
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> shifted_sequence(int count, std::uint64_t seed, std::string_view name,
+                                              int replicate) {
+  const Eigen::Array3d step(1 / kGolden3, 1 / (kGolden3 * kGolden3), 1 / (kGolden3 * kGolden3 * kGolden3));
+  RandomStream random(seed, name, static_cast<std::uint64_t>(replicate));
+  const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Array3d u = Eigen::Array3d(x, y, z) + i * step;
+    points.emplace_back((u - u.floor()).matrix());
+  }
+  return points;
+}
+
+}  // namespace uniquadric

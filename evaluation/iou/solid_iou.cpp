@@ -1,0 +1,119 @@
+#include "evaluation/iou/solid_iou.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "evaluation/iou/box_iou.h"
+#include "evaluation/iou/ellipsoid_iou.h"
+#include "evaluation/iou/shifted_sequence.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr std::size_t kReplicates = SolidSamples::kReplicates;
+// Mean square of Student's t of as many degrees of freedom as the replicates leave.
+constexpr double kFewReplicates = (kReplicates - 1.0) / (kReplicates - 3.0);
+constexpr double kSamplesBeside = 2;  // Agresti and Coull: at 95 %
+
+using Replicates = std::array<double, kReplicates>;
+
+double mean(const Replicates& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / kReplicates;
+}
+
+SolidIou exact(double iou) {
+  SolidIou result{iou, {}, 0};
+  result.replicates.fill(iou);
+  return result;
+}
+
+bool is_same(const Solid& a, const Superellipsoid& b, const Pose& a_from_b) {
+  return !a.mesh && a.body.semi_axes_m == b.semi_axes_m && a.body.exponents == b.exponents &&
+         a.body.profile_axis == b.profile_axis && a_from_b.translation.isZero(0) &&
+         a_from_b.rotation.vec().isZero(0);
+}
+
+std::optional<double> exact_iou(const Solid& a, const Superellipsoid& b, const Pose& a_from_b) {
+  if (is_same(a, b, a_from_b)) return 1;
+  if (a.mesh) return std::nullopt;
+  const Ellipsoid first{{}, a.body.semi_axes_m}, second{a_from_b, b.semi_axes_m};
+  if (is_box(a.body) && is_box(b)) return box_iou(first, second);
+  if (is_ellipsoid(a.body) && is_ellipsoid(b)) return ellipsoid_iou(first, second);
+  return std::nullopt;
+}
+
+}  // namespace
+
+SolidSamples::SolidSamples(Solid solid, int candidates, std::uint64_t seed) : solid_(std::move(solid)) {
+  assert(candidates > 0);
+  const Eigen::AlignedBox3d box = bounding_box(solid_);
+  if (box.isEmpty()) return;
+  const std::size_t each = (static_cast<std::size_t>(candidates) + kReplicates - 1) / kReplicates;
+  std::vector<Eigen::Vector3d> all;
+  for (std::size_t r = 0; r < kReplicates; ++r)
+    for (const Eigen::Vector3d& u :
+         shifted_sequence(static_cast<int>(each), seed, "iou3d_solid", static_cast<int>(r)))
+      all.emplace_back(box.min() + u.cwiseProduct(box.sizes()));
+  const std::vector<char> inside = contains(solid_, all);
+  volume_of_point_ = box.volume() / static_cast<double>(all.size());
+  const std::optional<double> known = known_volume(solid_);
+  for (std::size_t r = 0; r < kReplicates; ++r) {
+    for (std::size_t i = r * each; i < (r + 1) * each; ++i)
+      if (inside[i]) points_.push_back(all[i]);
+    begins_[r + 1] = points_.size();
+    volumes_[r] =
+        known.value_or(box.volume() * static_cast<double>(points(r).size()) / static_cast<double>(each));
+  }
+}
+
+std::span<const Eigen::Vector3d> SolidSamples::points(std::size_t replicate) const {
+  return std::span(points_).subspan(begins_[replicate], begins_[replicate + 1] - begins_[replicate]);
+}
+
+double SolidSamples::volume() const {
+  return mean(volumes_);
+}
+
+// With I the common volume and V, W those of the bodies, IoU = I / (V + W - I), and its change is
+// ((V + W) dI - I dV) / (V + W - I)^2.
+SolidIou solid_iou(const SolidSamples& samples, const Superellipsoid& other, const Pose& samples_from_other) {
+  if (const auto iou = exact_iou(samples.solid(), other, samples_from_other)) return exact(*iou);
+  const InsideTest test(other, samples_from_other);
+  Replicates common{};
+  for (std::size_t r = 0; r < kReplicates; ++r) {
+    const auto points = samples.points(r);
+    if (points.empty()) continue;
+    const auto hits = std::ranges::count_if(points, [&](const auto& point) { return test.contains(point); });
+    common[r] = samples.volume(r) * static_cast<double>(hits) / static_cast<double>(points.size());
+  }
+  const double I = mean(common), V = samples.volume(), both = V + superellipsoid_volume(other);
+  assert(V > 0);
+  const double all = both - I, by_common = both / (all * all), by_volume = -I / (all * all);
+  SolidIou result{I / all, {}, by_common * samples.volume_of_point()};
+  for (std::size_t r = 0; r < kReplicates; ++r)
+    result.replicates[r] = result.iou + by_common * (common[r] - I) + by_volume * (samples.volume(r) - V);
+  return result;
+}
+
+MeanIou mean_iou(std::span<const SolidIou> pairs) {
+  assert(!pairs.empty());
+  const double n = static_cast<double>(pairs.size());
+  double sum = 0, of_point = 0;
+  Replicates replicates{};
+  for (const SolidIou& pair : pairs) {
+    sum += pair.iou / n;
+    of_point += pair.of_point / n;
+    for (std::size_t r = 0; r < kReplicates; ++r) replicates[r] += pair.replicates[r] / n;
+  }
+  if (of_point == 0) return {sum, 0};
+  const double middle = mean(replicates);
+  double variance = 0;
+  for (const double replicate : replicates)
+    variance += (replicate - middle) * (replicate - middle) / (kReplicates * (kReplicates - 1.0));
+  return {sum, std::sqrt(kFewReplicates * variance + kSamplesBeside * of_point * of_point)};
+}
+
+}  // namespace uniquadric
