@@ -16,6 +16,7 @@
 #include "evaluation/false_bodies.h"
 #include "evaluation/image_overlap.h"
 #include "evaluation/object_presence.h"
+#include "evaluation/object_solid.h"
 #include "evaluation/object_surface.h"
 #include "evaluation/run_record.h"
 #include "evaluation/stamp_check.h"
@@ -174,6 +175,21 @@ void compare_surfaces(const fs::path& truth_folder, const fs::path& estimate, co
   }
 }
 
+// The estimated bodies, whatever their shape, against the true ones.
+void compare_bodies(const fs::path& truth_folder, const Tracks& truth, const Tracks& estimate,
+                    const std::map<int, ObjectDescription>& descriptions, std::uint64_t seed,
+                    Evaluation& evaluation) {
+  const auto track_of = [](const Tracks& tracks, int id) -> const ObjectTrack& {
+    return *std::ranges::find(tracks.objects, id, &ObjectTrack::id);
+  };
+  for (ObjectEvaluation& object : evaluation.objects) {
+    const auto described = descriptions.find(object.id);
+    if (described == descriptions.end() || !object.matched_id) continue;
+    if (const auto body = true_solid(truth_folder, described->second))
+      compare_solids(*body, track_of(truth, object.id), track_of(estimate, *object.matched_id), seed, object);
+  }
+}
+
 // The points of the estimate's map, carried into the true world, against the true map.
 std::optional<MapComparison> compare_surroundings(const fs::path& truth, const fs::path& estimate,
                                                   const Alignment& truth_from_estimate) {
@@ -241,6 +257,7 @@ void evaluate_output(const fs::path& truth_path, const fs::path& estimate_folder
                     evaluation.camera.pairs, estimate.camera.size(), truth.camera.size(), kMinPairs));
   compare_surfaces(truth_path, estimate_folder, truth, descriptions, alignment.truth_from_estimate.scale,
                    evaluation);
+  compare_bodies(truth_path, truth, estimate, descriptions, options.seed, evaluation);
   evaluation.map = compare_surroundings(truth_path, estimate_folder, alignment.truth_from_estimate);
   evaluation.timing_ms = read_timing(estimate_folder);
   evaluation.usage = read_usage(estimate_folder);

@@ -126,6 +126,15 @@ json to_json(const std::optional<FeatureDepthError>& depth) {
           {"off_body", depth->off_body}};
 }
 
+json solid_iou_json(const ObjectEvaluation& object) {
+  if (!object.solid) return nullptr;
+  json result = over_frames(object, [](const ObjectFrame& frame) { return frame.iou3d_solid; });
+  result["mean"] = object.solid->iou.mean;
+  result["stderr"] = object.solid->iou.standard_error;
+  result["truth_solid"] = object.solid->truth;
+  return result;
+}
+
 json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
   const auto figure = [&](std::optional<double> ObjectFrame::*member) {
     return over_frames(object, [member](const ObjectFrame& frame) { return frame.*member; });
@@ -147,6 +156,7 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"motion_error", pose_errors(object, &ObjectFrame::motion)},
                  {"drift", to_json(object.drift)},
                  {"iou3d", figure(&ObjectFrame::iou3d)},
+                 {"iou3d_solid", solid_iou_json(object)},
                  {"iou3d_box", figure(&ObjectFrame::iou3d_box)},
                  {"iou3d_monte_carlo", monte_carlo(object, options)},
                  {"iou2d", figure(&ObjectFrame::iou2d)},

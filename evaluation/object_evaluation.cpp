@@ -188,6 +188,7 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
     const MatchedState& matched_state = *matched_states[matched.frame[i]];
     const ObjectState& state = track->states[matched_state.index];
     frame.names = settled.changes[i].names;
+    frame.state = matched_state.index;
     frame.iou3d = matched_state.iou3d;
     if (state.status == ObjectStatus::occluded) frame.occluded = true;
     frame.stated = stated_sigmas(state.covariance_diagonal);

@@ -11,12 +11,20 @@
 #include "evaluation/align/shape_symmetry.h"
 #include "evaluation/feature_depth.h"
 #include "evaluation/iou/monte_carlo.h"
+#include "evaluation/iou/solid_iou.h"
 #include "evaluation/metrics/surface_error.h"
 #include "evaluation/object_frame.h"
 #include "evaluation/object_presence.h"
 #include "evaluation/trajectory/trajectory_error.h"
 
 namespace uniquadric {
+
+/// The estimated bodies of a track against the true one.
+struct SolidScore {
+  std::string
+      truth;    ///< how the true body's inside is known: box, ellipsoid, closed, closed_unoriented, open
+  MeanIou iou;  ///< mean over the matched frames
+};
 
 struct ObjectEvaluation {
   int id = 0;
@@ -31,6 +39,7 @@ struct ObjectEvaluation {
       0;  ///< matched frames that by themselves would name the axes otherwise than their stretch
   std::optional<Drift> drift;
   std::optional<Pose> truth_from_body;  ///< where the track's own frame usually lies in the true one
+  std::optional<SolidScore> solid;
   std::optional<SurfaceError> surface;
   std::optional<FeatureDepthError> feature_depth;
 };
@@ -53,7 +62,7 @@ struct ObjectContext {
 
 /// Compares a truth object with the track it was matched to; of `description` shape and symmetry count.
 /// `matched_states[k]` is the track's state at the truth's state k. `track` null: never found.
-/// Fills everything except `id_switches`, `surface` and `feature_depth`.
+/// Fills everything except `id_switches`, `surface`, `feature_depth` and what compare_solids() fills.
 ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescription& description,
                                  const ObjectTrack* track,
                                  const std::vector<std::optional<MatchedState>>& matched_states,

@@ -33,6 +33,7 @@ struct ObjectFrame {
   /// Largest angle between two directions from which the camera has seen the object so far, in its own frame;
   /// empty before it is visible.
   std::optional<double> arc_deg;
+  std::optional<std::size_t> state;   ///< of the matched track, its index
   std::optional<Ellipsoid> estimate;  ///< axes renamed, body frame turned within the true shape's symmetry
   /// The box rotation that renamed the estimate's axes: |names| semi_axes_m has them as they came.
   Eigen::Matrix3d names = Eigen::Matrix3d::Identity();
@@ -44,6 +45,7 @@ struct ObjectFrame {
   /// From the truth frame before; empty where that has no estimate, and after a hole of the truth.
   std::optional<PoseError> rpe, motion;
   std::optional<double> iou3d, iou3d_box, d_shape_m;  ///< of the ellipsoids; of the boxes about them
+  std::optional<double> iou3d_solid;                  ///< of the estimated body and the true one
   std::optional<MonteCarloIou> iou3d_monte_carlo;
   std::optional<double> iou2d, iou2d_ellipse;  ///< empty where one of the two has no elliptic outline
 };

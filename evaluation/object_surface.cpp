@@ -29,13 +29,17 @@ SurfaceFile box_surface(const Eigen::Vector3d& semi_axes_m) {
 
 }  // namespace
 
-std::optional<SurfaceFile> true_surface(const fs::path& truth, const ObjectDescription& object) {
+std::optional<SurfaceFile> true_surface_of_file(const fs::path& truth, const ObjectDescription& object) {
   const fs::path file = surface_file_of(truth, object.id);
-  if (!fs::exists(file))
-    return object.shape == "box" ? std::optional(box_surface(object.semi_axes_m)) : std::nullopt;
+  if (!fs::exists(file)) return std::nullopt;
   SurfaceFile surface = read_surface_ply(file);
   if (surface.triangles.empty()) throw InputError(file, "has no faces: a true surface is a mesh");
   return surface;
+}
+
+std::optional<SurfaceFile> true_surface(const fs::path& truth, const ObjectDescription& object) {
+  if (auto surface = true_surface_of_file(truth, object)) return surface;
+  return object.shape == "box" ? std::optional(box_surface(object.semi_axes_m)) : std::nullopt;
 }
 
 std::optional<SurfaceFile> kept_points(const fs::path& estimate, const ObjectEvaluation& object) {

@@ -8,6 +8,11 @@
 
 namespace uniquadric {
 
+/// The mesh truth/objects/ID.ply of an object in its frame; nothing without that file. Throws InputError for
+/// a file that cannot be read or has no faces.
+std::optional<SurfaceFile> true_surface_of_file(const std::filesystem::path& truth,
+                                                const ObjectDescription& object);
+
 /// The true surface of an object in its frame: truth/objects/ID.ply, else of a `box` that of its sides;
 /// nothing of others. Throws InputError for a file that cannot be read or has no faces.
 std::optional<SurfaceFile> true_surface(const std::filesystem::path& truth, const ObjectDescription& object);

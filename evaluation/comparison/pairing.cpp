@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "evaluation/comparison/change.h"
+#include "evaluation/report/metrics.h"
 
 namespace uniquadric {
 namespace {
@@ -159,9 +160,10 @@ Pairing pair_scores(const ScoreTable& a, const ScoreTable& b) {
 
 void ignore_metrics(ScoreTable& a, ScoreTable& b, const std::vector<std::string>& metrics) {
   const std::set<std::string> of_a = Known(a).metrics, of_b = Known(b).metrics;
-  for (const std::string& metric : metrics) {
+  for (const std::string& name : metrics) {
+    const std::string metric(current_name(name));
     if (!of_a.contains(metric) && !of_b.contains(metric))
-      throw InputError(fmt::format("--ignore {}: neither {} nor {} has this metric", metric, a.file.string(),
+      throw InputError(fmt::format("--ignore {}: neither {} nor {} has this metric", name, a.file.string(),
                                    b.file.string()));
     for (ScoreTable* const table : {&a, &b})
       std::erase_if(table->cells, [&](const auto& cell) { return cell.first.metric == metric; });

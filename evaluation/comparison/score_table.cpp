@@ -47,7 +47,7 @@ ScoreKey parse_key(const Line& line, const Fields& fields) {
     if (fields[column].empty()) line.fail("{} is empty", columns[column]);
   return {{std::string(fields[kVariant]), std::string(fields[kSequence]), parse_seed(line, fields[kSeed])},
           std::string(fields[kObject]),
-          std::string(fields[kMetric])};
+          std::string(current_name(fields[kMetric]))};
 }
 
 bool parse_lower(const Line& line, std::string_view text) {
@@ -64,7 +64,8 @@ std::optional<double> parse_value(const Line& line, const Fields& fields, bool l
   if (!value) line.fail("value '{}' is no finite number", text);
   if (std::abs(*value) > kMostValue) line.fail("value {} is beyond {}", text, kMostValue);
   if (lower && *value < 0) line.fail("value {} of an error is below 0", text);
-  if (const Metric* const metric = metric_of_name(fields[kMetric]))  // others are another program's
+  if (const Metric* const metric =
+          metric_of_name(current_name(fields[kMetric])))  // others are another program's
     if (const auto why = impossible(*metric, *value)) line.fail("value of {}: {}", metric->name, *why);
   return value;
 }
@@ -135,16 +136,16 @@ void select(ScoreTable& table, const ScoreSelection& selection) {
   for (const auto& [key, value] : table.cells) variants.insert(key.run.variant), metrics.insert(key.metric);
   for (const RunKey& run : table.not_run) variants.insert(run.variant);
   if (selection.variant) require_known(table, "variant", *selection.variant, variants);
-  for (const std::string& name : selection.metrics) require_known(table, "metric", name, metrics);
+  std::set<std::string> wanted;
+  for (const std::string& name : selection.metrics)
+    require_known(table, "metric", *wanted.emplace(current_name(name)).first, metrics);
   const auto is_other = [&](const RunKey& run) {
     return selection.variant && run.variant != *selection.variant;
   };
-  const auto& wanted = selection.metrics;
   for (auto* const runs : {&table.not_run, &table.failed, &table.camera_given})
     std::erase_if(*runs, is_other);
   std::erase_if(table.cells, [&](const auto& cell) {
-    return is_other(cell.first.run) ||
-           (!wanted.empty() && std::find(wanted.begin(), wanted.end(), cell.first.metric) == wanted.end());
+    return is_other(cell.first.run) || (!wanted.empty() && !wanted.contains(cell.first.metric));
   });
 }
 

@@ -50,7 +50,11 @@ constexpr Metric kMetrics[] = {
      "where the body frame was put."},
     {"motion_error_rotation_rmse_rad", "motion.r", "rad", kLower, kObject, "/motion_error/rotation_rad/rmse",
      "Angle of the same motion error."},
-    {"iou3d_mean", "IoU 3D", "", kHigher, kObject, "/iou3d/mean",
+    {"iou3d_solid_mean", "IoU solid", "", kHigher, kObject, "/iou3d_solid/mean",
+     "Volume of intersection over volume of union of the estimated body, with its exponents, and the true "
+     "mesh, else the true box or ellipsoid; mean over frames. Sampled: evaluation.json has the standard "
+     "error."},
+    {"iou3d_ellipsoid_mean", "IoU ellipsoid", "", kHigher, kObject, "/iou3d/mean",
      "Volume of intersection over volume of union of the true and the estimated ellipsoid, mean over frames. "
      "Exact: "
      "integrated over slices, good to 1e-6; the Monte Carlo figure of the paper's method stands beside it in "
@@ -66,12 +70,13 @@ constexpr Metric kMetrics[] = {
      "IoU 2D over the frames in which the truth says that the object is visible."},
     {"iou2d_ellipse_mean", "IoU 2D ellipse", "", kHigher, kObject, "/iou2d_ellipse/mean",
      "The same ratio for the projected outlines themselves."},
-    {"iou3d_after_3s_mean", "IoU 3D after 3 s", "", kHigher, kObject, "/iou3d_after_3s/mean",
-     "IoU 3D over the frames from 3 s after the object's first state."},
+    {"iou3d_after_3s_mean", "IoU ellipsoid after 3 s", "", kHigher, kObject, "/iou3d_after_3s/mean",
+     "IoU ellipsoid over the frames from 3 s after the object's first state."},
     {"iou2d_after_3s_mean", "IoU 2D after 3 s", "", kHigher, kObject, "/iou2d_after_3s/mean",
      "IoU 2D over the frames from 3 s after the object's first state."},
-    {"iou3d_from_40deg_mean", "IoU 3D from 40 deg", "", kHigher, kObject, "/iou3d_from_40deg/mean",
-     "IoU 3D over the frames by which the camera has seen the object over an arc of 40 degrees: the largest "
+    {"iou3d_from_40deg_mean", "IoU ellipsoid from 40 deg", "", kHigher, kObject, "/iou3d_from_40deg/mean",
+     "IoU ellipsoid over the frames by which the camera has seen the object over an arc of 40 degrees: the "
+     "largest "
      "angle between two directions to the camera so far, in the true object's frame."},
     {"semi_axes_change_occluded_max", "size change occluded", "", kLower, kObject,
      "/semi_axes_change_occluded_max",
@@ -152,7 +157,8 @@ constexpr const char* kSummary[] = {"ape_translation_rmse_m",
                                     "ape_rotation_rmse_rad",
                                     "rpe_translation_rmse_m",
                                     "rpe_rotation_rmse_rad",
-                                    "iou3d_mean",
+                                    "iou3d_solid_mean",
+                                    "iou3d_ellipsoid_mean",
                                     "iou2d_mean",
                                     "coverage"};
 
@@ -160,6 +166,10 @@ constexpr const char* kSummary[] = {"ape_translation_rmse_m",
 
 std::span<const Metric> all_metrics() {
   return kMetrics;
+}
+
+std::string_view current_name(std::string_view name) {
+  return name == "iou3d_mean" ? "iou3d_ellipsoid_mean" : name;
 }
 
 const Metric* metric_of_name(std::string_view name) {

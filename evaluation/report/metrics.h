@@ -25,6 +25,9 @@ struct Metric {
 /// All metrics, in the order of scores.csv.
 std::span<const Metric> all_metrics();
 
+/// A metric's name of today for one that scores.csv of earlier versions has; other names as they are.
+std::string_view current_name(std::string_view name);
+
 /// The metric of that name; null: there is none.
 const Metric* metric_of_name(std::string_view name);
 

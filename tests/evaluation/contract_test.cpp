@@ -33,7 +33,8 @@ const std::set<std::string> kObject = {"ape_translation_rmse_m",
                                        "iou2d_in_view_mean",
                                        "motion_error_translation_rmse_m",
                                        "motion_error_rotation_rmse_rad",
-                                       "iou3d_mean",
+                                       "iou3d_solid_mean",
+                                       "iou3d_ellipsoid_mean",
                                        "iou3d_box_mean",
                                        "iou2d_mean",
                                        "iou2d_ellipse_mean",
@@ -73,7 +74,9 @@ TEST_F(Contract, HasEveryFigureOfTheScores) {
   write_changed([](Tracks& tracks) {
     for (auto& object : tracks.objects) object.states[9].status = ObjectStatus::occluded;
   });
-  const SurfaceFile mesh{{{0, 0, 0.2F}, {0.2F, 0, 0}, {0, 0.2F, 0}}, {}, {{0, 1, 2}}};
+  const SurfaceFile mesh{{{0, 0, 0.2F}, {0.2F, 0, 0}, {0, 0.2F, 0}, {0, 0, 0}},
+                         {},
+                         {{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}}};
   for (const char* id : {"1", "2", "3"}) {
     write_surface_ply(truth() / "objects" / (std::string(id) + ".ply"), mesh, "");
     write_surface_ply(estimate() / "objects" / (std::string(id) + "0.ply"), mesh, "");

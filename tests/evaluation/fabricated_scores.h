@@ -40,7 +40,7 @@ inline std::vector<std::string> fabricated_metrics() {
           "ape_rotation_rmse_rad",
           "rpe_translation_rmse_m",
           "d_shape_mean_m",
-          "iou3d_mean",
+          "iou3d_ellipsoid_mean",
           "iou2d_mean",
           "coverage",
           "id_switches"};

@@ -22,7 +22,7 @@ TEST(Gate, IdenticalResultsPass) {
 }
 
 TEST(Gate, FivePercentInOneMetricFails) {
-  for (const char* metric : {"ape_translation_rmse_m", "d_shape_mean_m", "iou3d_mean"})
+  for (const char* metric : {"ape_translation_rmse_m", "d_shape_mean_m", "iou3d_ellipsoid_mean"})
     for (int trial = 0; trial < kTrials; ++trial) {
       auto b = noisy(kNoise, 2 * trial);
       scale(b, metric, is_lower_better(metric) ? 1.05 : 0.95);
@@ -121,7 +121,8 @@ TEST(Gate, MissingCellsAreIncomplete) {
 // alarm; half of them with heavy tails.
 TEST(Gate, FalseAlarmsStayUnderFivePercent) {
   constexpr int kComparisons = 1000;
-  const std::vector<std::string> metrics = {"ape_translation_rmse_m", "ape_rotation_rmse_rad", "iou3d_mean"};
+  const std::vector<std::string> metrics = {"ape_translation_rmse_m", "ape_rotation_rmse_rad",
+                                            "iou3d_ellipsoid_mean"};
   int alarms = 0;
   for (int trial = 0; trial < kComparisons; ++trial) {
     RandomStream random(9, "null", trial);

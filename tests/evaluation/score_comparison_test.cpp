@@ -15,7 +15,7 @@ constexpr double kRounding = 1e-12;
 constexpr double kNoise = 0.04;  // of ln(error), of a run
 
 TEST(ScoreComparison, MeansAreOverSequencesThenSeedsThenObjects) {
-  const std::string ape = "ape_translation_rmse_m", iou = "iou3d_mean";
+  const std::string ape = "ape_translation_rmse_m", iou = "iou3d_ellipsoid_mean";
   // s1: seed 1 of two objects (ln 2 and ln 8: ln 4), seed 2 no loss; s2: one seed, ln 16
   std::vector<FabricatedScore> a = {{"s1", "cube", "v", 1, ape, 1},   {"s1", "ball", "v", 1, ape, 1},
                                     {"s1", "cube", "v", 2, ape, 1},   {"s2", "cube", "v", 1, ape, 1},
@@ -89,7 +89,7 @@ TEST(ScoreComparison, ZerosOfErrorsAndCounts) {
   EXPECT_NEAR(loss_of("longest_gap_s", 0.5, 0.25), -0.25, kRounding);
   EXPECT_EQ(loss_of("semi_axes_change_occluded_max", 0, 0.25), 0.25);
   EXPECT_EQ(loss_of("coverage", 0.75, 0.5), 0.25);
-  EXPECT_NEAR(change_rule("iou3d_mean", false).margin, 0.005, kRounding);
+  EXPECT_NEAR(change_rule("iou3d_ellipsoid_mean", false).margin, 0.005, kRounding);
   EXPECT_NEAR(change_rule("d_shape_mean_m", true).margin, std::log(1.02), kRounding);
 }
 
@@ -185,8 +185,8 @@ TEST(ScoreComparison, WhatBAloneHasIsNew) {
   const auto a = fabricated_scores(0, 1);
   auto b = a;
   b.push_back({"s1", "cube", "v", 1, "fresh_m", 1});
-  b.push_back({"s7", "cube", "v", 1, "iou3d_mean", 0.5, true});
-  b.push_back({"s1", "cube", "w", 1, "iou3d_mean", 0.5});
+  b.push_back({"s7", "cube", "v", 1, "iou3d_ellipsoid_mean", 0.5, true});
+  b.push_back({"s1", "cube", "w", 1, "iou3d_ellipsoid_mean", 0.5});
   const ScoreComparison c = compare(a, b), back = compare(b, a);
   EXPECT_EQ(c.answer, GateAnswer::pass);
   EXPECT_EQ(c.pairing.new_in_b, 3u);
@@ -196,7 +196,7 @@ TEST(ScoreComparison, WhatBAloneHasIsNew) {
     EXPECT_NE(text.find(line), std::string::npos) << text;
   EXPECT_EQ(back.answer, GateAnswer::incomplete);
   b = a;
-  b.push_back({"s1", "cube", "v", 9, "iou3d_mean", 0.5});
+  b.push_back({"s1", "cube", "v", 9, "iou3d_ellipsoid_mean", 0.5});
   EXPECT_EQ(compare(a, b).answer, GateAnswer::incomplete);  // a seed more of a scene that is known
 }
 

@@ -74,9 +74,9 @@
       seen.axes.push(ablation_axis([one_run(least), one_run(least * ratio)], true));
   seen.axes = seen.axes.map(({ at, marks }) => marks.map(at));
   const wide = { mean: 0.9, interval: 0.4, values: [0.8, 1] }, low = { mean: 0.1, interval: 0.4, values: [0, 0.2] };
-  const share = data.metrics.find((m) => m.name === "iou3d_mean"), axis = ablation_axis([wide, low], false);
+  const share = data.metrics.find((m) => m.name === "iou3d_ellipsoid_mean"), axis = ablation_axis([wide, low], false);
   seen.clipped = { zero: axis.at(0), one: axis.at(1), bars: [wide, low].map((s) => {
-    const bar = ablation_row({ variant: data.summary[0].variant, spread: { iou3d_mean: s } }, share, axis).querySelector(".interval");
+    const bar = ablation_row({ variant: data.summary[0].variant, spread: { iou3d_ellipsoid_mean: s } }, share, axis).querySelector(".interval");
     return [percent(bar, "left"), percent(bar, "left") + percent(bar, "width")]; }) };
 
   seen.space = { start: painted(), early: slide(5), late: slide(125), mark_s: chart_state.time };

@@ -24,12 +24,12 @@ TEST(Scores, OneRowAFigureAndFailedRowsWithoutValue) {
   EXPECT_EQ(read_text(folder.path() / "scores.csv"),
             "sequence,object,variant,seed,metric,value,better,status\n"
             "s,cube,a,1,ape_translation_rmse_m,0.1,lower,ok\n"
-            "s,cube,a,1,iou3d_mean,0.30000000000000004,higher,ok\n"
+            "s,cube,a,1,iou3d_ellipsoid_mean,0.30000000000000004,higher,ok\n"
             "s,cube,a,1,coverage,0.5,higher,ok\n"
             "s,cube,a,1,id_switches,2,lower,ok\n"
             "s,camera,a,1,ape_translation_rmse_m,0,lower,ok\n"
             "s,cube,b,1,ape_translation_rmse_m,,lower,failed\n"
-            "s,cube,b,1,iou3d_mean,,higher,failed\n"
+            "s,cube,b,1,iou3d_ellipsoid_mean,,higher,failed\n"
             "s,cube,b,1,coverage,,higher,failed\n"
             "s,cube,b,1,id_switches,,lower,failed\n"
             "s,camera,b,1,ape_translation_rmse_m,,lower,failed\n");

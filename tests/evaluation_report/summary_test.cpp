@@ -42,7 +42,7 @@ TEST(PaperTable, Table3_HasThePapersFigures) {
   EXPECT_EQ(rows, 6);
   EXPECT_EQ(paper_rows().size(), 6u);
   EXPECT_FALSE(paper_row("teapot"));
-  EXPECT_FALSE(paper_row("cube")->proposed.of("iou3d_mean"));
+  EXPECT_FALSE(paper_row("cube")->proposed.of("iou3d_ellipsoid_mean"));
 }
 
 TEST(Summary, MedianOfOddAndEvenCounts) {
@@ -75,7 +75,7 @@ TEST(Summary, MediansOverSeedsAndTheBestVariant) {
     EXPECT_DOUBLE_EQ(ape.max, ours ? (has_failure ? 0.02 : 0.03) : 1.5);
     const bool all_have_all = row.scene != "skateboard_ball";  // else ours has fewer, and compares with none
     EXPECT_EQ(ape.best, ours && all_have_all);
-    EXPECT_EQ(row.spread.at("iou3d_mean").best, ours && all_have_all);
+    EXPECT_EQ(row.spread.at("iou3d_ellipsoid_mean").best, ours && all_have_all);
     EXPECT_FALSE(row.spread.at("coverage").best);  // equal in both
     ++checked;
   }
@@ -93,9 +93,9 @@ Cell run_of(const std::string& variant, std::uint64_t seed, const std::string& s
 }
 
 TEST(Summary, ALostObjectIsNoResultAndWinsNothing) {
-  const Figure fair = {{"ape_translation_rmse_m", 0.1}, {"iou3d_mean", 0.5}, {"coverage", 0.9}};
-  const Figure fine = {{"ape_translation_rmse_m", 0.01}, {"iou3d_mean", 0.9}, {"coverage", 1}};
-  const Figure worse = {{"ape_translation_rmse_m", 0.2}, {"iou3d_mean", 0.4}, {"coverage", 0.9}};
+  const Figure fair = {{"ape_translation_rmse_m", 0.1}, {"iou3d_ellipsoid_mean", 0.5}, {"coverage", 0.9}};
+  const Figure fine = {{"ape_translation_rmse_m", 0.01}, {"iou3d_ellipsoid_mean", 0.9}, {"coverage", 1}};
+  const Figure worse = {{"ape_translation_rmse_m", 0.2}, {"iou3d_ellipsoid_mean", 0.4}, {"coverage", 0.9}};
   for (const Figure& lost : {Figure{{"coverage", 0}, {"id_switches", 0}}, Figure{{"coverage", 0.01}},
                              Figure{{"coverage", 0}, {"ape_translation_rmse_m", 0.01}}}) {
     Results results;
@@ -109,8 +109,8 @@ TEST(Summary, ALostObjectIsNoResultAndWinsNothing) {
     EXPECT_EQ(rows[1].runs, 2);
     for (const auto& [metric, spread] : rows[1].spread) EXPECT_FALSE(spread.best) << metric;
     EXPECT_TRUE(rows[0].spread.at("ape_translation_rmse_m").best);
-    EXPECT_TRUE(rows[0].spread.at("iou3d_mean").best);
-    EXPECT_FALSE(rows[2].spread.at("iou3d_mean").best);
+    EXPECT_TRUE(rows[0].spread.at("iou3d_ellipsoid_mean").best);
+    EXPECT_FALSE(rows[2].spread.at("iou3d_ellipsoid_mean").best);
     EXPECT_NE(summary_text(rows).find("1/2"), std::string::npos);
   }
 }
@@ -192,15 +192,16 @@ TEST(Summary, TableHasARowForEachVariantAndThePaper) {
 
 TEST(Summary, OneEvaluationHasALineAnObjectAndTheCameras) {
   CellEvaluation evaluation;
-  evaluation.subjects = {{"cube", {{"ape_translation_rmse_m", 0.0123}, {"iou3d_mean", 0.9}, {"coverage", 1}}},
-                         {"never_seen", {{"coverage", 0}}},
-                         {"camera", {{"ape_translation_rmse_m", 0.5}, {"ape_rotation_rmse_rad", 0.25}}},
-                         {"all", {{"hota", 1}}}};
+  evaluation.subjects = {
+      {"cube", {{"ape_translation_rmse_m", 0.0123}, {"iou3d_ellipsoid_mean", 0.9}, {"coverage", 1}}},
+      {"never_seen", {{"coverage", 0}}},
+      {"camera", {{"ape_translation_rmse_m", 0.5}, {"ape_rotation_rmse_rad", 0.25}}},
+      {"all", {{"hota", 1}}}};
   EXPECT_EQ(evaluation_text(evaluation),
-            "object       APE.t  APE.r  RPE.t  RPE.r  IoU 3D  IoU 2D  coverage\n"
-            "cube        0.0123      -      -      -   0.900       -     1.000\n"
-            "never_seen       -      -      -      -       -       -         0\n"
-            "camera       0.500  0.250      -      -       -       -         -\n"
+            "object       APE.t  APE.r  RPE.t  RPE.r  IoU solid  IoU ellipsoid  IoU 2D  coverage\n"
+            "cube        0.0123      -      -      -          -          0.900       -     1.000\n"
+            "never_seen       -      -      -      -          -              -       -         0\n"
+            "camera       0.500  0.250      -      -          -              -       -         -\n"
             "APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares\n");
 }
 

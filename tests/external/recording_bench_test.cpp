@@ -53,7 +53,8 @@ class RecordingBench : public testing::Test {
 TEST_F(RecordingBench, WithTruthIsScoredLikeAScene) {
   const ProgramRun run = bench("{recording: with, name: mine}");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(scores().find("mine,box,rotbbox_rigid_axis,0,iou3d_mean"), std::string::npos) << scores();
+  EXPECT_NE(scores().find("mine,box,rotbbox_rigid_axis,0,iou3d_ellipsoid_mean"), std::string::npos)
+      << scores();
   EXPECT_EQ(scores().find("rotbbox_rigid_axis,3,"), std::string::npos);  // the bench's seeds are of scenes
   EXPECT_TRUE(fs::exists(folder() / "with/sequence/sequence.yaml"));
   EXPECT_FALSE(fs::exists(out() / "simulations"));

@@ -82,7 +82,7 @@ TEST_F(Cli, AnExistingFileNeedsForceAndMustBeAFile) {
   const fs::path tum = write("a.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n");
   const fs::path scores = write("scores.csv",
                                 "sequence,object,variant,seed,metric,value,better,status\n"
-                                "s,o,v,1,iou3d_mean,0.5,higher,ok\n");
+                                "s,o,v,1,iou3d_ellipsoid_mean,0.5,higher,ok\n");
   fs::create_symlink(mine, folder() / "link.svg");
   const auto commands = [&](const fs::path& file) {
     return std::vector<std::vector<std::string>>{

@@ -108,13 +108,13 @@ TEST_F(CompareCommand, GivenCameraPosesCompareWithNone) {
 
 TEST_F(CompareCommand, WritesJsonAndMarkdown) {
   auto b = another_run();
-  scale(b, "iou3d_mean", 0.9);
+  scale(b, "iou3d_ellipsoid_mean", 0.9);
   write("b.csv", b);
   const ProgramRun result = run({"--json", "--markdown", path("out.md")});
   EXPECT_EQ(result.exit_code, 1);
   const json answer = json::parse(result.out);
   EXPECT_EQ(answer["answer"], "worse");
-  EXPECT_EQ(answer["metrics"][0]["metric"], "iou3d_mean");
+  EXPECT_EQ(answer["metrics"][0]["metric"], "iou3d_ellipsoid_mean");
   EXPECT_EQ(answer["counts"]["worse"], 1);
   EXPECT_EQ(answer["a"], path("a.csv"));
   EXPECT_EQ(result.out, run({"--json", "--threads", "1", "--quiet"}).out);
@@ -130,9 +130,9 @@ TEST_F(CompareCommand, WritesJsonAndMarkdown) {
 
 TEST_F(CompareCommand, IgnoresMetrics) {
   auto b = another_run();
-  scale(b, "iou3d_mean", 0.9);
+  scale(b, "iou3d_ellipsoid_mean", 0.9);
   write("b.csv", b);
-  const ProgramRun result = run({"--ignore", "iou3d_mean", "--ignore", "coverage", "--json"});
+  const ProgramRun result = run({"--ignore", "iou3d_ellipsoid_mean", "--ignore", "coverage", "--json"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(json::parse(result.out)["metrics"].size(), 6u);
   expect_refused(run({"--ignore", "mota"}), "--ignore mota: neither");
@@ -204,7 +204,7 @@ TEST_F(CompareCommand, NamesTheCommitsOfFolders) {
 TEST_F(CompareCommand, TwoVariantsOfOneFolder) {
   auto both = fabricated_scores(kNoise, 1);
   auto other = another_run();
-  scale(other, "iou3d_mean", 0.9);
+  scale(other, "iou3d_ellipsoid_mean", 0.9);
   for (FabricatedScore& score : other) score.variant = "w";
   both.insert(both.end(), other.begin(), other.end());
   write("scores.csv", both);
@@ -223,7 +223,7 @@ TEST_F(CompareCommand, TwoVariantsOfOneFolder) {
 
 TEST_F(CompareCommand, RefusesBadInputByLine) {
   expect_refused(run({}), "b.csv: cannot be read");
-  write_text(path("b.csv"), read_text(path("a.csv")) + "s1,cube,v,1,iou3d_mean,half,higher,ok\n");
+  write_text(path("b.csv"), read_text(path("a.csv")) + "s1,cube,v,1,iou3d_ellipsoid_mean,half,higher,ok\n");
   expect_refused(run({"--json", "--markdown", path("out.md")}),
                  "b.csv:386: value 'half' is no finite number");
   EXPECT_FALSE(std::filesystem::exists(path("out.md")));

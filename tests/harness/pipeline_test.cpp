@@ -258,7 +258,7 @@ TEST_F(Pipeline, BenchEndsInAReportAndDoesNothingTwice) {
   const fs::path evaluation = out / "cells/small/single_frame_obb/seed_1/evaluation/evaluation.json";
   const auto made = fs::last_write_time(evaluation);
   const std::string scores = read_text(out / "scores.csv");
-  EXPECT_NE(scores.find("small,box,single_frame_obb,1,iou3d_mean,"), std::string::npos) << scores;
+  EXPECT_NE(scores.find("small,box,single_frame_obb,1,iou3d_ellipsoid_mean,"), std::string::npos) << scores;
   const std::string before = folder_hash(out);
   ok({"bench", file, out, "--quiet", "--keep"});
   EXPECT_EQ(fs::last_write_time(evaluation), made);

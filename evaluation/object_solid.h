@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/sequence/calibration.h"
+#include "core/sequence/tracks.h"
+#include "evaluation/iou/solid.h"
+#include "evaluation/object_evaluation.h"
+
+namespace uniquadric {
+
+/// The body that an object really is, and how its inside is known.
+struct TrueSolid {
+  Solid solid;
+  std::string kind;  ///< box, ellipsoid, or of a mesh: closed, closed_unoriented, open
+};
+
+/// In the object's frame: what truth/objects/ID.ply encloses, else the box or the ellipsoid that the truth
+/// says it is; nothing of other shapes. Throws InputError as true_surface().
+std::optional<TrueSolid> true_solid(const std::filesystem::path& truth, const ObjectDescription& object);
+
+/// The body that an estimate's state describes, in its own frame.
+Superellipsoid solid_of(const ObjectState& state);
+
+/// Fills `iou3d_solid` of the matched frames and `solid` of an object, where its true body encloses a volume:
+/// the estimate as it came, in the true world, against it. `truth` and `estimate` are the tracks that were
+/// matched. The same for any number of processors.
+void compare_solids(const TrueSolid& body, const ObjectTrack& truth, const ObjectTrack& estimate,
+                    std::uint64_t seed, ObjectEvaluation& object);
+
+}  // namespace uniquadric
