@@ -138,6 +138,7 @@ void visit(Io& io, TrajectorySmootherOptions& o) {
   io.positive("guess_sigma_rad", o.guess_sigma_rad, kSigma_rad);
   io.positive("outlier", o.outlier);
   io.number("robust_rounds", o.robust_rounds, 1, 100);
+  io.number("settle_s", o.settle_s, 0.0, 60.0);
   io.number("history_s", o.history_s, 0.0, 60.0);
 }
 

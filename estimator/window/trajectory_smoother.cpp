@@ -19,8 +19,8 @@ constexpr double kLeastJerk = 1e-10, kMostJerk = 1e4;
 constexpr double kFirstJerk = 1e-2;
 constexpr double kLoose = 1e-2;  // information that makes the first velocity and acceleration definite
 constexpr int kLeastSamples = 5;
-constexpr double kSettled = 1e-4;  // [m], [rad] by which the last round moved any pose
-constexpr int kMostRounds = 30;
+constexpr double kSettled = 1e-4;                // [m], [rad] by which the last round moved any pose
+constexpr int kMostRounds = 30, kFewRounds = 3;  // from the start, and where a trajectory goes on
 // Of a time step, usual ones: its information grows with the fifth power, and drowns all other in rounding.
 constexpr double kLeastStep = 0.3;
 
@@ -266,13 +266,14 @@ void smooth(std::vector<PoseSample>& samples, std::vector<Pose>& nominal, Part p
             const TrajectorySmootherOptions& options, Restlessness* known) {
   double* const known_jerk = known ? &known->jerk[part == Part::translation ? 0 : 1] : nullptr;
   const bool goes_on = known_jerk && *known_jerk > 0;
-  const std::vector<double> steps = goes_on ? std::vector{3.0} : std::vector{100.0, 10.0, 3.0};
-  const int rounds = known ? 1 : options.robust_rounds;
+  std::vector<double> steps = {100.0, 10.0, 3.0};
+  if (goes_on) steps = known->is_settled ? std::vector<double>() : std::vector{10.0, 3.0};
+  const int rounds = known ? 1 : options.robust_rounds, most_rounds = known ? kFewRounds : kMostRounds;
   double jerk = goes_on ? *known_jerk : kFirstJerk, scale = 1;
   Solution solution;
   // A turn about an axis of revolution, which nothing holds, is large: the linearisation takes its time.
   double moved = kSettled;
-  for (int round = 0; round < rounds || (moved >= kSettled && round < kMostRounds); ++round) {
+  for (int round = 0; round < rounds || (moved >= kSettled && round < most_rounds); ++round) {
     Chain chain = linearise(samples, nominal, part, options);
     if (round > 0 && !known) weigh(chain, scale, options.outlier);
     const double unit = typical_variance(chain);

@@ -33,13 +33,15 @@ struct TrajectorySmootherOptions {
   double guess_sigma_m = 0.02, guess_sigma_rad = 0.05;  // of a guess besides
   double outlier = 3;  // sigmas at which a pose, or a step, counts half (Cauchy)
   int robust_rounds = 4;
-  double history_s = 1;  // of a trajectory that goes on: how far back it is smoothed
+  double settle_s = 0.3;  // time constant in which a new shape takes the place of the one before; 0: at once
+  double history_s = 3;   // of a trajectory that goes on: how far back it is smoothed
 };
 
 /// How restless a body has been found to be: density of its jerk's noise over the variance of a pose, of
 /// translation and rotation. 0: not known.
 struct Restlessness {
   std::array<double, 2> jerk{};
+  bool is_settled = false;  ///< taken as it is; else found again from there
 };
 
 /// The whole trajectory at once: poses as measured, and between frames a motion of constant acceleration that
@@ -48,8 +50,8 @@ struct Restlessness {
 /// themselves. How restless the body is, and by how much the covariances are too small, is what makes the
 /// samples most likely; samples without any noise stay as they are. Frames without evidence between others
 /// are filled in; those after the last evidence stay as they are. Poses and covariances are replaced; stamps
-/// are strictly increasing. `known`: from a stretch just before, to start from, and then of this one; where
-/// it is given, no pose is taken for an outlier, for the newest have no later ones to speak for them.
+/// are strictly increasing. `known`: from a stretch just before, and then of this one; where it is given, no
+/// pose is taken for an outlier, for the newest have no later ones to speak for them.
 void smooth_trajectory(std::vector<PoseSample>& samples, const TrajectorySmootherOptions& options,
                        Restlessness* known = nullptr);
 

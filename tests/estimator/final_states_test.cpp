@@ -98,31 +98,6 @@ TEST(FinalStates, StandWhereTheCameraIsKnownToHaveSeenThem) {
   EXPECT_LT(worst_error_m(*result.final, truth), 0.01);
 }
 
-// What is known at a time does not depend on what comes after it.
-TEST(KnownStates, AreThoseOfARunThatEndsThen) {
-  SyntheticOptions options;
-  options.world_from_camera = [](double) { return Pose(); };
-  const std::vector<SyntheticBody> bodies = {box_body(kAxes, moving)};
-  const SyntheticPerception perception = synthetic_perception(bodies, options);
-  BodyEstimator estimator(1, perception.camera, {}, 1);
-  std::vector<RawState> raw;
-  for (const PerceivedFrame& frame : perception.frames)
-    if (auto state = estimator.step(frame, &frame.bodies.at(0))) raw.push_back({*state, frame});
-  ASSERT_GT(raw.size(), 40u);
-  const std::vector<RawState> shorter(raw.begin(), raw.begin() + 30);
-  for (const std::int64_t lag_ns : {0L, 300'000'000L}) {
-    const auto all = states_known_after(lag_ns, raw, {}), known = states_known_after(lag_ns, shorter, {});
-    std::size_t compared = 0;
-    for (std::size_t k = 0; k < known.size(); ++k) {
-      if (known[k].stamp_ns + lag_ns > shorter.back().state.stamp_ns) continue;
-      ++compared;
-      EXPECT_EQ(all[k].world_from_body.translation, known[k].world_from_body.translation) << k;
-      EXPECT_EQ(all[k].shape.semi_axes_m, known[k].shape.semi_axes_m) << k;
-    }
-    EXPECT_GE(compared, 15u);
-  }
-}
-
 // By then its whole surface is known, in the frame of its last life.
 TEST(FinalStates, AGuessedPoseIsFoundByAnotherLook) {
   SyntheticOptions options;

@@ -181,7 +181,7 @@ TEST(Summary, TableHasARowForEachVariantAndThePaper) {
   fabricate_results(folder.path(), {.frames = 3, .overlays = 0});
   const std::string table = summary_table(folder.path());
   const auto lines = split(table, '\n');
-  ASSERT_EQ(lines.size(), 1 + 4 * 3 + 2 + 1u);  // head, four objects, two lines of notes, the end
+  ASSERT_EQ(lines.size(), 1 + 4 * 3 + 2 + 2u);  // head, four objects, two lines of notes, the end
   EXPECT_EQ(split(lines[1]),
             (std::vector<std::string_view>{"cube_cuboid", "cuboid", "single_frame_obb", "2/2", "0.750",
                                            "1.500", "0.375", "0.750", "0.583", "0.733", "0.980"}));
