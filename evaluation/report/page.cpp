@@ -42,7 +42,7 @@ std::string arc_section(const std::string& plots) {
          "to the camera so far, in the true object's own frame; each seed's frames are averaged over 5 "
          "degrees. "
          "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees. An estimate "
-         "written as of the end (output: final) has one shape at every arc.</p>\n    " +
+         "written as of the end (@final) has one shape at every arc.</p>\n    " +
          plots + "\n  </section>";
 }
 
