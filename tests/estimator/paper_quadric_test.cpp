@@ -6,7 +6,7 @@
 namespace uniquadric {
 namespace {
 
-// configs/variants/rotbbox_rigid_axis.yaml
+// configs/variants/quadric_extents.yaml
 BodyOptions paper() {
   BodyOptions options;
   options.shape.obb.fit = BoxFit::tight_surface;

@@ -25,7 +25,7 @@ class RecordingBench : public testing::Test {
   }
   const fs::path& folder() const { return temp_.path(); }
   fs::path out() const { return folder() / "out"; }
-  ProgramRun bench(const std::string& scenes, const std::string& variant = "rotbbox_rigid_axis.yaml") const {
+  ProgramRun bench(const std::string& scenes, const std::string& variant = "quadric_extents.yaml") const {
     const fs::path variants = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants";
     write_text(folder() / "bench.yaml", "scenes: [" + scenes + "]\nvariants: [" +
                                             (variants / variant).string() +
@@ -53,15 +53,15 @@ class RecordingBench : public testing::Test {
 TEST_F(RecordingBench, WithTruthIsScoredLikeAScene) {
   const ProgramRun run = bench("{recording: with, name: mine}");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(scores().find("mine,box,rotbbox_rigid_axis,0,iou3d_ellipsoid_mean"), std::string::npos)
+  EXPECT_NE(scores().find("mine,box,quadric_extents,0,iou3d_ellipsoid_mean"), std::string::npos)
       << scores();
-  EXPECT_EQ(scores().find("rotbbox_rigid_axis,3,"), std::string::npos);  // the bench's seeds are of scenes
+  EXPECT_EQ(scores().find("quadric_extents,3,"), std::string::npos);  // the bench's seeds are of scenes
   EXPECT_TRUE(fs::exists(folder() / "with/sequence/sequence.yaml"));
   EXPECT_FALSE(fs::exists(out() / "simulations"));
   EXPECT_NE(read_text(out() / "inputs.csv").find("recording,mine,"), std::string::npos);
-  const auto made = fs::last_write_time(out() / "cells/mine/rotbbox_rigid_axis/seed_0/estimate/run.yaml");
+  const auto made = fs::last_write_time(out() / "cells/mine/quadric_extents/seed_0/estimate/run.yaml");
   ASSERT_EQ(bench("{recording: with, name: mine}").exit_code, 0);
-  EXPECT_EQ(fs::last_write_time(out() / "cells/mine/rotbbox_rigid_axis/seed_0/estimate/run.yaml"), made);
+  EXPECT_EQ(fs::last_write_time(out() / "cells/mine/quadric_extents/seed_0/estimate/run.yaml"), made);
 }
 
 // Whatever of it changes, and though it needs no seeds.
@@ -83,9 +83,9 @@ TEST_F(RecordingBench, AnEditedRecordingRunsAgain) {
 TEST_F(RecordingBench, WithoutTruthShowsSizesAndOverlays) {
   const ProgramRun run = bench("{recording: without, seeds: [5]}");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const fs::path cell = out() / "cells/without/rotbbox_rigid_axis/seed_5";
+  const fs::path cell = out() / "cells/without/quadric_extents/seed_5";
   EXPECT_TRUE(fs::exists(cell / "overlays/sheet.jpg"));
-  EXPECT_NE(scores().find("without,all,rotbbox_rigid_axis,5,size_spread_mean"), std::string::npos)
+  EXPECT_NE(scores().find("without,all,quadric_extents,5,size_spread_mean"), std::string::npos)
       << scores();
   EXPECT_EQ(scores().find("iou3d"), std::string::npos);
   EXPECT_EQ(scores().find("mota"), std::string::npos);
@@ -110,7 +110,7 @@ TEST_F(RecordingBench, APromptIsPassedOn) {
   write_text(folder() / "boxes.txt", box_of_first_mask(0));
   const std::string scene = "{recording: with, name: mine, prompt: \"boxes:boxes.txt\"}";
   ASSERT_EQ(bench(scene).exit_code, 0);
-  const fs::path run_file = out() / "cells/mine/rotbbox_rigid_axis/seed_0/estimate/run.yaml";
+  const fs::path run_file = out() / "cells/mine/quadric_extents/seed_0/estimate/run.yaml";
   EXPECT_NE(read_text(run_file).find("prompts: \"boxes.txt\""), std::string::npos);
   const auto made = fs::last_write_time(run_file);
   write_text(folder() / "boxes.txt", box_of_first_mask(1));
