@@ -284,7 +284,7 @@ TEST_F(Browser, FitsAPhoneInTheDark) {
 TEST_F(Browser, NoColumnIsCutOffInWindowsFrom800Pixels) {
   for (const int width_px : {800, 1400, 1920}) {
     const json crowded = open(width_px, 900, false).at("crowded");
-    EXPECT_EQ(crowded.at("columns"), 13) << width_px;
+    EXPECT_EQ(crowded.at("columns"), 14) << width_px;
     EXPECT_EQ(crowded.at("cut"), json::array()) << width_px;
   }
 }
