@@ -22,8 +22,8 @@ std::string figure(const SummaryRow& row, const char* metric) {
   return found->second.best ? fmt::format("**{}**", text) : text;
 }
 
-std::string paper_line(const SummaryRow& row, const char* column, const PaperFigures& figures) {
-  std::vector<std::string> fields = {row.scene, row.object, fmt::format("*paper: {}*", column), ""};
+std::string paper_line(const SummaryRow& row, const char* system, const PaperFigures& figures) {
+  std::vector<std::string> fields = {row.scene, row.object, fmt::format("*{}*", system), ""};
   for (const char* metric : summary_metrics()) {
     const auto value = figures.of(metric);
     fields.push_back(value ? fmt::format("*{:.3f}*", *value) : "");
@@ -48,8 +48,8 @@ std::string table(const std::vector<SummaryRow>& summary) {
     for (const char* metric : summary_metrics()) fields.push_back(figure(row, metric));
     text += line(fields);
     if (!row.paper || !ends_object(summary, i)) continue;
-    text += paper_line(row, "Single Frame OBB", row.paper->single_frame_obb);
-    text += paper_line(row, "Proposed", row.paper->proposed);
+    text += paper_line(row, kPaperBaseline, row.paper->baseline);
+    text += paper_line(row, kPaperUniquadric, row.paper->uniquadric);
   }
   return text;
 }

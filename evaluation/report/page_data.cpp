@@ -46,6 +46,15 @@ json figures_json(const PaperFigures& figures) {
   return values;
 }
 
+json paper_json(const PaperRow& row) {
+  const auto system = [](const char* name, const PaperFigures& figures) {
+    return json{{"name", name}, {"figures", figures_json(figures)}};
+  };
+  return {{"scene", row.scene},
+          {"object", row.object},
+          {"systems", {system(kPaperBaseline, row.baseline), system(kPaperUniquadric, row.uniquadric)}}};
+}
+
 // Rounded to what a plot shows: the page stays small. Figures in tables keep all their digits.
 json rounded(const std::optional<double>& value, int digits) {
   return value ? json(*parse_double(fmt::format("{:.{}g}", *value, digits))) : json(nullptr);
@@ -170,11 +179,9 @@ json lidar_json(const LidarRoutes& r) {
 
 std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options) {
-  json rows = json::array(), paper = json::object(), cells = json::array(), lidar = json::array();
+  json rows = json::array(), paper = json::array(), cells = json::array(), lidar = json::array();
   for (const SummaryRow& row : summary) rows.push_back(row_json(row, options.series_digits));
-  for (const PaperRow& row : paper_rows())
-    paper[row.object] = {{"single_frame_obb", figures_json(row.single_frame_obb)},
-                         {"proposed", figures_json(row.proposed)}};
+  for (const PaperRow& row : paper_rows()) paper.push_back(paper_json(row));
   for (const Cell& cell : results.cells) cells.push_back(cell_json(cell, options.series_digits));
   for (const Cell& cell : results.not_applicable) cells.push_back(cell_json(cell, options.series_digits));
   for (const LidarRoutes& routes : results.lidar) lidar.push_back(lidar_json(routes));

@@ -29,7 +29,7 @@ bool has_result(const SubjectFigures& figures) {
 
 SummaryRow summarize_row(const Results& results, const std::string& scene, const std::string& object,
                          const std::string& variant) {
-  SummaryRow row{scene, object, variant, 0, 0, object == "camera", {}, paper_row(object)};
+  SummaryRow row{scene, object, variant, 0, 0, object == "camera", {}, paper_row(scene, object)};
   std::map<std::string, std::vector<double>> values;
   for (const Cell& cell : results.cells) {
     if (cell.scene != scene || cell.variant != variant) continue;
@@ -86,11 +86,10 @@ std::string text_cell(const SummaryRow& row, const char* metric) {
                                    : format_figure(found->second.median) + (found->second.best ? "*" : " ");
 }
 
-// The paper's figures of its baseline.
-std::vector<std::string> paper_line(const SummaryRow& row) {
-  std::vector<std::string> line = {row.scene, row.object, "(paper)", ""};
+std::vector<std::string> paper_line(const SummaryRow& row, const char* system, const PaperFigures& figures) {
+  std::vector<std::string> line = {row.scene, row.object, system, ""};
   for (const char* metric : summary_metrics()) {
-    const auto value = row.paper->single_frame_obb.of(metric);
+    const auto value = figures.of(metric);
     line.push_back(value ? format_figure(*value) + " " : "");
   }
   return line;
@@ -172,13 +171,15 @@ std::string summary_text(const std::vector<SummaryRow>& rows) {
     if (row.object == "camera" || (row.object == "all" && row.good > 0)) continue;
     lines.push_back({row.scene, row.object, row.variant, fmt::format("{}/{}", row.good, row.runs)});
     for (const char* metric : summary_metrics()) lines.back().push_back(text_cell(row, metric));
-    if (row.paper && ends_object(rows, i)) lines.push_back(paper_line(row));
+    if (!row.paper || !ends_object(rows, i)) continue;
+    lines.push_back(paper_line(row, kPaperBaseline, row.paper->baseline));
+    lines.push_back(paper_line(row, kPaperUniquadric, row.paper->uniquadric));
   }
   return aligned_columns(lines, "<<<") +
          "medians over seeds; as known at each frame, @fixed_lag: a lag later, @final: offline smoothing; "
          "APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares;\n"
          "* best of its object's variants with the most runs;\n"
-         "(paper): Table III, Single Frame OBB, on the paper's own sequences\n";
+         "paper: Table III of arXiv 2309.17036, on the paper's own sequences\n";
 }
 
 }  // namespace uniquadric

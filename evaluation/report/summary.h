@@ -27,7 +27,7 @@ struct SummaryRow {
   int runs = 0, good = 0;                ///< cells tried or planned, and those with errors of this object
   bool given = false;                    ///< the camera's poses were given in all runs: no estimate of them
   std::map<std::string, Spread> spread;  ///< by metric name; absent where no run has the figure
-  std::optional<PaperRow> paper;         ///< of the object's name
+  std::optional<PaperRow> paper;         ///< of objects in scenes made after the paper's
 };
 
 /// Rows by scene, object (`camera` and `all` last) and variant, in the order of cells.csv. A scene without a
@@ -43,8 +43,7 @@ bool shows_given(const SummaryRow& row, const Metric& metric);
 /// Whether the row at `i` is the last of its scene and object.
 bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i);
 
-/// Plain text, the paper's Single Frame OBB figures under objects that it has; camera and tracking are left
-/// to the report.
+/// Plain text, the paper's two systems under objects that it has; camera and tracking are left to the report.
 std::string summary_text(const std::vector<SummaryRow>& rows);
 
 /// Plain text of one evaluation: a line an object and one of the camera, `-` where there is no figure.

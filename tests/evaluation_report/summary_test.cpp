@@ -14,7 +14,7 @@
 namespace uniquadric {
 namespace {
 
-// Table III as the paper's source has it, marks of best removed.
+// Table III as the paper's source has it, marks of best removed, and the scene made after each sequence.
 constexpr const char* kTable3 =
     "Subway & 4.819 & 2.363 & 6.215 & 1.021 & 0.069 & 0.397 & 0.055 & 0.003\n"
     "car & 2.414 & 2.451 & 3.381 & 0.933 & 0.244 & 0.066 & 0.261 & 0.012\n"
@@ -26,23 +26,31 @@ constexpr const char* kTable3 =
 TEST(PaperTable, Table3_HasThePapersFigures) {
   constexpr const char* kMetrics[] = {"ape_translation_rmse_m", "ape_rotation_rmse_rad",
                                       "rpe_translation_rmse_m", "rpe_rotation_rmse_rad"};
+  constexpr const char* kScenes[] = {"subway_car", "cube_cuboid", "skateboard_ball"};
   int rows = 0;
   for (const auto text : split(kTable3, '\n')) {
     const auto fields = split(text, '&');
     std::string object(fields[0]);
     for (char& c : object) c = static_cast<char>(std::tolower(c));
-    const auto row = paper_row(object);
+    const auto row = paper_row(kScenes[rows / 2], object);
     ASSERT_TRUE(row) << object;
     for (std::size_t i = 0; i < 4; ++i) {
-      EXPECT_EQ(row->single_frame_obb.of(kMetrics[i]), parse_double(fields[1 + i])) << object;
-      EXPECT_EQ(row->proposed.of(kMetrics[i]), parse_double(fields[5 + i])) << object;
+      EXPECT_EQ(row->baseline.of(kMetrics[i]), parse_double(fields[1 + i])) << object;
+      EXPECT_EQ(row->uniquadric.of(kMetrics[i]), parse_double(fields[5 + i])) << object;
     }
     ++rows;
   }
   EXPECT_EQ(rows, 6);
   EXPECT_EQ(paper_rows().size(), 6u);
-  EXPECT_FALSE(paper_row("teapot"));
-  EXPECT_FALSE(paper_row("cube")->proposed.of("iou3d_ellipsoid_mean"));
+  EXPECT_FALSE(paper_row("cube_cuboid", "cube")->uniquadric.of("iou3d_ellipsoid_mean"));
+}
+
+TEST(PaperTable, ScenesOfOthersHaveNoRow) {
+  EXPECT_FALSE(paper_row("cube_cuboid", "teapot"));
+  EXPECT_FALSE(paper_row("cube_cuboid", "ball"));  // another scene's
+  EXPECT_FALSE(paper_row("my_scene", "ball"));
+  EXPECT_FALSE(paper_row("cube_cuboid_half_noise", "cube"));
+  EXPECT_FALSE(paper_row("octree_street", "car"));
 }
 
 TEST(Summary, MedianOfOddAndEvenCounts) {
@@ -143,7 +151,7 @@ TEST(Summary, AGivenCameraIsNoEstimate) {
   EXPECT_FALSE(rows[0].spread.at("ape_translation_rmse_m").best);
   EXPECT_TRUE(rows[1].spread.at("ape_translation_rmse_m").best);
   const std::string text = page_markdown(results, rows);
-  EXPECT_NE(text.find("| s | camera | given | 1/1 | given | given | - | - | - | - | 1.000 |"), text.npos)
+  EXPECT_NE(text.find("| s | camera | given | 1/1 | given | given | - | - | - | - | - | 1.000 |"), text.npos)
       << text;
   EXPECT_NE(text.find("| s | camera | rgbd | 1/1 | **0.0100** | **0.0100** |"), text.npos) << text;
 }
@@ -181,13 +189,29 @@ TEST(Summary, TableHasARowForEachVariantAndThePaper) {
   fabricate_results(folder.path(), {.frames = 3, .overlays = 0});
   const std::string table = summary_table(folder.path());
   const auto lines = split(table, '\n');
-  ASSERT_EQ(lines.size(), 1 + 4 * 3 + 2 + 2u);  // head, four objects, two lines of notes, the end
+  ASSERT_EQ(lines.size(), 1 + 4 * 4 + 3 + 1u);  // head, four objects, three lines of notes, the end
   EXPECT_EQ(split(lines[1]),
             (std::vector<std::string_view>{"cube_cuboid", "cuboid", "single_frame_obb", "2/2", "0.750",
-                                           "1.500", "0.375", "0.750", "0.583", "0.733", "0.980"}));
+                                           "1.500", "0.375", "0.750", "-", "0.583", "0.733", "0.980"}));
   EXPECT_EQ(split(lines[2])[4], "0.0150*");
-  EXPECT_EQ(split(lines[3]), (std::vector<std::string_view>{"cube_cuboid", "cuboid", "(paper)", "0.651",
-                                                            "2.387", "0.317", "1.014"}));
+  const auto paper = [&](std::size_t line, const std::string& system) {
+    const auto at = lines[line].find(system);
+    EXPECT_NE(at, std::string_view::npos) << lines[line];
+    EXPECT_EQ(split(lines[line].substr(0, at)), (std::vector<std::string_view>{"cube_cuboid", "cuboid"}));
+    return split(lines[line].substr(at + system.size()));
+  };
+  EXPECT_EQ(paper(3, "paper, single-frame baseline"),
+            (std::vector<std::string_view>{"0.651", "2.387", "0.317", "1.014"}));
+  EXPECT_EQ(paper(4, "paper, UniQuadric"),
+            (std::vector<std::string_view>{"0.0820", "0.144", "0.0340", "0.0180"}));
+}
+
+TEST(Summary, ACubeOfAnotherSceneHasNoRowOfThePaper) {
+  Results results;
+  results.cells = {run_of("a", 1, "cube", {{"ape_translation_rmse_m", 0.1}})};
+  EXPECT_EQ(summary_text(summarize(results)).find("cube  paper"), std::string::npos);
+  results.cells[0].scene = "cube_cuboid";
+  EXPECT_NE(summary_text(summarize(results)).find("cube    paper, UniQuadric"), std::string::npos);
 }
 
 TEST(Summary, OneEvaluationHasALineAnObjectAndTheCameras) {

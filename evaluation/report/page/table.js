@@ -16,10 +16,10 @@ function table_rows() {
     rows.push({ ...row, first });
     const next = shown[i + 1];
     const last = !next || next.scene !== row.scene || next.object !== row.object;
-    const paper = data.paper[row.object];
+    const paper = data.paper.find((p) => p.scene === row.scene && p.object === row.object);
     if (!last || !paper || !summary_state.paper) return;
-    for (const [key, variant] of [["single_frame_obb", "paper: Single Frame OBB"], ["proposed", "paper: Proposed"]]) {
-      const spread = Object.fromEntries(Object.entries(paper[key]).map(([name, value]) => [name, { median: value, n: 0 }]));
+    for (const { name: variant, figures } of paper.systems) {
+      const spread = Object.fromEntries(Object.entries(figures).map(([name, value]) => [name, { median: value, n: 0 }]));
       rows.push({ scene: row.scene, object: row.object, variant, spread, paper: true });
     }
   });
