@@ -6,6 +6,7 @@
 #include "evaluation/report/markup.h"
 #include "evaluation/report/metrics.h"
 #include "evaluation/report/page.h"
+#include "evaluation/report/paper_ratios.h"
 
 namespace uniquadric {
 namespace {
@@ -51,6 +52,36 @@ std::string table(const std::vector<SummaryRow>& summary) {
     text += paper_line(row, kPaperBaseline, row.paper->baseline);
     text += paper_line(row, kPaperUniquadric, row.paper->uniquadric);
   }
+  return text;
+}
+
+std::string ratio_line(const PaperRatio& row, const std::vector<const Metric*>& metrics) {
+  const bool paper = row.system == kPaperUniquadric;
+  std::vector<std::string> fields = {row.scene, row.object,
+                                     paper ? fmt::format("*{}*", row.system) : row.system, row.baseline,
+                                     paper ? "" : fmt::format("{}/{}", row.good, row.runs)};
+  for (const Metric* metric : metrics) {
+    const auto found = row.ratio.find(metric->name);
+    const std::string text = found == row.ratio.end() ? "-" : format_figure(found->second);
+    fields.push_back(paper ? fmt::format("*{}*", text) : text);
+  }
+  return line(fields);
+}
+
+// Of objects that the paper has, where the results have the baseline.
+std::string against_the_paper(const std::vector<SummaryRow>& summary) {
+  const std::vector<PaperRatio> ratios = paper_ratios(summary);
+  if (ratios.empty()) return "";
+  const std::vector<const Metric*> metrics = paper_metrics();
+  std::vector<std::string> head = {"scene", "object", "system", "divided by", "runs"},
+                           rule = {"---", "---", "---", "---", "---:"};
+  for (const Metric* metric : metrics) {
+    head.push_back(metric->label);
+    rule.push_back("---:");
+  }
+  std::string text =
+      fmt::format("\n## Against the paper, as ratios\n{}\n\n", kRatioNote) + line(head) + line(rule);
+  for (const PaperRatio& row : ratios) text += ratio_line(row, metrics);
   return text;
 }
 
@@ -101,8 +132,9 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
       "# {}\nMedians over seeds; runs: with a result / all; the best of an object's variants with the most "
       "results in bold; given: poses of the camera that were not estimated.\n\n",
       results.name);
-  text += table(summary) + arc_markdown(results) + lidar_markdown(results.lidar) + sizes(results) +
-          failures(results) + not_applicable(results) + "\n## How it was made\n";
+  text += table(summary) + against_the_paper(summary) + arc_markdown(results) +
+          lidar_markdown(results.lidar) + sizes(results) + failures(results) + not_applicable(results) +
+          "\n## How it was made\n";
   if (!results.command.empty()) text += fmt::format("- command: `{}`\n", results.command);
   text += fmt::format("- program: {} (report: {})\n", fmt::join(programs_of(results), ", "), kProgram);
   if (!results.program.empty()) text += fmt::format("- gathered by: {}\n", results.program);

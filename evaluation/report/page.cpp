@@ -51,8 +51,9 @@ std::string arc_section(const std::string& plots) {
 std::string page_html(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options) {
   std::string scripts;
-  for (const char* name : {"data.js", "table.js", "ablation.js", "charts.js", "lidar.js", "times.js",
-                           "frames.js", "space.js", "paint3d.js", "view3d.js", "orbit.js", "main.js"})
+  for (const char* name :
+       {"data.js", "table.js", "ratios.js", "ablation.js", "charts.js", "lidar.js", "times.js", "frames.js",
+        "space.js", "paint3d.js", "view3d.js", "orbit.js", "main.js"})
     scripts += page_asset(name);
   const std::string arcs = arc_section(arc_html(results));
   return fill(page_asset("page.html"),

@@ -8,6 +8,7 @@
 #include "core/base/version.h"
 #include "evaluation/report/metrics.h"
 #include "evaluation/report/page.h"
+#include "evaluation/report/paper_ratios.h"
 
 namespace uniquadric {
 namespace {
@@ -53,6 +54,20 @@ json paper_json(const PaperRow& row) {
   return {{"scene", row.scene},
           {"object", row.object},
           {"systems", {system(kPaperBaseline, row.baseline), system(kPaperUniquadric, row.uniquadric)}}};
+}
+
+json ratios_json(const std::vector<SummaryRow>& summary) {
+  json list = json::array();
+  for (const PaperRatio& r : paper_ratios(summary))
+    list.push_back({{"scene", r.scene},
+                    {"object", r.object},
+                    {"system", r.system},
+                    {"baseline", r.baseline},
+                    {"paper", r.system == kPaperUniquadric},
+                    {"runs", r.runs},
+                    {"good", r.good},
+                    {"ratio", r.ratio}});
+  return list;
 }
 
 // Rounded to what a plot shows: the page stays small. Figures in tables keep all their digits.
@@ -199,6 +214,8 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
                      {"summary_metrics", summary_metrics()},
                      {"summary", rows},
                      {"paper", paper},
+                     {"ratios", ratios_json(summary)},
+                     {"ratio_note", kRatioNote},
                      {"lidar", lidar},
                      {"cells", cells}};
   return data.dump(-1, ' ', false, json::error_handler_t::replace);  // messages may hold any bytes

@@ -23,6 +23,13 @@ std::optional<double> PaperFigures::of(std::string_view metric) const {
   return std::nullopt;
 }
 
+std::vector<const Metric*> paper_metrics() {
+  std::vector<const Metric*> metrics;
+  for (const Metric& metric : all_metrics())
+    if (kRows[0].baseline.of(metric.name)) metrics.push_back(&metric);
+  return metrics;
+}
+
 std::span<const PaperRow> paper_rows() {
   return kRows;
 }

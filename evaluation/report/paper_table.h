@@ -3,6 +3,9 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
+
+#include "evaluation/report/metrics.h"
 
 namespace uniquadric {
 
@@ -26,6 +29,9 @@ struct PaperRow {
 /// What tables call the two systems.
 inline constexpr const char* kPaperBaseline = "paper, single-frame baseline";
 inline constexpr const char* kPaperUniquadric = "paper, UniQuadric";
+
+/// The metrics that the table has, in order.
+std::vector<const Metric*> paper_metrics();
 
 std::span<const PaperRow> paper_rows();
 /// The row of an object in the scene made after the paper's; nothing in any other scene

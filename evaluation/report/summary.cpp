@@ -60,12 +60,6 @@ std::vector<Spread*> comparable(const std::vector<SummaryRow*>& rows, const char
   return spreads;
 }
 
-// Empty: what was known at each frame.
-std::string output_of(const std::string& variant) {
-  const std::size_t at = variant.find('@');
-  return at == std::string::npos ? "" : variant.substr(at);
-}
-
 // Marks the best of rows of one scene, object and output.
 void mark_best(const std::vector<SummaryRow*>& rows) {
   const auto less = [](const Spread* a, const Spread* b) { return a->median < b->median; };
@@ -96,6 +90,11 @@ std::vector<std::string> paper_line(const SummaryRow& row, const char* system, c
 }
 
 }  // namespace
+
+std::string output_of(const std::string& variant) {
+  const std::size_t at = variant.find('@');
+  return at == std::string::npos ? "" : variant.substr(at);
+}
 
 bool shows_given(const SummaryRow& row, const Metric& metric) {
   return row.given && metric.lower_is_better;

@@ -37,6 +37,9 @@ struct SummaryRow {
 /// metric: who loses the hard runs is not the better for it. Given cameras are left out.
 std::vector<SummaryRow> summarize(const Results& results);
 
+/// The output of a variant's row: "@final" of VARIANT@final; empty: what was known at each frame.
+std::string output_of(const std::string& variant);
+
 /// Whether a table says `given` in place of the row's figure: errors of poses that were given.
 bool shows_given(const SummaryRow& row, const Metric& metric);
 

@@ -57,6 +57,7 @@
   seen.all_metrics = rows_of("summary-table").slice(0, 2);
   by_id("all-metrics").click();
   seen.times = rows_of("times-table");
+  seen.ratios = by_id("ratios").hidden ? [] : rows_of("ratio-table");
   seen.without_poses = { section: !by_id("motion-scene").hidden, view: !by_id("space-view").hidden, note: by_id("space-absent").hidden ? "" : by_id("space-absent").textContent };
   const send = () => parent.postMessage(JSON.stringify(seen), "*");
   if (!motion_state.scene) return send();

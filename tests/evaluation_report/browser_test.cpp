@@ -234,6 +234,17 @@ void expect_surfaces_and_times(const json& seen) {
   EXPECT_EQ(times[1], json({"cube_cuboid", "single_frame_obb", "12.50", "8.000", "4.500"}));
 }
 
+// The fabricated errors are 0.02 of the baseline's.
+void expect_ratios(const json& rows) {
+  ASSERT_EQ(rows.size(), 1u + 4 * 2u);  // the head; of four objects the paper's and ours
+  EXPECT_EQ(rows[0],
+            json({"scene", "object", "system", "divided by", "runs", "APE.t", "APE.r", "RPE.t", "RPE.r"}));
+  EXPECT_EQ(rows[1], json({"cube_cuboid", "cuboid", "paper, UniQuadric", "paper, single-frame baseline", "",
+                           "0.126", "0.0603", "0.107", "0.0178"}));
+  EXPECT_EQ(rows[2], json({"cube_cuboid", "cuboid", "rotbbox", "single_frame_obb", "2/2", "0.0200", "0.0200",
+                           "0.0200", "0.0200"}));
+}
+
 TEST_F(Browser, SaysWhyThereIsNo3DView) {
   const json whole = open(1280, 900, false);
   EXPECT_EQ(whole.at("without_poses").at("note"), "");
@@ -254,6 +265,7 @@ TEST_F(Browser, TablesSortAndTheSliderMovesTheEllipsoids) {
   ASSERT_TRUE(seen.is_object());
   expect_sorted(seen.at("table"));
   expect_surfaces_and_times(seen);
+  expect_ratios(seen.at("ratios"));
   expect_variants_side_by_side(seen.at("ablation"));
   expect_axes_with_marks(seen);
   expect_slider_moves_ellipsoids(seen.at("space"),

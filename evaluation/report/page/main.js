@@ -106,6 +106,7 @@ function start() {
   draw_facts();
   draw_failures();
   draw_table();
+  draw_ratios();
   start_ablation();
   draw_definitions();
   draw_made();
