@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <functional>
@@ -18,6 +19,7 @@
 #include "evaluation/image_overlap.h"
 #include "evaluation/iou/ellipsoid_iou.h"
 #include "evaluation/iou/monte_carlo.h"
+#include "evaluation/iou/solid_iou.h"
 #include "evaluation/metric_input.h"
 #include "evaluation/trajectory/pose_error.h"
 
@@ -31,21 +33,45 @@ json or_null(const std::optional<T>& value) {
   return value ? json(*value) : json();
 }
 
+// Of bodies that are not both ellipsoids. The smaller one is sampled: more of its points count.
+json answer_solids(const PosedBody& a, const PosedBody& b, const MetricOptions& options) {
+  const bool a_is_smaller = superellipsoid_volume(a.body) <= superellipsoid_volume(b.body);
+  const PosedBody &sampled = a_is_smaller ? a : b, &other = a_is_smaller ? b : a;
+  const SolidSamples samples({sampled.body, {}}, options.samples, options.seed);
+  const SolidIou pair =
+      solid_iou(samples, other.body, relative_pose(sampled.world_from_body, other.world_from_body));
+  const MeanIou iou = mean_iou(std::span(&pair, 1));
+  return {{"iou", iou.mean},
+          {"stderr", iou.standard_error},
+          {"method", iou.standard_error == 0 ? "exact" : "sampled"}};
+}
+
+using EllipsoidAnswer = std::function<json(const Ellipsoid&, const Ellipsoid&)>;
+
+// By `of_ellipsoids` for two ellipsoids.
+Answer for_any_shape(const MetricOptions& options, const EllipsoidAnswer& of_ellipsoids) {
+  return [options, of_ellipsoids](const MetricLine& line) -> json {
+    const PosedBody truth = line.body("gt"), estimate = line.body("est");
+    if (!is_ellipsoid(truth.body) || !is_ellipsoid(estimate.body))
+      return answer_solids(truth, estimate, options);
+    return of_ellipsoids({truth.world_from_body, truth.body.semi_axes_m},
+                         {estimate.world_from_body, estimate.body.semi_axes_m});
+  };
+}
+
 Answer answer_iou3d(const MetricOptions& options) {
   if (options.method == "exact")
-    return [](const MetricLine& line) -> json {
-      const double iou = ellipsoid_iou(line.ellipsoid("gt"), line.ellipsoid("est"));
-      return {{"iou", iou}, {"stderr", 0.0}, {"method", "exact"}};
-    };
+    return for_any_shape(options, [](const Ellipsoid& truth, const Ellipsoid& estimate) -> json {
+      return {{"iou", ellipsoid_iou(truth, estimate)}, {"stderr", 0.0}, {"method", "exact"}};
+    });
   if (options.method != "monte-carlo")
     throw InputError(fmt::format("method '{}' is none of exact, monte-carlo", options.method));
   if (options.samples < 1) throw InputError("samples: expected a number greater than 0");
   const auto samples = std::make_shared<BallSamples>(options.samples, options.seed);
-  return [samples](const MetricLine& line) -> json {
-    const auto [iou, error] =
-        ellipsoid_iou_monte_carlo(line.ellipsoid("gt"), line.ellipsoid("est"), *samples);
+  return for_any_shape(options, [samples](const Ellipsoid& truth, const Ellipsoid& estimate) -> json {
+    const auto [iou, error] = ellipsoid_iou_monte_carlo(truth, estimate, *samples);
     return {{"iou", iou}, {"stderr", error}, {"method", "monte-carlo"}};
-  };
+  });
 }
 
 json answer_project(const MetricLine& line) {
@@ -89,6 +115,9 @@ json answer_pose(const MetricLine& line) {
           {"d_shape_m", shape_distance_m(estimate, truth)}};
 }
 
+// Of every kind: a line may be asked several.
+constexpr std::array<std::string_view, 4> kLineKeys = {"camera", "est", "gt", "id"};
+
 Answer answer_for(const std::string& kind, const MetricOptions& options) {
   if (kind == "iou3d") return answer_iou3d(options);
   if (kind == "iou2d") return answer_iou2d;
@@ -125,6 +154,7 @@ int run_metric(const std::string& kind, const MetricOptions& options, std::istre
         throw InputError(fmt::format("is longer than {} bytes", kMostLineBytes));
       const MetricLine input(line);
       id = json::parse(input.id_json());
+      input.refuse_other_keys(kLineKeys);
       result = answer(input);
     } catch (const InputError& e) {
       result = {{"error", e.what()}, {"line", number}};

@@ -8,8 +8,8 @@ namespace uniquadric {
 
 struct MetricOptions {
   std::string method = "exact";  ///< of iou3d: exact or monte-carlo
-  int samples = 100'000;         ///< of monte-carlo
-  std::uint64_t seed = 0;        ///< of monte-carlo
+  int samples = 100'000;         ///< of monte-carlo, and of shapes whose IoU has no closed form
+  std::uint64_t seed = 0;        ///< of the same
 };
 
 /// Answers each JSON line of `in` with one JSON line on `out`, as it comes. `kind` is iou3d, iou2d, project

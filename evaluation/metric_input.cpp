@@ -1,6 +1,7 @@
 #include "evaluation/metric_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -68,6 +69,11 @@ std::string shown(const json& value) {
                                   : fmt::format("{} {}", value.type_name(), text);
 }
 
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kMostShown = 40;
+  return text.size() > kMostShown ? text.substr(0, kMostShown) + "..." : text;
+}
+
 template <std::size_t N>
 std::array<double, N> numbers(const json& object, const std::string& path, const char* key) {
   const json& list = member(object, path, key);
@@ -109,6 +115,39 @@ Eigen::Quaterniond unit_quaternion(const json& object, const std::string& path, 
     throw InputError(fmt::format("{}.{}: quaternion has norm {}, not 1", path, key, q.norm()));
   if (off > kQuaternionKeepTolerance) q.normalize();
   return q;
+}
+
+void refuse_unknown(const json& object, const std::string& path, std::span<const std::string_view> known) {
+  for (const auto& [key, value] : object.items())
+    if (std::ranges::find(known, key) == known.end())
+      throw InputError(fmt::format("{}key '{}' is unknown, expected {}", path.empty() ? "" : path + ": ",
+                                   shortened(key), fmt::join(known, ", ")));
+}
+
+constexpr std::array<std::string_view, 4> kBodyKeys = {"a", "c", "q", "shape"};
+constexpr std::array<std::string_view, 5> kCameraKeys = {"K", "height", "q_wc", "t_wc", "width"};
+
+void read_exponents(const json& described, const std::string& path, Superellipsoid& body) {
+  constexpr std::array<std::string_view, 2> kKeys = {"axis", "q"};
+  refuse_unknown(described, path, std::array{std::string_view("superellipsoid")});
+  const json& superellipsoid = member(described, path, "superellipsoid");
+  const std::string name = path + ".superellipsoid";
+  const auto q = numbers<3>(superellipsoid, name, "q");
+  for (std::size_t i = 0; i < 3; ++i) expect_within(q[i], 1, 2, fmt::format("{}.q[{}]", name, i));
+  refuse_unknown(superellipsoid, name, kKeys);
+  body.exponents = {q[0], q[1], q[2]};
+  const json axis = superellipsoid.value("axis", json("z"));
+  if (axis != "x" && axis != "y" && axis != "z")
+    throw InputError(fmt::format("{}.axis: expected x, y or z, found {}", name, shown(axis)));
+  body.profile_axis = axis.get<std::string>()[0] - 'x';
+}
+
+void read_shape(const json& described, const std::string& path, Superellipsoid& body) {
+  if (described.is_object()) return read_exponents(described, path, body);
+  if (described != "box" && described != "ellipsoid")
+    throw InputError(fmt::format("{}: expected ellipsoid, box or an object with superellipsoid, found {}",
+                                 path, shown(described)));
+  if (described == "box") body.exponents = {1, 1, 1};
 }
 
 constexpr const char* kBlanks = " \t\r\n";
@@ -184,15 +223,27 @@ std::string MetricLine::id_json() const {
   return id->dump();
 }
 
+void MetricLine::refuse_other_keys(std::span<const std::string_view> known) const {
+  refuse_unknown(json_->value, "", known);
+}
+
 Ellipsoid MetricLine::ellipsoid(const char* key) const {
+  const auto [body, world_from_body] = this->body(key);
+  return {world_from_body, body.semi_axes_m};
+}
+
+PosedBody MetricLine::body(const char* key) const {
   const json& line = json_->value;
   const auto found = line.find(key);
   if (found == line.end()) throw InputError(fmt::format("{} is missing", key));
-  Ellipsoid result;
-  result.world_from_object = {unit_quaternion(*found, key, "q"), position_m(*found, key, "c")};
-  result.semi_axes_m = vector3(*found, key, "a", kMinSemiAxis_m, kMaxSemiAxis_m);
-  if (result.semi_axes_m.maxCoeff() > kMaxAxisRatio * result.semi_axes_m.minCoeff())
+  PosedBody result;
+  result.world_from_body = {unit_quaternion(*found, key, "q"), position_m(*found, key, "c")};
+  Eigen::Vector3d& semi_axes_m = result.body.semi_axes_m;
+  semi_axes_m = vector3(*found, key, "a", kMinSemiAxis_m, kMaxSemiAxis_m);
+  if (semi_axes_m.maxCoeff() > kMaxAxisRatio * semi_axes_m.minCoeff())
     throw InputError(fmt::format("{}.a: the semi-axes are more than {} times apart", key, kMaxAxisRatio));
+  refuse_unknown(*found, key, kBodyKeys);
+  if (found->contains("shape")) read_shape(found->at("shape"), fmt::format("{}.shape", key), result.body);
   return result;
 }
 
@@ -207,6 +258,7 @@ PosedCamera MetricLine::camera() const {
     expect_within(K[i], -kMaxPrincipalPoint_px, kMaxPrincipalPoint_px, fmt::format("camera.K[{}]", i));
   if (K[1] != 0 || K[3] != 0 || K[6] != 0 || K[7] != 0 || K[8] != 1)
     throw InputError("camera.K: expected fx 0 cx 0 fy cy 0 0 1");
+  refuse_unknown(*found, "camera", kCameraKeys);
   PosedCamera result;
   result.camera.fx = K[0];
   result.camera.cx = K[2];
