@@ -185,8 +185,12 @@ void compare_bodies(const fs::path& truth_folder, const Tracks& truth, const Tra
   for (ObjectEvaluation& object : evaluation.objects) {
     const auto described = descriptions.find(object.id);
     if (described == descriptions.end() || !object.matched_id) continue;
-    if (const auto body = true_solid(truth_folder, described->second))
-      compare_solids(*body, track_of(truth, object.id), track_of(estimate, *object.matched_id), seed, object);
+    const auto body = true_solid(truth_folder, described->second);
+    if (!body) continue;
+    const ObjectTrack &true_track = track_of(truth, object.id),
+                      &track = track_of(estimate, *object.matched_id);
+    compare_solids(*body, true_track, track, seed, object);
+    compare_body_surfaces(*body, true_track, track, object);
   }
 }
 

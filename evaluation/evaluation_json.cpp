@@ -79,6 +79,7 @@ json in_view(const ObjectEvaluation& object) {
           {"matched_frames", seen.matched_frames},
           {"ape", pose_errors(seen, &ObjectFrame::ape)},
           {"rpe", pose_errors(seen, &ObjectFrame::rpe)},
+          {"iou3d_solid", over_frames(seen, [](const ObjectFrame& frame) { return frame.iou3d_solid; })},
           {"iou2d", over_frames(seen, [](const ObjectFrame& frame) { return frame.iou2d; })}};
 }
 
@@ -135,6 +136,14 @@ json solid_iou_json(const ObjectEvaluation& object) {
   return result;
 }
 
+// Null where the truth has no surface.
+json surface_f1_json(const ObjectEvaluation& object) {
+  if (!object.surface_tolerance_m) return nullptr;
+  json result = over_frames(object, [](const ObjectFrame& frame) { return frame.surface_f1; });
+  result["within_m"] = *object.surface_tolerance_m;
+  return result;
+}
+
 json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
   const auto figure = [&](std::optional<double> ObjectFrame::*member) {
     return over_frames(object, [member](const ObjectFrame& frame) { return frame.*member; });
@@ -157,6 +166,8 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"drift", to_json(object.drift)},
                  {"iou3d", figure(&ObjectFrame::iou3d)},
                  {"iou3d_solid", solid_iou_json(object)},
+                 {"surface_f1", surface_f1_json(object)},
+                 {"chamfer_m", figure(&ObjectFrame::chamfer_m)},
                  {"iou3d_box", figure(&ObjectFrame::iou3d_box)},
                  {"iou3d_monte_carlo", monte_carlo(object, options)},
                  {"iou2d", figure(&ObjectFrame::iou2d)},

@@ -7,7 +7,7 @@ namespace {
 
 constexpr const char* kHeader =
     "frame,timestamp_ns,object_id,name,matched_id,ape_translation_m,ape_rotation_rad,ape_rotation_naive_rad,"
-    "iou3d,iou3d_solid,"
+    "iou3d,iou3d_solid,surface_f1,chamfer_m,"
     "iou3d_monte_carlo,iou3d_stderr,iou2d,iou2d_ellipse,d_shape_m,est_semi_axis_x_m,est_semi_axis_y_m,"
     "est_semi_axis_z_m,true_semi_axis_x_m,true_semi_axis_y_m,true_semi_axis_z_m,rpe_translation_m,rpe_"
     "rotation_rad,"
@@ -25,7 +25,8 @@ std::string cells(const std::optional<PoseError>& error) {
 std::string row(const ObjectEvaluation& object, const ObjectFrame& frame) {
   std::string text = fmt::format("{},{},{},{},", frame.frame, frame.stamp_ns, object.id, object.name);
   if (frame.estimate && object.matched_id) text += fmt::format("{}", *object.matched_id);
-  text += cells(frame.ape) + cell(frame.ape_rotation_naive_rad) + cell(frame.iou3d) + cell(frame.iou3d_solid);
+  text += cells(frame.ape) + cell(frame.ape_rotation_naive_rad) + cell(frame.iou3d) +
+          cell(frame.iou3d_solid) + cell(frame.surface_f1) + cell(frame.chamfer_m);
   const auto& sampled = frame.iou3d_monte_carlo;
   text += sampled ? fmt::format(",{},{}", sampled->iou, sampled->standard_error) : ",,";
   text += cell(frame.iou2d) + cell(frame.iou2d_ellipse) + cell(frame.d_shape_m);

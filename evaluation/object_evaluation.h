@@ -40,6 +40,7 @@ struct ObjectEvaluation {
   std::optional<Drift> drift;
   std::optional<Pose> truth_from_body;  ///< where the track's own frame usually lies in the true one
   std::optional<SolidScore> solid;
+  std::optional<double> surface_tolerance_m;  ///< of `surface_f1`
   std::optional<SurfaceError> surface;
   std::optional<FeatureDepthError> feature_depth;
 };
@@ -62,7 +63,7 @@ struct ObjectContext {
 
 /// Compares a truth object with the track it was matched to; of `description` shape and symmetry count.
 /// `matched_states[k]` is the track's state at the truth's state k. `track` null: never found.
-/// Fills everything except `id_switches`, `surface`, `feature_depth` and what compare_solids() fills.
+/// Fills everything except `id_switches`, `surface`, `feature_depth` and what object_solid.h fills.
 ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescription& description,
                                  const ObjectTrack* track,
                                  const std::vector<std::optional<MatchedState>>& matched_states,

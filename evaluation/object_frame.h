@@ -46,6 +46,8 @@ struct ObjectFrame {
   std::optional<PoseError> rpe, motion;
   std::optional<double> iou3d, iou3d_box, d_shape_m;  ///< of the ellipsoids; of the boxes about them
   std::optional<double> iou3d_solid;                  ///< of the estimated body and the true one
+  /// Of the same two surfaces: F1 of the shares near the other, mean of the mean distances.
+  std::optional<double> surface_f1, chamfer_m;
   std::optional<MonteCarloIou> iou3d_monte_carlo;
   std::optional<double> iou2d, iou2d_ellipse;  ///< empty where one of the two has no elliptic outline
 };

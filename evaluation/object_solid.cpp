@@ -1,9 +1,12 @@
 #include "evaluation/object_solid.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <utility>
 #include <vector>
 
+#include "evaluation/metrics/body_surface.h"
 #include "evaluation/object_surface.h"
 
 namespace uniquadric {
@@ -11,6 +14,7 @@ namespace {
 
 // In the box about the true body; measured: a standard error of 0.002 of a frame at most.
 constexpr int kCandidates = 32768;
+constexpr std::size_t kGrain = 8;  // frames in a row, which often have one shape
 constexpr SuperExponents kBoxExponents{1, 1, 1};
 
 std::vector<std::size_t> matched_frames(const ObjectEvaluation& object) {
@@ -22,15 +26,23 @@ std::vector<std::size_t> matched_frames(const ObjectEvaluation& object) {
 
 }  // namespace
 
-std::optional<TrueSolid> true_solid(const std::filesystem::path& truth, const ObjectDescription& object) {
-  const Eigen::Vector3d& axes_m = object.semi_axes_m;
-  if (const auto surface = true_surface_of_file(truth, object)) {
-    const auto mesh = std::make_shared<MeshSolid>(surface->points, surface->triangles);
-    return TrueSolid{{{axes_m}, mesh}, to_string(mesh->kind())};
+std::unique_ptr<const TrueSolid> true_solid(const std::filesystem::path& truth,
+                                            const ObjectDescription& object) {
+  auto result = std::make_unique<TrueSolid>();
+  Solid& solid = result->solid;
+  solid.body.semi_axes_m = object.semi_axes_m;
+  if (auto surface = true_surface_of_file(truth, object)) {
+    solid.mesh = std::make_shared<MeshSolid>(surface->points, surface->triangles);
+    result->kind = to_string(solid.mesh->kind());
+    result->surface = std::move(*surface);
+    return result;
   }
-  if (object.shape == "box") return TrueSolid{{{axes_m, kBoxExponents}}, "box"};
-  if (object.shape == "ellipsoid" || object.shape == "ball") return TrueSolid{{{axes_m}}, "ellipsoid"};
-  return std::nullopt;
+  const bool is_box = object.shape == "box";
+  if (!is_box && object.shape != "ellipsoid" && object.shape != "ball") return nullptr;
+  if (is_box) solid.body.exponents = kBoxExponents;
+  result->kind = is_box ? "box" : "ellipsoid";
+  result->surface = tessellate(solid.body);
+  return result;
 }
 
 Superellipsoid solid_of(const ObjectState& state) {
@@ -52,6 +64,35 @@ void compare_solids(const TrueSolid& body, const ObjectTrack& truth, const Objec
   });
   for (std::size_t i = 0; i < matched.size(); ++i) object.frames[matched[i]].iou3d_solid = pairs[i].iou;
   object.solid = {body.kind, mean_iou(pairs)};
+}
+
+void compare_body_surfaces(const TrueSolid& body, const ObjectTrack& truth, const ObjectTrack& estimate,
+                           ObjectEvaluation& object) {
+  const std::vector<std::size_t> matched = matched_frames(object);
+  const ReferenceSurface true_surface = reference_surface(body.surface);
+  if (matched.empty() || true_surface.points.empty()) return;
+  const double within_m = surface_tolerance_m(body.surface);
+  const auto compare_frames = [&](const tbb::blocked_range<std::size_t>& range) {
+    std::optional<Superellipsoid> shape;
+    std::optional<ReferenceSurface> surface;
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      ObjectFrame& frame = object.frames[matched[i]];
+      const ObjectState& state = estimate.states[*frame.state];
+      if (!shape || !is_same_shape(*shape, solid_of(state))) {
+        shape = solid_of(state);
+        surface = reference_surface(tessellate(*shape));
+      }
+      if (surface->points.empty()) continue;  // too small to have an area
+      const Pose& world_from_truth = truth.states[matched[i]].ellipsoid.world_from_object;
+      const SurfaceScore score =
+          surface_score(true_surface, *surface,
+                        relative_pose(world_from_truth, state.ellipsoid.world_from_object), within_m);
+      frame.surface_f1 = score.f1;
+      frame.chamfer_m = score.chamfer_m;
+    }
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, matched.size(), kGrain), compare_frames);
+  object.surface_tolerance_m = within_m;
 }
 
 }  // namespace uniquadric

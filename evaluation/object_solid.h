@@ -1,10 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
+#include <memory>
 #include <string>
 
 #include "core/sequence/calibration.h"
+#include "core/sequence/ply.h"
 #include "core/sequence/tracks.h"
 #include "evaluation/iou/solid.h"
 #include "evaluation/object_evaluation.h"
@@ -14,12 +15,14 @@ namespace uniquadric {
 /// The body that an object really is, and how its inside is known.
 struct TrueSolid {
   Solid solid;
-  std::string kind;  ///< box, ellipsoid, or of a mesh: closed, closed_unoriented, open
+  std::string kind;     ///< box, ellipsoid, or of a mesh: closed, closed_unoriented, open
+  SurfaceFile surface;  ///< the mesh, or the tessellated body
 };
 
 /// In the object's frame: what truth/objects/ID.ply encloses, else the box or the ellipsoid that the truth
-/// says it is; nothing of other shapes. Throws InputError as true_surface().
-std::optional<TrueSolid> true_solid(const std::filesystem::path& truth, const ObjectDescription& object);
+/// says it is; null for other shapes. Throws InputError as true_surface().
+std::unique_ptr<const TrueSolid> true_solid(const std::filesystem::path& truth,
+                                            const ObjectDescription& object);
 
 /// The body that an estimate's state describes, in its own frame.
 Superellipsoid solid_of(const ObjectState& state);
@@ -29,5 +32,10 @@ Superellipsoid solid_of(const ObjectState& state);
 /// matched. The same for any number of processors.
 void compare_solids(const TrueSolid& body, const ObjectTrack& truth, const ObjectTrack& estimate,
                     std::uint64_t seed, ObjectEvaluation& object);
+
+/// Fills `surface_f1` and `chamfer_m` of the matched frames and `surface_tolerance_m` of an object, where its
+/// true surface has an area. The tracks are those of compare_solids(). The same for any number of processors.
+void compare_body_surfaces(const TrueSolid& body, const ObjectTrack& truth, const ObjectTrack& estimate,
+                           ObjectEvaluation& object);
 
 }  // namespace uniquadric

@@ -26,6 +26,10 @@ double norm_of(double u, double v, double p) {
 
 }  // namespace
 
+bool is_same_shape(const Superellipsoid& a, const Superellipsoid& b) {
+  return a.semi_axes_m == b.semi_axes_m && a.exponents == b.exponents && a.profile_axis == b.profile_axis;
+}
+
 bool is_box(const Superellipsoid& body) {
   return all_are(body.exponents, 1);
 }

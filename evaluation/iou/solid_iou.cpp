@@ -31,8 +31,7 @@ SolidIou exact(double iou) {
 }
 
 bool is_same(const Solid& a, const Superellipsoid& b, const Pose& a_from_b) {
-  return !a.mesh && a.body.semi_axes_m == b.semi_axes_m && a.body.exponents == b.exponents &&
-         a.body.profile_axis == b.profile_axis && a_from_b.translation.isZero(0) &&
+  return !a.mesh && is_same_shape(a.body, b) && a_from_b.translation.isZero(0) &&
          a_from_b.rotation.vec().isZero(0);
 }
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/geometry/pose.h"
 #include "core/geometry/superquadric.h"
 #include "core/sequence/ply.h"
 #include "evaluation/metrics/surface_distance.h"

@@ -54,6 +54,17 @@ constexpr Metric kMetrics[] = {
      "Volume of intersection over volume of union of the estimated body, with its exponents, and the true "
      "mesh, else the true box or ellipsoid; mean over frames. Sampled: evaluation.json has the standard "
      "error."},
+    {"iou3d_solid_in_view_mean", "IoU solid in view", "", kHigher, kObject, "/in_view/iou3d_solid/mean",
+     "IoU solid over the frames in which the truth says that the object is visible."},
+    {"surface_f1", "surface F1", "", kHigher, kObject, "/surface_f1/mean",
+     "F1 score of the estimated body's surface, mean over frames. Precision is the share of its points "
+     "within "
+     "t of the true surface, recall that of the true surface's points within t of it; t is 10 mm or 1 % of "
+     "the "
+     "true body's largest extent, whichever is more."},
+    {"chamfer_m", "chamfer", "m", kLower, kObject, "/chamfer_m/mean",
+     "Chamfer distance of the same two surfaces, mean over frames: half the sum of the mean distance of the "
+     "estimated surface's points from the true surface and of the true one's from the estimated."},
     {"iou3d_ellipsoid_mean", "IoU ellipsoid", "", kHigher, kObject, "/iou3d/mean",
      "Volume of intersection over volume of union of the true and the estimated ellipsoid, mean over frames. "
      "Exact: "

@@ -50,12 +50,47 @@ TEST_F(ObjectSolid, TakesTheMeshBeforeTheShape) {
   EXPECT_NEAR(cube["mean"], 0.5, 1e-5);
 }
 
+TEST_F(ObjectSolid, SurfacesOfTheSameBodyAreOne) {
+  write_changed([](Tracks& tracks) {
+    for (ObjectState& state : tracks.objects[0].states) state.exponents = {1, 1, 1};
+  });
+  const json objects = run()["objects"];
+  for (const int i : {0, 2}) {
+    EXPECT_EQ(objects[i]["surface_f1"]["mean"], 1) << i;
+    EXPECT_EQ(objects[i]["surface_f1"]["n"], kFrames) << i;
+    EXPECT_EQ(objects[i]["surface_f1"]["within_m"], 0.01) << i;
+    EXPECT_NEAR(objects[i]["chamfer_m"]["mean"], 0, 1e-6) << i;
+  }
+}
+
+// A box of 4 x 2 x 2 m whose estimate becomes 6 cm higher halfway.
+TEST_F(ObjectSolid, SurfacesFollowTheMeshAndEachFramesShape) {
+  const TestMesh box = box_mesh({0, 0, 0}, {2, 1, 1});
+  write_surface_ply(truth() / "objects/1.ply", {box.corners, {}, box.triangles}, "");
+  write_changed([](Tracks& tracks) {
+    auto& states = tracks.objects[0].states;
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      states[k].exponents = {1, 1, 1};
+      states[k].ellipsoid.semi_axes_m =
+          k < kFrames / 2 ? Eigen::Vector3d(2, 1, 1) : Eigen::Vector3d(2, 1, 1.03);
+    }
+  });
+  const json cuboid = run()["objects"][0];
+  EXPECT_EQ(cuboid["surface_f1"]["within_m"], 0.04);  // of 4 m
+  EXPECT_EQ(cuboid["surface_f1"]["mean"], 1);
+  EXPECT_NEAR(cuboid["chamfer_m"]["min"], 0, 1e-6);
+  // top and bottom, 16 of 40 m^2, are 0.03 m off
+  EXPECT_NEAR(cuboid["chamfer_m"]["max"], 0.03 * 16 / 40, 0.001);
+}
+
 TEST_F(ObjectSolid, IsEmptyWithoutATrueBody) {
   std::vector<ObjectDescription> objects = kObjects;
   for (ObjectDescription& object : objects) object.shape = "mesh";
   write_objects_yaml(truth() / "objects.yaml", objects);
   write_changed([](Tracks&) {});
-  EXPECT_TRUE(run()["objects"][0]["iou3d_solid"].is_null());
+  const json cuboid = run()["objects"][0];
+  for (const char* figure : {"iou3d_solid", "surface_f1", "chamfer_m"})
+    EXPECT_TRUE(cuboid[figure].is_null()) << figure;
 }
 
 }  // namespace

@@ -190,6 +190,8 @@ TEST_F(Presence, FiguresInViewEqualTheOthersOfWhatIsAlwaysVisible) {
     EXPECT_EQ(cuboid["in_view"]["rpe"][part], cuboid["rpe"][part]);
   }
   EXPECT_EQ(cuboid["in_view"]["iou2d"], cuboid["iou2d"]);
+  EXPECT_EQ(cuboid["in_view"]["iou3d_solid"]["n"], kFrames);
+  EXPECT_NEAR(cuboid["in_view"]["iou3d_solid"]["mean"], cuboid["iou3d_solid"]["mean"], 1e-9);
   EXPECT_GT(cuboid["in_view"]["ape"]["translation_m"]["rmse"], 0.001);
 }
 
@@ -213,6 +215,8 @@ TEST_F(Presence, FiguresInViewLeaveOutHiddenFrames) {
   EXPECT_LT(in_view["rpe"]["translation_m"]["max"], 0.01);
   EXPECT_EQ(in_view["iou2d"]["n"], kFrames - 5);
   EXPECT_GT(in_view["iou2d"]["mean"], cuboid["iou2d"]["mean"]);
+  EXPECT_EQ(in_view["iou3d_solid"]["n"], kFrames - 5);
+  EXPECT_GT(in_view["iou3d_solid"]["mean"], cuboid["iou3d_solid"]["mean"]);
 }
 
 TEST_F(Presence, WithoutVisibilityNothingIsInView) {
