@@ -33,8 +33,8 @@ Eigen::AlignedBox3d bounding_box(const Solid& solid);
 /// The volume in closed form [m^3]; nothing of a mesh.
 std::optional<double> known_volume(const Solid& solid);
 
-/// Whether points are inside a superellipsoid. Powers are computed only between the ellipsoid that lies in it
-/// and its box.
+/// Whether points are inside a superellipsoid. pow() is called only between two bodies around its surface
+/// whose powers are 2, 4, 8, ..., which squaring gives.
 class InsideTest {
  public:
   /// Points are in a frame in which the body has the pose points_from_body.
@@ -45,6 +45,8 @@ class InsideTest {
   Eigen::Matrix3d unit_from_points_;
   Eigen::Vector3d middle_;                      // in the points' frame
   double outline_ = 2, upper_ = 2, lower_ = 2;  // powers of the norms, infinite for flat sides
+  int inner_ = 1;                               // squarings: 2^inner_ is at most each power
+  std::optional<int> outer_;  // 2^outer_ is at least each power; nothing where they are too large
 };
 
 /// Of each point [m] in the solid's frame 1 where it is inside, else 0.
