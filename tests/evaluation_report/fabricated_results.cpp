@@ -52,6 +52,7 @@ json object_json(int id, const std::string& name, double error_m) {
           {"rpe", pose_error(error_m / 2, error_m)},
           {"motion_error", pose_error(error_m, error_m)},
           {"iou3d", stats(1 / (1 + error_m))},
+          {"iou3d_solid", stats(1 / (1 + error_m / 4))},
           {"iou2d", stats(1 / (1 + error_m / 2))},
           {"iou2d_ellipse", stats(1 / (1 + error_m / 3))},
           {"d_shape_m", stats(error_m)},

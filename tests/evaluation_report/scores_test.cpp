@@ -91,8 +91,8 @@ TEST(Scores, EveryFigureOfAFabricatedBenchReadsBack) {
   fabricate_results(folder.path(), {.frames = 5, .overlays = 0});
   const Results results = read_results(folder.path());
   const std::vector<Score> rows = scores(results);
-  // Per run 2 objects x 17 metrics without drift, the camera's 5 and 4 of `all`.
-  EXPECT_EQ(rows.size(), 8u * (2 * 17 + 5 + 4));
+  // Per run 2 objects x 18 metrics without drift, the camera's 5 and 4 of `all`.
+  EXPECT_EQ(rows.size(), 8u * (2 * 18 + 5 + 4));
   int line = -2, failed = 0;
   write_file(folder.path() / "scores.csv", scores_csv(rows));
   for_each_line(
@@ -107,7 +107,7 @@ TEST(Scores, EveryFigureOfAFabricatedBenchReadsBack) {
       },
       ',');
   EXPECT_EQ(line + 1, static_cast<int>(rows.size()));
-  EXPECT_EQ(failed, 2 * 17 + 5 + 4);  // the one failed run
+  EXPECT_EQ(failed, 2 * 18 + 5 + 4);  // the one failed run
 }
 
 }  // namespace
