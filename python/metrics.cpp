@@ -4,11 +4,16 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <memory>
 #include <sstream>
+#include <vector>
 
 #include "core/base/error.h"
+#include "core/sequence/ply.h"
 #include "evaluation/iou/box_iou.h"
+#include "evaluation/iou/solid_iou.h"
 #include "evaluation/metric_input.h"
 #include "evaluation/trajectory_comparison.h"
 #include "python/module_parts.h"
@@ -26,6 +31,40 @@ std::string answer(const std::string& kind, const std::string& line) {
 double box_iou_of(const std::string& text) {
   const MetricLine line(text);
   return box_iou(line.ellipsoid("gt"), line.ellipsoid("est"));
+}
+
+MeshSolid mesh_of(const py::array_t<double>& vertices, const py::array_t<std::int64_t>& triangles) {
+  const auto points = vertices.unchecked<2>();
+  const auto faces = triangles.unchecked<2>();
+  std::vector<Eigen::Vector3f> corners;
+  for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+    const Eigen::Vector3d point(points(i, 0), points(i, 1), points(i, 2));
+    if (!(point.cwiseAbs().maxCoeff() <= kMostPlyCoordinate_m))
+      throw InputError(fmt::format("vertices[{}]: expected numbers up to {} m", i, kMostPlyCoordinate_m));
+    corners.push_back(point.cast<float>());
+  }
+  std::vector<std::array<std::uint32_t, 3>> corners_of_triangles;
+  for (py::ssize_t i = 0; i < faces.shape(0); ++i) {
+    auto& triangle = corners_of_triangles.emplace_back();
+    for (py::ssize_t k = 0; k < 3; ++k) {
+      if (faces(i, k) < 0 || faces(i, k) >= points.shape(0))
+        throw InputError(
+            fmt::format("triangles[{}]: {} is no index of {} vertices", i, faces(i, k), points.shape(0)));
+      triangle[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(faces(i, k));
+    }
+  }
+  return {corners, corners_of_triangles};
+}
+
+// Of what the mesh encloses and the body "est" of a JSON line, whose pose is in the mesh's frame.
+double mesh_iou_of(const py::array_t<double>& vertices, const py::array_t<std::int64_t>& triangles,
+                   const std::string& text) {
+  const PosedBody estimate = MetricLine(text).body("est");
+  const MetricOptions options;
+  const auto mesh = std::make_shared<MeshSolid>(mesh_of(vertices, triangles));
+  const SolidSamples samples({{}, mesh}, options.samples, options.seed);
+  if (!(samples.volume() > 0)) throw InputError("triangles: they enclose no volume");
+  return solid_iou(samples, estimate.body, estimate.world_from_body).iou;
 }
 
 Trajectory trajectory_of(const std::vector<std::int64_t>& stamps_ns, const py::array_t<double>& matrices,
@@ -129,6 +168,7 @@ py::dict trajectory_errors(const py::object& reference, const py::object& estima
 void add_metrics(py::module_& module) {
   module.def("metric", &answer);
   module.def("box_iou", &box_iou_of);
+  module.def("mesh_iou", &mesh_iou_of);
   module.def("trajectory_errors",
              [](const py::object& reference, const py::object& estimate, const std::string& relation,
                 const std::string& part, const std::string& align, std::optional<std::size_t> align_pairs,

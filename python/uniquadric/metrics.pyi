@@ -6,7 +6,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import Camera
 
-Body = Tuple[ArrayLike, ArrayLike]
+Shape = Union[str, dict[str, object]]
+Body = Union[Tuple[ArrayLike, ArrayLike], Tuple[ArrayLike, ArrayLike, Shape]]
 Path = Union[str, "os.PathLike[str]"]
 Poses = Union[Path, Tuple[ArrayLike, ArrayLike]]
 
@@ -43,6 +44,7 @@ class TrajectoryErrors(TypedDict):
     reference_from_estimate: NDArray[np.float64]
 
 def iou3d(truth: Body, estimate: Body) -> float: ...
+def iou3d_mesh(vertices: ArrayLike, triangles: ArrayLike, estimate: Body) -> float: ...
 def iou3d_box(truth: Body, estimate: Body) -> float: ...
 def iou2d(truth: Body, estimate: Body, camera: Camera, world_from_camera: ArrayLike) -> Overlap: ...
 def pose_error(truth: Body, estimate: Body) -> PoseErrors: ...

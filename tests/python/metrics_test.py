@@ -45,6 +45,35 @@ class BodyMetricsTest(unittest.TestCase):
         inner = metrics.iou3d((matrix(), (1, 2, 3)), (matrix(), (0.5, 1, 1.5)))
         self.assertAlmostEqual(inner, 1 / 8, places=8)
 
+    def test_shapes(self):
+        box, ball = (matrix(), (1, 1, 1), "box"), (matrix(), (1, 1, 1))
+        self.assertAlmostEqual(metrics.iou3d(box, (matrix(), (1, 1, 0.5), "box")), 0.5, places=12)
+        self.assertAlmostEqual(metrics.iou3d(box, ball), np.pi / 6, delta=0.005)
+        cylinder = {"superellipsoid": {"q": [2, 1, 1], "axis": "x"}}
+        self.assertAlmostEqual(metrics.iou3d(box, (*ball, cylinder)), np.pi / 4, delta=0.005)
+        with self.assertRaisesRegex(uniquadric.InputError, "est.shape: expected ellipsoid, box"):
+            metrics.iou3d(box, (*ball, "cube"))
+        with self.assertRaisesRegex(uniquadric.InputError, "^est: expected a pose"):
+            metrics.iou3d(box, (*ball, "box", 1))
+
+    def test_mesh(self):
+        vertices = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+        sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+        cube = [triangle for a, b, c, d in sides for triangle in ((a, b, c), (a, c, d))]
+        ball = (matrix(), (1, 1, 1))
+        self.assertAlmostEqual(metrics.iou3d_mesh(vertices, cube, ball), np.pi / 6, delta=0.005)
+        moved = (matrix((11, 0, 0)), (1, 1, 1), "box")
+        self.assertAlmostEqual(metrics.iou3d_mesh(vertices + (10, 0, 0), cube, moved), 1 / 3, delta=0.005)
+        for vertices_given, triangles, error in (
+            (vertices, [(0, 1, 8)], r"triangles\[0\]: 8 is no index of 8 vertices"),
+            (vertices, [(0, 1, 0.5)], "triangles: expected whole numbers"),
+            (vertices, cube[:1], "triangles: they enclose no volume"),
+            (vertices * np.nan, cube, r"vertices\[0\]: expected numbers"),
+            (vertices[:, :2], cube, "vertices: expected 8x3 numbers"),
+        ):
+            with self.assertRaisesRegex(uniquadric.InputError, error):
+                metrics.iou3d_mesh(vertices_given, triangles, moved)
+
     def test_pose_error(self):
         truth = (matrix((1, 0, 0)), (0.5, 0.3, 0.2))
         angle = 0.2
