@@ -54,7 +54,7 @@ void check_mask(const fs::path& path, const Camera& camera, Problems& problems) 
 void check_poses(const fs::path& path, const std::vector<FrameInfo>& frames, Problems& problems) {
   Trajectory kept;
   for (const FrameInfo& frame : frames)
-    if (frame.world_from_camera) kept.push_back({frame.stamp_ns, *frame.world_from_camera});
+    if (frame.final_camera) kept.push_back({frame.stamp_ns, *frame.final_camera});
   const Trajectory written = read_tum(path);
   const bool is_same =
       std::equal(kept.begin(), kept.end(), written.begin(), written.end(), [](const auto& a, const auto& b) {
@@ -81,7 +81,7 @@ std::string describe_perception(const fs::path& folder) {
   text += fmt::format("frames: {} over {:.3f} s; {} with masks, {} with a camera pose\n", frames.size(),
                       frames.empty() ? 0 : seconds(frames.front().stamp_ns, frames.back().stamp_ns),
                       count([](const FrameInfo& f) { return f.has_masks; }),
-                      count([](const FrameInfo& f) { return f.world_from_camera.has_value(); }));
+                      count([](const FrameInfo& f) { return f.final_camera.has_value(); }));
   for (const auto& [id, body] : count_bodies(perception))
     text += fmt::format("body {}: in {} frames, {} features and {} points in each on average\n", id,
                         body.frames, body.features / body.frames, body.points / body.frames);

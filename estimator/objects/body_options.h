@@ -139,6 +139,7 @@ void visit(Io& io, TrajectorySmootherOptions& o) {
   io.positive("outlier", o.outlier);
   io.number("robust_rounds", o.robust_rounds, 1, 100);
   io.number("settle_s", o.settle_s, 0.0, 60.0);
+  io.number("sudden", o.sudden, 1.0, 1e9);
   io.number("history_s", o.history_s, 0.0, 60.0);
 }
 

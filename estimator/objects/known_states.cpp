@@ -17,7 +17,6 @@ namespace {
 constexpr std::int64_t kAskAgain_ns = 300'000'000;
 constexpr std::size_t kFewSamples = 30;
 constexpr std::size_t kUsualChanges = 30;  // ours: a second of them
-constexpr double kSudden = 8;              // ours: of the usual change of motion from state to state
 constexpr double kOtherNames_rad = 0.3;    // ours: axes turn by less from one estimate to the next
 
 // A state's pose of the object, whose place in the body is known by now.
@@ -76,23 +75,24 @@ double translation_change(const Pose& a, const Pose& b, const Pose& c) {
 // By how much the motion changes at a state, over `least`, and over what is usual of the states before it.
 class ChangeWatch {
  public:
-  explicit ChangeWatch(double least) : least_(least) {}
+  ChangeWatch(double least, double sudden) : least_(least), sudden_(sudden) {}
   bool is_sudden(double change) {
     const double usual = usual_.empty() ? change : std::max(least_, quantile(usual_, 0.5));
     usual_.push_back(change);
     if (usual_.size() > kUsualChanges) usual_.erase(usual_.begin());
-    return change > kSudden * usual;
+    return change > sudden_ * usual;
   }
 
  private:
-  double least_;
+  double least_, sudden_;
   std::vector<double> usual_;
 };
 
 // The stretches of a life, by number: over a jump of its poses (found again, or hit by something) no
 // trajectory is smooth.
 std::vector<int> stretches_of(std::span<const RawState> life, const TrajectorySmootherOptions& options) {
-  ChangeWatch rotation(options.least_rotation_sigma_rad), translation(options.least_translation_sigma_m);
+  ChangeWatch rotation(options.least_rotation_sigma_rad, options.sudden),
+      translation(options.least_translation_sigma_m, options.sudden);
   std::vector<int> stretches(life.size(), 0);
   for (std::size_t k = 2; k < life.size(); ++k) {
     const auto pose = [&](std::size_t i) -> const Pose& { return life[i].state.world_from_body; };

@@ -34,7 +34,9 @@ struct TrajectorySmootherOptions {
   double outlier = 3;  // sigmas at which a pose, or a step, counts half (Cauchy)
   int robust_rounds = 4;
   double settle_s = 0.3;  // time constant in which a new shape takes the place of the one before; 0: at once
-  double history_s = 3;   // of a trajectory that goes on: how far back it is smoothed
+  double sudden =
+      8;  // of the usual change of motion from state to state: a jump, before which all is forgotten
+  double history_s = 3;  // of a trajectory that goes on: how far back it is smoothed
 };
 
 /// How restless a body has been found to be: density of its jerk's noise over the variance of a pose, of

@@ -165,6 +165,15 @@ std::string run_yaml(const ExternalVariant& variant, const ExternalOptions& opti
   return text;
 }
 
+// `output`: when its poses were known.
+void keep_output(const ExternalVariant& variant, const fs::path& from, const Sequence& sequence,
+                 const std::string& output, const std::string& run, const fs::path& to) {
+  fs::create_directories(to);
+  write_estimate(to, read_output(variant, from, sequence));
+  write_camera_yaml(to / "camera.yaml", sequence.camera);
+  write_text(to / "run.yaml", fmt::format("output: {}\n", output) + run);
+}
+
 }  // namespace
 
 void run_external(const fs::path& sequence_folder, const ExternalVariant& variant,
@@ -183,10 +192,12 @@ void run_external(const fs::path& sequence_folder, const ExternalVariant& varian
                                           : open_command(variant, options, sequence_folder, work.path());
   const TreeResult result = run_tree(command, limits_of(variant, work.path()));
   if (!result.failure.empty()) throw InputError(fmt::format("{}: {}", variant.name, result.failure));
-  write_estimate(pending.path(), read_output(variant, work.path() / "out", sequence));
-  write_camera_yaml(pending.path() / "camera.yaml", sequence.camera);
+  const std::string run = run_yaml(variant, options, sequence, is_isolated);
+  keep_output(variant, work.path() / "out", sequence, variant.output, run, pending.path());
+  for (const char* output : kLaterOutputs)
+    if (fs::is_directory(work.path() / "out" / output))
+      keep_output(variant, work.path() / "out" / output, sequence, output, run, pending.path() / output);
   write_usage(pending.path(), result.usage);
-  write_text(pending.path() / "run.yaml", run_yaml(variant, options, sequence, is_isolated));
   fs::remove_all(work.path());
   pending.commit();
 }

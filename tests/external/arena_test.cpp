@@ -123,6 +123,15 @@ TEST_F(Arena, AProgramHasRowsLikeAnyVariant) {
   EXPECT_NE(compared.out.find("good"), std::string::npos) << compared.out;
 }
 
+TEST_F(Arena, WhatAProgramKnowsLaterHasRowsOfItsOwn) {
+  add("later", kGood + std::string("cp -r \"$OUT\" /tmp/copy.$$; mv /tmp/copy.$$ \"$OUT/final\"\n"));
+  ASSERT_EQ(bench().exit_code, 0);
+  const std::string scores = read_text(out() / "scores.csv");
+  for (const char* row : {"small,box,later,1,coverage", "small,box,later@final,1,coverage"})
+    EXPECT_NE(scores.find(row), std::string::npos) << row;
+  EXPECT_EQ(scores.find("later@fixed_lag"), std::string::npos);
+}
+
 TEST_F(Arena, AChangedInputRunsAgain) {
   add("good", kGood);
   ASSERT_EQ(bench().exit_code, 0);
