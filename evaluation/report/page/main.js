@@ -11,7 +11,7 @@ function draw_facts() {
   const all = runs.filter((cell) => cell.status !== "not applicable").length;
   const fact = (name, value, bad) => el("div", { class: bad ? "bad" : null }, el("dt", {}, name), el("dd", {}, value));
   by_id("facts").replaceChildren(fact("runs with a result", `${good} / ${all}`, good < all),
-    fact("scenes", scenes.length), fact("objects", subjects.length), fact("variants", variants.length), fact("seeds", data.seeds.length));
+    fact("scenes", scenes.length), fact("objects", subjects.length), fact("variants", variants.filter((v) => !v.includes("@")).length), fact("seeds", data.seeds.length));
 }
 
 function failure(cell) {
