@@ -53,8 +53,7 @@ class RecordingBench : public testing::Test {
 TEST_F(RecordingBench, WithTruthIsScoredLikeAScene) {
   const ProgramRun run = bench("{recording: with, name: mine}");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(scores().find("mine,box,quadric_extents,0,iou3d_ellipsoid_mean"), std::string::npos)
-      << scores();
+  EXPECT_NE(scores().find("mine,box,quadric_extents,0,iou3d_ellipsoid_mean"), std::string::npos) << scores();
   EXPECT_EQ(scores().find("quadric_extents,3,"), std::string::npos);  // the bench's seeds are of scenes
   EXPECT_TRUE(fs::exists(folder() / "with/sequence/sequence.yaml"));
   EXPECT_FALSE(fs::exists(out() / "simulations"));
@@ -85,8 +84,7 @@ TEST_F(RecordingBench, WithoutTruthShowsSizesAndOverlays) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const fs::path cell = out() / "cells/without/quadric_extents/seed_5";
   EXPECT_TRUE(fs::exists(cell / "overlays/sheet.jpg"));
-  EXPECT_NE(scores().find("without,all,quadric_extents,5,size_spread_mean"), std::string::npos)
-      << scores();
+  EXPECT_NE(scores().find("without,all,quadric_extents,5,size_spread_mean"), std::string::npos) << scores();
   EXPECT_EQ(scores().find("iou3d"), std::string::npos);
   EXPECT_EQ(scores().find("mota"), std::string::npos);
   const CellEvaluation evaluation = read_cell_evaluation(cell / "evaluation");
