@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/base/seconds.h"
 #include "estimator/factors/pose_jacobian.h"
 #include "estimator/objects/known_states.h"
 #include "estimator/shape/even_choice.h"
@@ -87,8 +88,7 @@ class BodyRun {
     const TrajectorySmootherOptions& options = variant.body.trajectory;
     final_ = final_states(raw_, options,
                           [&](BodyState& state, const Pose& expected) { look_again(state, expected); });
-    const auto lag_ns = static_cast<std::int64_t>(1e9 * variant.perception.fixed_lag_s);
-    lagged_ = states_known_after(lag_ns, raw_, options);
+    lagged_ = states_known_after(nanoseconds(variant.perception.fixed_lag_s), raw_, options);
     std::erase_if(raw_, [](const RawState& raw) { return raw.frame.camera_came_late; });
     causal_ = states_known_after(0, raw_, options);
     watch.stop("finish");

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
+#include <tuple>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -61,6 +63,27 @@ Tracks in_sensor_frame(const Tracks& tracks) {
   return seen;
 }
 
+// All that is compared with, read once for all outputs of an estimate.
+struct Truth {
+  fs::path folder;
+  std::string scene;
+  bool knows_objects = true;
+  TruthNotes notes;
+  Tracks tracks;
+  VisibilityTable visibility;
+  std::map<int, ObjectDescription> descriptions;
+  BallSamples samples;
+  std::map<int, std::unique_ptr<const TrueSolid>> bodies{};  // made when they are asked for; null: not known
+
+  const TrueSolid* body(int id, std::uint64_t seed) {
+    const auto described = descriptions.find(id);
+    if (described == descriptions.end()) return nullptr;
+    const auto [known, is_new] = bodies.try_emplace(id);
+    if (is_new) known->second = true_solid(folder, described->second, seed);
+    return known->second.get();
+  }
+};
+
 // For each truth state the track's state in the same frame.
 std::vector<std::optional<MatchedState>> states_of_match(const ObjectOverlaps& overlaps, std::size_t object,
                                                          std::size_t states,
@@ -117,16 +140,33 @@ ObjectOverlaps counted_overlaps(const Tracks& truth, const ObjectOverlaps& overl
   return counted;
 }
 
-Evaluation compare(const Tracks& truth, const Tracks& estimate,
-                   const std::map<int, ObjectDescription>& descriptions, const VisibilityTable& visibility,
-                   const EvaluateOptions& options, bool labels_are_partial) {
+Truth read_truth(const fs::path& folder, const std::string& scene, const EvaluateOptions& options) {
+  const bool knows_objects = !fs::exists(folder / "sequence.yaml");
+  const TruthNotes notes =
+      fs::exists(folder / "objects.yaml") ? read_truth_notes(folder / "objects.yaml") : TruthNotes{};
+  Tracks tracks = knows_objects ? read_tracks(folder) : truth_of_sequence(folder);
+  VisibilityTable visibility = read_visibility_of(folder, tracks);
+  if (options.objects.in_view) tracks.objects = only_in_view(std::move(tracks.objects), visibility);
+  return {folder,
+          scene,
+          knows_objects,
+          notes,
+          std::move(tracks),
+          std::move(visibility),
+          read_descriptions(folder),
+          BallSamples(options.iou_samples, options.seed)};
+}
+
+Evaluation compare(const Truth& reference, const Tracks& estimate, const EvaluateOptions& options) {
+  const auto& [truth, visibility, descriptions] =
+      std::tie(reference.tracks, reference.visibility, reference.descriptions);
+  const bool labels_are_partial = reference.notes.is_partial;
   const Unlabelled unlabelled =
       options.unlabelled.value_or(labels_are_partial ? Unlabelled::ignored : Unlabelled::counted_false);
   Evaluation result;
   result.unlabelled = unlabelled;
   result.camera = evaluate_camera(truth.camera, estimate.camera, kMaxDifferenceNs);
-  const BallSamples samples(options.iou_samples, options.seed);
-  const ObjectContext context{truth.camera, estimate.camera,  truth.calibration, &samples,
+  const ObjectContext context{truth.camera, estimate.camera,  truth.calibration, &reference.samples,
                               visibility,   kMaxDifferenceNs, options.body_frame};
   const std::vector<bool> scored = scored_objects(truth.objects, options.objects);
   const ObjectOverlaps overlaps = overlap_objects(truth, estimate, kMaxDifferenceNs);
@@ -155,9 +195,9 @@ Evaluation compare(const Tracks& truth, const Tracks& estimate,
 // What hangs on the true surfaces: the points that are kept of them, and the depth of features. The frames of
 // points and truth are laid on one another once for the whole track, where its poses usually have them
 // (usual_body_offset): what the poses are off by frame by frame is APE's to say.
-void compare_surfaces(const fs::path& truth_folder, const fs::path& estimate, const Tracks& truth,
-                      const std::map<int, ObjectDescription>& descriptions, double scale,
+void compare_surfaces(const Truth& reference, const fs::path& estimate, double scale,
                       Evaluation& evaluation) {
+  const auto& [truth, descriptions] = std::tie(reference.tracks, reference.descriptions);
   const auto features = read_features(estimate);
   for (std::size_t g = 0; g < evaluation.objects.size(); ++g) {
     ObjectEvaluation& object = evaluation.objects[g];
@@ -166,7 +206,7 @@ void compare_surfaces(const fs::path& truth_folder, const fs::path& estimate, co
     const auto points = kept_points(estimate, object);
     const auto seen = features.find(*object.matched_id);
     if (!points && seen == features.end()) continue;
-    const auto surface = true_surface(truth_folder, described->second);
+    const auto surface = true_surface(reference.folder, described->second);
     if (!surface) continue;
     if (points) object.surface = surface_error(*surface, *points, *object.truth_from_body, scale);
     if (seen != features.end() && truth.calibration)
@@ -176,20 +216,16 @@ void compare_surfaces(const fs::path& truth_folder, const fs::path& estimate, co
 }
 
 // The estimated bodies, whatever their shape, against the true ones.
-void compare_bodies(const fs::path& truth_folder, const Tracks& truth, const Tracks& estimate,
-                    const std::map<int, ObjectDescription>& descriptions, std::uint64_t seed,
-                    Evaluation& evaluation) {
+void compare_bodies(Truth& reference, const Tracks& estimate, std::uint64_t seed, Evaluation& evaluation) {
   const auto track_of = [](const Tracks& tracks, int id) -> const ObjectTrack& {
     return *std::ranges::find(tracks.objects, id, &ObjectTrack::id);
   };
   for (ObjectEvaluation& object : evaluation.objects) {
-    const auto described = descriptions.find(object.id);
-    if (described == descriptions.end() || !object.matched_id) continue;
-    const auto body = true_solid(truth_folder, described->second);
+    const TrueSolid* body = object.matched_id ? reference.body(object.id, seed) : nullptr;
     if (!body) continue;
-    const ObjectTrack &true_track = track_of(truth, object.id),
+    const ObjectTrack &true_track = track_of(reference.tracks, object.id),
                       &track = track_of(estimate, *object.matched_id);
-    compare_solids(*body, true_track, track, seed, object);
+    compare_solids(*body, true_track, track, object);
     compare_body_surfaces(*body, true_track, track, object);
   }
 }
@@ -223,16 +259,12 @@ void warn_of_units(const fs::path& folder, const Tracks& truth, const Tracks& es
 }
 
 // Of one output of an estimate, which may be the estimate's own folder, into an existing folder.
-void evaluate_output(const fs::path& truth_path, const fs::path& estimate_folder,
-                     const EvaluateOptions& options, const fs::path& out) {
-  const std::string of_truth = scene_of(truth_path), of_estimate = scene_of(estimate_folder);
-  require_one_scene({truth_path, of_truth}, {estimate_folder, of_estimate});
-  const bool knows_objects = !fs::exists(truth_path / "sequence.yaml");
-  const TruthNotes notes =
-      fs::exists(truth_path / "objects.yaml") ? read_truth_notes(truth_path / "objects.yaml") : TruthNotes{};
-  Tracks truth = knows_objects ? read_tracks(truth_path) : truth_of_sequence(truth_path);
-  const VisibilityTable visibility = read_visibility_of(truth_path, truth);
-  if (options.objects.in_view) truth.objects = only_in_view(std::move(truth.objects), visibility);
+void evaluate_output(Truth& reference, const fs::path& estimate_folder, const EvaluateOptions& options,
+                     const fs::path& out) {
+  const std::string of_estimate = scene_of(estimate_folder);
+  require_one_scene({reference.folder, reference.scene}, {estimate_folder, of_estimate});
+  const Tracks& truth = reference.tracks;
+  const TruthNotes& notes = reference.notes;
   Tracks original = read_tracks(estimate_folder);
   if (notes.in_sensor_frame) original = in_sensor_frame(original);
   const std::string run_config = read_run_config(estimate_folder);
@@ -241,16 +273,16 @@ void evaluate_output(const fs::path& truth_path, const fs::path& estimate_folder
       options.alignment.value_or(is_aligned ? AlignmentKind::poses : AlignmentKind::none);
   const WorldAlignment alignment = align_world(kind, truth, original, kMaxDifferenceNs);
   const Tracks estimate = in_true_world(alignment, original);
-  const auto descriptions = read_descriptions(truth_path);
-  Evaluation evaluation = compare(truth, estimate, descriptions, visibility, options, notes.is_partial);
+  Evaluation evaluation = compare(reference, estimate, options);
   evaluation.alignment = alignment;
   if (notes.in_sensor_frame) evaluation.camera = {};  // its poses are the identity on both sides
   if (evaluation.objects.empty() && !truth.objects.empty())
-    throw InputError(truth_path, fmt::format("has no object of --objects {}", to_string(options.objects)));
+    throw InputError(reference.folder,
+                     fmt::format("has no object of --objects {}", to_string(options.objects)));
   evaluation.sizes = size_steadiness(estimate.objects);
-  if (!knows_objects) evaluation.unmatched_ids.clear();  // no truth says that they belong to none
-  const bool lists_objects = fs::exists(truth_path / "objects.yaml") || !truth.objects.empty();
-  if (knows_objects && lists_objects && evaluation.unlabelled == Unlabelled::counted_false)
+  if (!reference.knows_objects) evaluation.unmatched_ids.clear();  // no truth says that they belong to none
+  const bool lists_objects = fs::exists(reference.folder / "objects.yaml") || !truth.objects.empty();
+  if (reference.knows_objects && lists_objects && evaluation.unlabelled == Unlabelled::counted_false)
     evaluation.false_bodies = count_false_bodies(estimate.objects, evaluation.unmatched_ids);
   // that the camera was never found is a result, stamps of another recording are not
   if (!truth.camera.empty() && !notes.in_sensor_frame && evaluation.camera.pairs < kMinPairs &&
@@ -259,17 +291,16 @@ void evaluate_output(const fs::path& truth_path, const fs::path& estimate_folder
         estimate_folder / "camera.tum",
         fmt::format("{} of {} poses lie within 0.01 s of the truth's {}, at least {} are needed",
                     evaluation.camera.pairs, estimate.camera.size(), truth.camera.size(), kMinPairs));
-  compare_surfaces(truth_path, estimate_folder, truth, descriptions, alignment.truth_from_estimate.scale,
-                   evaluation);
-  compare_bodies(truth_path, truth, estimate, descriptions, options.seed, evaluation);
-  evaluation.map = compare_surroundings(truth_path, estimate_folder, alignment.truth_from_estimate);
+  compare_surfaces(reference, estimate_folder, alignment.truth_from_estimate.scale, evaluation);
+  compare_bodies(reference, estimate, options.seed, evaluation);
+  evaluation.map = compare_surroundings(reference.folder, estimate_folder, alignment.truth_from_estimate);
   evaluation.timing_ms = read_timing(estimate_folder);
   evaluation.usage = read_usage(estimate_folder);
   write_text(out / "evaluation.json", evaluation_json(evaluation, options, run_config));
   write_text(out / "frames.csv", frames_csv(evaluation.objects));
   write_text(out / "poses.csv", poses_csv(truth, estimate, evaluation));
   // an estimate of this program numbers its frames as its sequence does, which may be scans
-  const bool same_frames = !of_truth.empty() && of_estimate.empty();
+  const bool same_frames = !reference.scene.empty() && of_estimate.empty();
   for (const std::string& fault :
        stamp_faults(estimate_folder, truth, original, kMaxDifferenceNs, same_frames))
     warn(fault);
@@ -286,11 +317,14 @@ void evaluate(const fs::path& truth_folder, const fs::path& estimate_folder, con
   const fs::path truth_path = is_simulation ? truth_folder / "truth" : truth_folder;
   if (options.verify) require_unchanged_texts(truth_path);
   PendingFolder pending(out, "evaluation", options.force);
-  evaluate_output(truth_path, estimate_folder, options, pending.path());
+  const std::string scene = scene_of(truth_path);
+  require_one_scene({truth_path, scene}, {estimate_folder, scene_of(estimate_folder)});
+  Truth truth = read_truth(truth_path, scene, options);
+  evaluate_output(truth, estimate_folder, options, pending.path());
   for (const char* output : kLaterOutputs) {
     if (!fs::is_directory(estimate_folder / output)) continue;
     fs::create_directory(pending.path() / output);
-    evaluate_output(truth_path, estimate_folder / output, options, pending.path() / output);
+    evaluate_output(truth, estimate_folder / output, options, pending.path() / output);
   }
   pending.commit();
 }

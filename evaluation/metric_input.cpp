@@ -147,7 +147,7 @@ void read_shape(const json& described, const std::string& path, Superellipsoid& 
   if (described != "box" && described != "ellipsoid")
     throw InputError(fmt::format("{}: expected ellipsoid, box or an object with superellipsoid, found {}",
                                  path, shown(described)));
-  if (described == "box") body.exponents = {1, 1, 1};
+  if (described == "box") body.exponents = kBoxExponents;
 }
 
 constexpr const char* kBlanks = " \t\r\n";

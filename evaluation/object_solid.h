@@ -5,24 +5,27 @@
 #include <string>
 
 #include "core/sequence/calibration.h"
-#include "core/sequence/ply.h"
 #include "core/sequence/tracks.h"
 #include "evaluation/iou/solid.h"
+#include "evaluation/iou/solid_iou.h"
+#include "evaluation/metrics/body_surface.h"
 #include "evaluation/object_evaluation.h"
 
 namespace uniquadric {
 
 /// The body that an object really is, and how its inside is known.
 struct TrueSolid {
-  Solid solid;
-  std::string kind;     ///< box, ellipsoid, or of a mesh: closed, closed_unoriented, open
-  SurfaceFile surface;  ///< the mesh, or the tessellated body
+  std::string kind;  ///< box, ellipsoid, or of a mesh: closed, closed_unoriented, open
+  SolidSamples samples;
+  ReferenceSurface surface;  ///< of the mesh, or the tessellated body
+  double surface_tolerance_m = 0;
 };
 
 /// In the object's frame: what truth/objects/ID.ply encloses, else the box or the ellipsoid that the truth
-/// says it is; null for other shapes. Throws InputError as true_surface().
+/// says it is; null for other shapes. `seed`: of its samples. Keep one for all estimates. Throws InputError
+/// as true_surface().
 std::unique_ptr<const TrueSolid> true_solid(const std::filesystem::path& truth,
-                                            const ObjectDescription& object);
+                                            const ObjectDescription& object, std::uint64_t seed);
 
 /// The body that an estimate's state describes, in its own frame.
 Superellipsoid solid_of(const ObjectState& state);
@@ -31,7 +34,7 @@ Superellipsoid solid_of(const ObjectState& state);
 /// the estimate as it came, in the true world, against it. `truth` and `estimate` are the tracks that were
 /// matched. The same for any number of processors.
 void compare_solids(const TrueSolid& body, const ObjectTrack& truth, const ObjectTrack& estimate,
-                    std::uint64_t seed, ObjectEvaluation& object);
+                    ObjectEvaluation& object);
 
 /// Fills `surface_f1` and `chamfer_m` of the matched frames and `surface_tolerance_m` of an object, where its
 /// true surface has an area. The tracks are those of compare_solids(). The same for any number of processors.

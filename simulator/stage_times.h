@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/seconds.h"
 #include "simulator/workers.h"
 
 namespace uniquadric {
@@ -64,7 +65,6 @@ class FrameTimes {
   void add_to(StageTimes& times) const;
 
  private:
-  static std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(1e9 * seconds); }
   struct Sums {
     std::array<std::atomic<std::int64_t>, kFrameStages.size()> stage_ns;
     std::atomic<std::int64_t> first_ns = 0, frames = 0, workers = 0, descriptions_ns = 0;

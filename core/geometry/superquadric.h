@@ -26,6 +26,7 @@ struct SuperExponents {
   double outline = 2, upper = 2, lower = 2;
   bool operator==(const SuperExponents&) const = default;
 };
+inline constexpr SuperExponents kBoxExponents{1, 1, 1};
 
 /// Support function with three exponents,
 ///   h(n) = ((|a_x n_x|^q2 + |a_y n_y|^q2)^(q1 / q2) + |a_z n_z|^q1)^(1 / q1),
@@ -64,7 +65,15 @@ struct Superellipsoid {
   Eigen::Vector3d semi_axes_m;
   SuperExponents exponents{};
   int profile_axis = 2;
+  bool operator==(const Superellipsoid&) const = default;
 };
+
+inline bool is_box(const Superellipsoid& body) {
+  return body.exponents == kBoxExponents;
+}
+inline bool is_ellipsoid(const Superellipsoid& body) {
+  return body.exponents == SuperExponents{};
+}
 
 /// Volume in closed form [m^3]: the mean of the volumes that the upper and the lower half would have with
 /// their mirror images. Exponents from 1 to 2.

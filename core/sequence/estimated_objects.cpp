@@ -88,7 +88,7 @@ ObjectShape read_shape(const ConfigNode& node) {
   if (described && described->is_map())
     read_exponents(*described, shape);
   else if (node.choice("shape", {"box", "ellipsoid"}, has_size ? "box" : "ellipsoid") == "box")
-    shape.exponents = {kLeastExponent, kLeastExponent, kLeastExponent};
+    shape.exponents = kBoxExponents;
   node.get<std::string>("name", "");
   node.refuse_unknown_keys();
   return shape;

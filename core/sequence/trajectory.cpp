@@ -151,4 +151,10 @@ void write_tum(const std::filesystem::path& path, const Trajectory& trajectory) 
   write_text(path, text);
 }
 
+std::map<std::int64_t, Pose> by_stamp(const Trajectory& trajectory) {
+  std::map<std::int64_t, Pose> poses;
+  for (const auto& [stamp_ns, pose] : trajectory) poses.emplace(stamp_ns, pose);
+  return poses;
+}
+
 }  // namespace uniquadric

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,9 @@ inline constexpr double kMostCoordinate_m = 1e9;
 std::int64_t parse_stamp_ns(std::string_view seconds);
 /// Seconds with nine decimals.
 std::string format_stamp(std::int64_t stamp_ns);
+
+/// The poses by their stamps.
+std::map<std::int64_t, Pose> by_stamp(const Trajectory& trajectory);
 
 /// Reads TUM text: `timestamp tx ty tz qx qy qz qw`, comments after #. Throws InputError with the line for a
 /// malformed or non-finite number, a coordinate beyond kMostCoordinate_m, a stamp that decreases, or a

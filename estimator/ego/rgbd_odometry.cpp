@@ -265,7 +265,7 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
   s.frames.push_back({frame.frame, frame.stamp_ns, int(s.map.keyframes.size()) - 1, camera_from_keyframe,
                       seen, features.background_motion});
   s.causal.push_back({frame.stamp_ns, s.camera_from_world->inverse()});
-  s.look_back(frame.stamp_ns - static_cast<std::int64_t>(1e9 * s.fixed_lag_s));
+  s.look_back(frame.stamp_ns - nanoseconds(s.fixed_lag_s));
   s.look_for_floor(depth, masks, frame.frame);
 }
 
@@ -317,7 +317,7 @@ Trajectory RgbdOdometry::causal_trajectory() const {
   return state_->in_world(state_->causal);
 }
 
-Trajectory RgbdOdometry::lagged_trajectory() const {
+Trajectory RgbdOdometry::lagged_trajectory() {
   State& s = *state_;
   if (!s.frames.empty()) s.look_back(s.frames.back().stamp_ns);
   return s.in_world(s.lagged);

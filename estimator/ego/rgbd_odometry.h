@@ -68,8 +68,8 @@ class RgbdOdometry {
   Trajectory trajectory() const;
   /// The same as known at each frame. Where a young map was given up, its frames are missing.
   Trajectory causal_trajectory() const;
-  /// The same as known `fixed_lag_s` after each frame, or now.
-  Trajectory lagged_trajectory() const;
+  /// The same as known `fixed_lag_s` after each frame, or now. After the last frame.
+  Trajectory lagged_trajectory();
 
   /// Features by which frames of the present map will be placed once more: as many as the frames of the local
   /// bundle adjustment have.

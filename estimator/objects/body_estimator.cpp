@@ -240,7 +240,7 @@ BodyPose BodyEstimator::stand_still(const PerceivedFrame& frame) const {
   BodyPose pose;
   pose.world_from_body = recent_.back().world_from_body;
   pose.information = Matrix6d::Identity() / (kStill * kStill);
-  const auto gap_ns = static_cast<std::int64_t>(1e9 * options_.short_window.keyframe_gap_s);
+  const std::int64_t gap_ns = nanoseconds(options_.short_window.keyframe_gap_s);
   pose.keyframe = frame.stamp_ns / gap_ns != recent_.back().stamp_ns / gap_ns;
   return pose;
 }

@@ -107,7 +107,7 @@ std::vector<int> stretches_of(std::span<const RawState> life, const TrajectorySm
 // Adds the states of a life that was given up at a time.
 void add_life(std::span<const RawState> life, std::int64_t lag_ns, std::int64_t given_up_ns,
               const TrajectorySmootherOptions& options, std::vector<BodyState>& states) {
-  const auto history_ns = static_cast<std::int64_t>(1e9 * options.history_s);
+  const std::int64_t history_ns = nanoseconds(options.history_s);
   // With a lag, what comes after a jump says whether it was one.
   const std::vector<int> stretches =
       lag_ns > 0 ? std::vector<int>(life.size(), 0) : stretches_of(life, options);

@@ -46,12 +46,6 @@ struct Work {
   std::vector<StageTime> times;
 };
 
-std::map<std::int64_t, Pose> by_stamp(const Trajectory& trajectory) {
-  std::map<std::int64_t, Pose> poses;
-  for (const auto& [stamp_ns, pose] : trajectory) poses.emplace(stamp_ns, pose);
-  return poses;
-}
-
 std::optional<Pose> pose_at(const std::map<std::int64_t, Pose>& poses, std::int64_t stamp_ns) {
   const auto pose = poses.find(stamp_ns);
   return pose == poses.end() ? std::nullopt : std::optional(pose->second);

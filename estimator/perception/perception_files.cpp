@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <map>
 #include <set>
 #include <span>
 
@@ -191,12 +190,6 @@ BodyObservation get_body(Reader& in) {
   get_columns(in, body.normals);
   get_columns(in, body.colors);
   return body;
-}
-
-std::map<std::int64_t, Pose> by_stamp(const Trajectory& trajectory) {
-  std::map<std::int64_t, Pose> poses;
-  for (const auto& [stamp_ns, pose] : trajectory) poses.emplace(stamp_ns, pose);
-  return poses;
 }
 
 FilePlace place_of(std::uint64_t offset, const std::string& bytes) {

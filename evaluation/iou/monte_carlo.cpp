@@ -20,10 +20,6 @@ Eigen::Vector3d ball_point(const Eigen::Vector3d& unit_cube) {
   return radius * Eigen::Vector3d(ring * std::cos(angle), ring * std::sin(angle), z);
 }
 
-// Mean square of Student's t of as many degrees of freedom as the replicates leave.
-constexpr double kFewReplicates = (BallSamples::kReplicates - 1.0) / (BallSamples::kReplicates - 3.0);
-constexpr double kSamplesBeside = 2;  // Agresti and Coull: at 95 %
-
 // d IoU / d share, with IoU = share v / (1 + v - share v) and v the volume ratio.
 double iou_slope(double share, double ratio) {
   const double all = 1 + ratio - share * ratio;
@@ -65,7 +61,7 @@ MonteCarloIou ellipsoid_iou_monte_carlo(const Ellipsoid& a, const Ellipsoid& b, 
   const double share = sum / n;
   const double variance = std::max(0.0, squares / n - share * share) / (n - 1);
   const double sample = 1 / (n * each);
-  const double error = std::sqrt(kFewReplicates * variance + kSamplesBeside * sample * sample);
+  const double error = replicates_error(variance, sample);
   return {share * ratio / (1 + ratio - share * ratio), error * iou_slope(share, ratio)};
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/geometry/ellipsoid.h"
+#include "evaluation/iou/shifted_sequence.h"
 
 namespace uniquadric {
 
@@ -12,7 +13,7 @@ namespace uniquadric {
 /// sequence, one after the other. Keep one for many pairs: making it costs more than using it.
 class BallSamples {
  public:
-  static constexpr int kReplicates = 32;
+  static constexpr int kReplicates = uniquadric::kReplicates;
   /// `samples` is rounded up to a multiple of kReplicates. The same seed gives the same points.
   BallSamples(int samples, std::uint64_t seed);
   int size() const { return static_cast<int>(x().size()); }

@@ -1,5 +1,7 @@
 #include "evaluation/iou/shifted_sequence.h"
 
+#include <cmath>
+
 #include "core/base/random.h"
 
 namespace uniquadric {
@@ -8,6 +10,9 @@ namespace {
 // Additive recurrence by the root of x^4 = x + 1, the three-dimensional golden ratio (M. Roberts, "The
 // unreasonable effectiveness of quasirandom sequences", 2018).
 constexpr double kGolden3 = 1.2207440846057596;
+// Mean square of Student's t of as many degrees of freedom as the replicates leave.
+constexpr double kFewReplicates = (kReplicates - 1.0) / (kReplicates - 3.0);
+constexpr double kSamplesBeside = 2;  // Agresti and Coull: at 95 %
 
 }  // namespace
 
@@ -23,6 +28,10 @@ std::vector<Eigen::Vector3d> shifted_sequence(int count, std::uint64_t seed, std
     points.emplace_back((u - u.floor()).matrix());
   }
   return points;
+}
+
+double replicates_error(double variance_of_mean, double of_sample) {
+  return std::sqrt(kFewReplicates * variance_of_mean + kSamplesBeside * of_sample * of_sample);
 }
 
 }  // namespace uniquadric

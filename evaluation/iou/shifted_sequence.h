@@ -12,4 +12,11 @@ namespace uniquadric {
 std::vector<Eigen::Vector3d> shifted_sequence(int count, std::uint64_t seed, std::string_view name,
                                               int replicate);
 
+/// Randomly shifted copies of the sequence that an estimate is made of: their spread tells its error.
+inline constexpr int kReplicates = 32;
+
+/// Standard error of a mean over kReplicates: their number is finite (Student's t), and two samples are
+/// counted beside those seen (Agresti and Coull). `of_sample`: by how much one changes the mean.
+double replicates_error(double variance_of_mean, double of_sample);
+
 }  // namespace uniquadric

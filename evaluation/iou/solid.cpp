@@ -7,10 +7,6 @@
 namespace uniquadric {
 namespace {
 
-bool all_are(const SuperExponents& q, double value) {
-  return q.outline == value && q.upper == value && q.lower == value;
-}
-
 // The power p with 1/p + 1/q = 1.
 double power_of(double q) {
   return q > 1 ? q / (q - 1) : std::numeric_limits<double>::infinity();
@@ -27,18 +23,6 @@ double norm_of(double u, double v, double p) {
 constexpr int kMostSquarings = 6;  // ours: a power of 64 leaves 0.1 % of the box
 
 }  // namespace
-
-bool is_same_shape(const Superellipsoid& a, const Superellipsoid& b) {
-  return a.semi_axes_m == b.semi_axes_m && a.exponents == b.exponents && a.profile_axis == b.profile_axis;
-}
-
-bool is_box(const Superellipsoid& body) {
-  return all_are(body.exponents, 1);
-}
-
-bool is_ellipsoid(const Superellipsoid& body) {
-  return all_are(body.exponents, 2);
-}
 
 Eigen::AlignedBox3d bounding_box(const Solid& solid) {
   if (solid.mesh) return solid.mesh->box();

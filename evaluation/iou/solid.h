@@ -19,14 +19,6 @@ struct Solid {
   std::shared_ptr<const MeshSolid> mesh{};
 };
 
-/// Exponents of 1 on all sides: the body is its box.
-bool is_box(const Superellipsoid& body);
-/// Exponents of 2 on all sides.
-bool is_ellipsoid(const Superellipsoid& body);
-
-/// The same semi-axes, exponents and profile axis.
-bool is_same_shape(const Superellipsoid& a, const Superellipsoid& b);
-
 /// The tight box of a superellipsoid, the box of a mesh's corners [m].
 Eigen::AlignedBox3d bounding_box(const Solid& solid);
 

@@ -8,15 +8,9 @@
 
 #include "evaluation/iou/box_iou.h"
 #include "evaluation/iou/ellipsoid_iou.h"
-#include "evaluation/iou/shifted_sequence.h"
 
 namespace uniquadric {
 namespace {
-
-constexpr std::size_t kReplicates = SolidSamples::kReplicates;
-// Mean square of Student's t of as many degrees of freedom as the replicates leave.
-constexpr double kFewReplicates = (kReplicates - 1.0) / (kReplicates - 3.0);
-constexpr double kSamplesBeside = 2;  // Agresti and Coull: at 95 %
 
 using Replicates = std::array<double, kReplicates>;
 
@@ -31,8 +25,7 @@ SolidIou exact(double iou) {
 }
 
 bool is_same(const Solid& a, const Superellipsoid& b, const Pose& a_from_b) {
-  return !a.mesh && is_same_shape(a.body, b) && a_from_b.translation.isZero(0) &&
-         a_from_b.rotation.vec().isZero(0);
+  return !a.mesh && a.body == b && a_from_b.translation.isZero(0) && a_from_b.rotation.vec().isZero(0);
 }
 
 std::optional<double> exact_iou(const Solid& a, const Superellipsoid& b, const Pose& a_from_b) {
@@ -112,7 +105,7 @@ MeanIou mean_iou(std::span<const SolidIou> pairs) {
   double variance = 0;
   for (const double replicate : replicates)
     variance += (replicate - middle) * (replicate - middle) / (kReplicates * (kReplicates - 1.0));
-  return {sum, std::sqrt(kFewReplicates * variance + kSamplesBeside * of_point * of_point)};
+  return {sum, replicates_error(variance, of_point)};
 }
 
 }  // namespace uniquadric

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "evaluation/iou/shifted_sequence.h"
 #include "evaluation/iou/solid.h"
 
 namespace uniquadric {
@@ -13,7 +14,7 @@ namespace uniquadric {
 /// out. Keep one for many pairs: making it costs more than using it.
 class SolidSamples {
  public:
-  static constexpr int kReplicates = 32;
+  static constexpr int kReplicates = uniquadric::kReplicates;
   /// `candidates` in the solid's box is rounded up to a multiple of kReplicates. The same seed gives the same
   /// points.
   SolidSamples(Solid solid, int candidates, std::uint64_t seed);

@@ -39,8 +39,6 @@ Nearness nearness(const std::vector<Eigen::Vector3d>& points, const Pose& other_
 }  // namespace
 
 SurfaceFile tessellate(const Superellipsoid& body) {
-  const SuperExponents& q = body.exponents;
-  const bool is_box = q.outline == 1 && q.upper == 1 && q.lower == 1;
   Superellipsoid smooth = body;
   for (double* exponent : {&smooth.exponents.outline, &smooth.exponents.upper, &smooth.exponents.lower})
     *exponent = std::max(*exponent, kLeastExponent);
@@ -55,7 +53,7 @@ SurfaceFile tessellate(const Superellipsoid& body) {
           unit[(axis + 1) % 3] = 2.0 * i / kCells - 1;
           unit[(axis + 2) % 3] = 2.0 * j / kCells - 1;
           const Eigen::Vector3d point = unit.cwiseProduct(body.semi_axes_m);
-          mesh.points.emplace_back((is_box ? point : on_body(smooth, point)).cast<float>());
+          mesh.points.emplace_back((is_box(body) ? point : on_body(smooth, point)).cast<float>());
         }
       for (std::uint32_t i = 0; i < kCells; ++i)
         for (std::uint32_t j = 0; j < kCells; ++j) {
@@ -81,9 +79,7 @@ SurfaceScore surface_score(const ReferenceSurface& truth, const ReferenceSurface
 }
 
 double surface_tolerance_m(const SurfaceFile& truth) {
-  Eigen::AlignedBox3d box;
-  for (const auto& triangle : truth.triangles)
-    for (const std::uint32_t corner : triangle) box.extend(truth.points[corner].cast<double>());
+  const Eigen::AlignedBox3d box = surface_box(truth);
   return std::max(kLeastTolerance_m, box.isEmpty() ? 0 : kTolerance * box.sizes().maxCoeff());
 }
 

@@ -20,13 +20,6 @@ double area(const SurfaceFile& mesh, std::size_t triangle) {
   return (corner(mesh, triangle, 1) - a).cross(corner(mesh, triangle, 2) - a).norm() / 2;
 }
 
-double diagonal_m(const SurfaceFile& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const auto& triangle : mesh.triangles)
-    for (const std::uint32_t point : triangle) box.extend(mesh.points[point].cast<double>());
-  return box.diagonal().norm();
-}
-
 // Each point as a triangle without extent.
 SurfaceDistance distance_to(const std::vector<Eigen::Vector3d>& points) {
   std::vector<Eigen::Vector3f> corners;
@@ -40,6 +33,13 @@ SurfaceDistance distance_to(const std::vector<Eigen::Vector3d>& points) {
 }
 
 }  // namespace
+
+Eigen::AlignedBox3d surface_box(const SurfaceFile& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t point : triangle) box.extend(mesh.points[point].cast<double>());
+  return box;
+}
 
 // Equal steps along the triangles' areas laid end to end; in the triangle the R2 sequence (Roberts, "The
 // unreasonable effectiveness of quasirandom sequences", 2018), folded.
@@ -81,7 +81,7 @@ std::optional<SurfaceError> surface_error(const SurfaceFile& truth, const Surfac
   result.points_from_truth = truth_from_estimate.inverse();
   result.error_m = *statistics(errors_m);
   result.quantile_90_m = interpolated_quantile(std::move(errors_m), 0.9);
-  result.within_m = kWithinDiagonal * diagonal_m(truth);
+  result.within_m = kWithinDiagonal * surface_box(truth).diagonal().norm();
   const SurfaceDistance cloud = distance_to(points);
   const auto found = std::count_if(true_points.begin(), true_points.end(), [&](const Eigen::Vector3d& p) {
     return cloud.at(p, result.within_m) < result.within_m;

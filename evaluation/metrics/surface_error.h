@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -21,6 +22,9 @@ struct SurfaceError {
 
 inline constexpr double kWithinDiagonal = 0.05;         ///< ours: points averaged in voxels are 3 % apart
 inline constexpr std::size_t kSurfaceSamples = 10'000;  ///< ours: 0.5 % of a half in `completeness`
+
+/// The box about a mesh's triangles [m]; empty without any.
+Eigen::AlignedBox3d surface_box(const SurfaceFile& mesh);
 
 /// Points evenly spread over a mesh's area, the same in every run; none of a mesh without area.
 std::vector<Eigen::Vector3d> sample_surface(const SurfaceFile& mesh, std::size_t samples);

@@ -9,10 +9,6 @@ namespace {
 
 constexpr const char* kBaselines[] = {"single_frame_obb", "single_frame_lidar"};
 
-std::string_view without_output(std::string_view variant) {
-  return variant.substr(0, variant.find('@'));
-}
-
 bool is_baseline(const SummaryRow& row) {
   return std::find(std::begin(kBaselines), std::end(kBaselines), without_output(row.variant)) !=
          std::end(kBaselines);

@@ -91,9 +91,12 @@ std::vector<std::string> paper_line(const SummaryRow& row, const char* system, c
 
 }  // namespace
 
+std::string_view without_output(std::string_view variant) {
+  return variant.substr(0, variant.find('@'));
+}
+
 std::string output_of(const std::string& variant) {
-  const std::size_t at = variant.find('@');
-  return at == std::string::npos ? "" : variant.substr(at);
+  return variant.substr(without_output(variant).size());
 }
 
 bool shows_given(const SummaryRow& row, const Metric& metric) {

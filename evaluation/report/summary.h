@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "evaluation/report/metrics.h"
@@ -36,6 +37,9 @@ struct SummaryRow {
 /// the same scene, object and output that have the most runs with a result, and of those the most with this
 /// metric: who loses the hard runs is not the better for it. Given cameras are left out.
 std::vector<SummaryRow> summarize(const Results& results);
+
+/// The variant's name without its later output.
+std::string_view without_output(std::string_view variant);
 
 /// The output of a variant's row: "@final" of VARIANT@final; empty: what was known at each frame.
 std::string output_of(const std::string& variant);

@@ -124,7 +124,8 @@ TEST_F(Arena, AProgramHasRowsLikeAnyVariant) {
 }
 
 TEST_F(Arena, WhatAProgramKnowsLaterHasRowsOfItsOwn) {
-  add("later", kGood + std::string("cp -r \"$OUT\" /tmp/copy.$$; mv /tmp/copy.$$ \"$OUT/final\"\n"));
+  add("later", kGood + std::string("mkdir \"$OUT/final\"; cp -r \"$OUT/camera.tum\" \"$OUT/objects\" "
+                                   "\"$OUT/objects.yaml\" \"$OUT/final\"\n"));
   ASSERT_EQ(bench().exit_code, 0);
   const std::string scores = read_text(out() / "scores.csv");
   for (const char* row : {"small,box,later,1,coverage", "small,box,later@final,1,coverage"})
