@@ -57,8 +57,8 @@ json monte_carlo(const ObjectEvaluation& object, const EvaluateOptions& options)
 // Of the frames after the object's start.
 json after_start(const ObjectEvaluation& object, std::optional<double> ObjectFrame::*member) {
   std::vector<double> values;
-  for (std::size_t k = first_frame_after_start(object.frames); k < object.frames.size(); ++k)
-    if (const auto value = object.frames[k].*member) values.push_back(*value);
+  for (const ObjectFrame& frame : frames_after_start(object.frames))
+    if (const auto value = frame.*member) values.push_back(*value);
   return to_json(statistics(values));
 }
 
@@ -69,18 +69,23 @@ json from_wide_arc(const ObjectEvaluation& object, std::optional<double> ObjectF
   });
 }
 
+// The same figures over some of an object's frames.
+json over_part(std::vector<ObjectFrame> frames) {
+  ObjectEvaluation part;
+  part.frames = std::move(frames);
+  for (const ObjectFrame& frame : part.frames) part.matched_frames += frame.estimate ? 1 : 0;
+  return {{"frames", part.frames.size()},
+          {"matched_frames", part.matched_frames},
+          {"ape", pose_errors(part, &ObjectFrame::ape)},
+          {"rpe", pose_errors(part, &ObjectFrame::rpe)},
+          {"iou3d_solid", over_frames(part, [](const ObjectFrame& frame) { return frame.iou3d_solid; })},
+          {"iou2d", over_frames(part, [](const ObjectFrame& frame) { return frame.iou2d; })}};
+}
+
 // Null where the truth says nothing of visibility.
 json in_view(const ObjectEvaluation& object) {
   if (!says_what_is_visible(object.frames)) return nullptr;
-  ObjectEvaluation seen;
-  seen.frames = frames_in_view(object.frames);
-  for (const ObjectFrame& frame : seen.frames) seen.matched_frames += frame.estimate ? 1 : 0;
-  return {{"frames", seen.frames.size()},
-          {"matched_frames", seen.matched_frames},
-          {"ape", pose_errors(seen, &ObjectFrame::ape)},
-          {"rpe", pose_errors(seen, &ObjectFrame::rpe)},
-          {"iou3d_solid", over_frames(seen, [](const ObjectFrame& frame) { return frame.iou3d_solid; })},
-          {"iou2d", over_frames(seen, [](const ObjectFrame& frame) { return frame.iou2d; })}};
+  return over_part(frames_in_view(object.frames));
 }
 
 json semi_axes_errors(const ObjectEvaluation& object) {
@@ -181,7 +186,8 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"feature_depth", to_json(object.feature_depth)},
                  {"semi_axes_error_m", semi_axes_errors(object)},
                  {"consistency", consistency(object)},
-                 {"in_view", in_view(object)}};
+                 {"in_view", in_view(object)},
+                 {"after_3s", over_part(frames_after_start(object.frames))}};
   if (object.matched_frames < kMinPairs) {
     result["drift"] = result["ape"]["rotation_naive_rad"] = result["ape"]["rotation_symmetric_rad"] = nullptr;
     return result;

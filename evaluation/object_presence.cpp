@@ -65,13 +65,15 @@ std::vector<ObjectFrame> frames_in_view(const std::vector<ObjectFrame>& frames) 
   return seen;
 }
 
-std::size_t first_frame_after_start(const std::vector<ObjectFrame>& frames) {
+std::vector<ObjectFrame> frames_after_start(const std::vector<ObjectFrame>& frames) {
   const auto begin = frames.begin(), end = frames.end();
   const auto first = std::find_if(begin, end, [](const ObjectFrame& f) { return f.estimate.has_value(); });
-  if (first == end) return frames.size();
+  if (first == end) return {};
   const std::int64_t from_ns = first->stamp_ns + std::llround(kStart_s * 1e9);
-  const auto after = std::find_if(first, end, [&](const ObjectFrame& f) { return f.stamp_ns >= from_ns; });
-  return static_cast<std::size_t>(after - begin);
+  std::vector<ObjectFrame> late(
+      std::find_if(first, end, [&](const ObjectFrame& f) { return f.stamp_ns >= from_ns; }), end);
+  if (!late.empty()) late.front().rpe = late.front().motion = std::nullopt;
+  return late;
 }
 
 ObjectPresence object_presence(const std::vector<ObjectFrame>& frames) {

@@ -50,8 +50,8 @@ std::vector<ObjectFrame> frames_in_view(const std::vector<ObjectFrame>& frames);
 
 /// Figures after the start leave out this time from an object's first estimated frame.
 inline constexpr double kStart_s = 3;
-/// The first frame from then on; the number of frames where there is none, or no estimate.
-std::size_t first_frame_after_start(const std::vector<ObjectFrame>& frames);
+/// The frames from then on, the first without its relative errors; none where there is no estimate.
+std::vector<ObjectFrame> frames_after_start(const std::vector<ObjectFrame>& frames);
 
 /// The states in which an object is visible, or in which the truth does not say.
 std::vector<ObjectTrack> only_in_view(std::vector<ObjectTrack> truth, const VisibilityTable& visibility);

@@ -170,6 +170,13 @@ void ignore_metrics(ScoreTable& a, ScoreTable& b, const std::vector<std::string>
   }
 }
 
+void leave_out_parts(ScoreTable& table) {
+  std::erase_if(table.cells, [](const auto& cell) {
+    const Metric* const metric = metric_of_name(cell.first.metric);
+    return metric && metric->is_part;
+  });
+}
+
 void rename_variant(ScoreTable& table, const std::string& name) {
   ScoreTable renamed = {table.file, {}, table.lower_is_better};
   for (const auto& [key, value] : table.cells) {

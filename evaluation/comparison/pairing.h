@@ -46,6 +46,10 @@ Pairing pair_scores(const ScoreTable& a, const ScoreTable& b);
 /// Leaves these metrics out of both tables. Throws InputError for one that neither has.
 void ignore_metrics(ScoreTable& a, ScoreTable& b, const std::vector<std::string>& metrics);
 
+/// Leaves out metrics that are others over some of their frames (Metric::is_part): they gain and lose with
+/// these, and each costs the other metrics of the comparison some of their power.
+void leave_out_parts(ScoreTable& table);
+
 /// Every run's variant as `name`.
 void rename_variant(ScoreTable& table, const std::string& name);
 

@@ -12,6 +12,7 @@ constexpr int kObject = static_cast<int>(MetricScope::object);
 constexpr int kCamera = static_cast<int>(MetricScope::camera);
 constexpr int kAll = static_cast<int>(MetricScope::all);
 constexpr bool kLower = true, kHigher = false;
+constexpr bool kAlways = false, kPart = true;  // by_variant, is_part
 
 constexpr Metric kMetrics[] = {
     {"ape_translation_rmse_m", "APE.t", "m", kLower, kObject | kCamera, "/ape/translation_m/rmse",
@@ -26,9 +27,10 @@ constexpr Metric kMetrics[] = {
     {"ape_translation_in_view_rmse_m", "APE.t in view", "m", kLower, kObject,
      "/in_view/ape/translation_m/rmse",
      "APE.t over the frames in which the truth says that the object is visible. Empty where it says nothing "
-     "of visibility."},
+     "of visibility.",
+     kAlways, kPart},
     {"ape_rotation_in_view_rmse_rad", "APE.r in view", "rad", kLower, kObject,
-     "/in_view/ape/rotation_rad/rmse", "APE.r over the same frames."},
+     "/in_view/ape/rotation_rad/rmse", "APE.r over the same frames.", kAlways, kPart},
     {"ape_rotation_naive_rmse_rad", "APE.r naive", "rad", kLower, kObject, "/ape/rotation_naive_rad/rmse",
      "The same angle without regard to symmetry: a cube whose axes were named in another order counts as "
      "wrong."},
@@ -41,9 +43,10 @@ constexpr Metric kMetrics[] = {
      "Relative pose error, rotation: root mean square of the angle of the same frame-to-frame difference."},
     {"rpe_translation_in_view_rmse_m", "RPE.t in view", "m", kLower, kObject,
      "/in_view/rpe/translation_m/rmse",
-     "RPE.t over the pairs of frames in both of which the truth says that the object is visible."},
+     "RPE.t over the pairs of frames in both of which the truth says that the object is visible.", kAlways,
+     kPart},
     {"rpe_rotation_in_view_rmse_rad", "RPE.r in view", "rad", kLower, kObject,
-     "/in_view/rpe/rotation_rad/rmse", "RPE.r over the same pairs of frames."},
+     "/in_view/rpe/rotation_rad/rmse", "RPE.r over the same pairs of frames.", kAlways, kPart},
     {"motion_error_translation_rmse_m", "motion.t", "m", kLower, kObject, "/motion_error/translation_m/rmse",
      "Error of the object's motion in the world, H_k = X_(k+1) X_k^-1, seen from the true object; "
      "independent of "
@@ -55,7 +58,7 @@ constexpr Metric kMetrics[] = {
      "mesh, else the true box or ellipsoid; mean over frames. Sampled: evaluation.json has the standard "
      "error."},
     {"iou3d_solid_in_view_mean", "IoU solid in view", "", kHigher, kObject, "/in_view/iou3d_solid/mean",
-     "IoU solid over the frames in which the truth says that the object is visible."},
+     "IoU solid over the frames in which the truth says that the object is visible.", kAlways, kPart},
     {"surface_f1", "surface F1", "", kHigher, kObject, "/surface_f1/mean",
      "F1 score of the estimated body's surface, mean over frames. Precision is the share of its points "
      "within "
@@ -78,17 +81,29 @@ constexpr Metric kMetrics[] = {
      "by the "
      "Vatti clipper as in the paper. It jumps for near circles, whose rectangle has no preferred angle."},
     {"iou2d_in_view_mean", "IoU 2D in view", "", kHigher, kObject, "/in_view/iou2d/mean",
-     "IoU 2D over the frames in which the truth says that the object is visible."},
+     "IoU 2D over the frames in which the truth says that the object is visible.", kAlways, kPart},
     {"iou2d_ellipse_mean", "IoU 2D ellipse", "", kHigher, kObject, "/iou2d_ellipse/mean",
      "The same ratio for the projected outlines themselves."},
+    {"ape_translation_after_3s_rmse_m", "APE.t after 3 s", "m", kLower, kObject,
+     "/after_3s/ape/translation_m/rmse", "APE.t over the frames from 3 s after the object's first state.",
+     kAlways, kPart},
+    {"ape_rotation_after_3s_rmse_rad", "APE.r after 3 s", "rad", kLower, kObject,
+     "/after_3s/ape/rotation_rad/rmse", "APE.r over the same frames.", kAlways, kPart},
+    {"rpe_translation_after_3s_rmse_m", "RPE.t after 3 s", "m", kLower, kObject,
+     "/after_3s/rpe/translation_m/rmse", "RPE.t over the pairs of the same frames.", kAlways, kPart},
+    {"rpe_rotation_after_3s_rmse_rad", "RPE.r after 3 s", "rad", kLower, kObject,
+     "/after_3s/rpe/rotation_rad/rmse", "RPE.r over the pairs of the same frames.", kAlways, kPart},
+    {"iou3d_solid_after_3s_mean", "IoU solid after 3 s", "", kHigher, kObject, "/after_3s/iou3d_solid/mean",
+     "IoU solid over the same frames.", kAlways, kPart},
     {"iou3d_after_3s_mean", "IoU ellipsoid after 3 s", "", kHigher, kObject, "/iou3d_after_3s/mean",
-     "IoU ellipsoid over the frames from 3 s after the object's first state."},
+     "IoU ellipsoid over the frames from 3 s after the object's first state.", kAlways, kPart},
     {"iou2d_after_3s_mean", "IoU 2D after 3 s", "", kHigher, kObject, "/iou2d_after_3s/mean",
-     "IoU 2D over the frames from 3 s after the object's first state."},
+     "IoU 2D over the frames from 3 s after the object's first state.", kAlways, kPart},
     {"iou3d_from_40deg_mean", "IoU ellipsoid from 40 deg", "", kHigher, kObject, "/iou3d_from_40deg/mean",
      "IoU ellipsoid over the frames by which the camera has seen the object over an arc of 40 degrees: the "
      "largest "
-     "angle between two directions to the camera so far, in the true object's frame."},
+     "angle between two directions to the camera so far, in the true object's frame.",
+     kAlways, kPart},
     {"semi_axes_change_occluded_max", "size change occluded", "", kLower, kObject,
      "/semi_axes_change_occluded_max",
      "Greatest relative change of a semi-axis from the last frame before an occlusion to any frame within. "

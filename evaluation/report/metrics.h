@@ -20,6 +20,7 @@ struct Metric {
   const char* pointer;      ///< JSON pointer from the object, the camera, or the whole evaluation.json
   const char* definition;   ///< a sentence or two for readers of the report
   bool by_variant = false;  ///< no failure of a variant none of whose runs has it: it does not write such
+  bool is_part = false;  ///< another metric over some of its frames: `compare` judges it only where asked to
 };
 
 /// All metrics, in the order of scores.csv.

@@ -49,6 +49,8 @@ ScoreComparison compare(const std::string& a, const std::string& b, ScoreSelecti
                         const std::vector<std::string>& ignored, const GateOptions& options) {
   ScoreTable table_a = read_score_table(a, of_a), table_b = read_score_table(b, of_b);
   ignore_metrics(table_a, table_b, ignored);
+  if (of_a.metrics.empty())
+    for (ScoreTable* const table : {&table_a, &table_b}) leave_out_parts(*table);
   if (of_a.variant) {
     const std::string both =
         *of_a.variant == *of_b.variant ? *of_a.variant : *of_a.variant + " -> " + *of_b.variant;

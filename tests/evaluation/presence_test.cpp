@@ -171,9 +171,14 @@ TEST_F(Presence, IouAfterTheFirstThreeSeconds) {
   EXPECT_EQ(ball["iou3d_after_3s"]["n"], 16);
   EXPECT_NEAR(ball["iou3d_after_3s"]["mean"], 1, 1e-12);
   EXPECT_NEAR(ball["iou2d_after_3s"]["mean"], 1, 1e-12);
+  EXPECT_EQ(ball["after_3s"]["frames"], 16);
+  EXPECT_EQ(ball["after_3s"]["ape"]["translation_m"]["n"], 16);
+  EXPECT_EQ(ball["after_3s"]["rpe"]["translation_m"]["n"], 15);  // none from the last frame before
+  EXPECT_NEAR(ball["after_3s"]["iou3d_solid"]["mean"], 1, 1e-12);
   write_truth(kPeriodNs);  // a second is over before
   write_changed([](Tracks&) {});
   EXPECT_TRUE(run()["objects"][0]["iou3d_after_3s"].is_null());
+  EXPECT_EQ(run()["objects"][0]["after_3s"]["frames"], 0);
 }
 
 TEST_F(Presence, FiguresInViewEqualTheOthersOfWhatIsAlwaysVisible) {

@@ -62,6 +62,20 @@ TEST_F(CompareCommand, AnswersByItsExitCode) {
   expect_answer(b, 2, "missing in B:\n  s6 v seeds 7-8: the whole runs\n");
 }
 
+TEST_F(CompareCommand, JudgesPartsOfOtherMetricsOnlyIfAskedTo) {
+  auto a = fabricated_scores(kNoise, 1);
+  for (FabricatedScore score : fabricated_scores(kNoise, 1))
+    if (score.metric == "d_shape_mean_m") {
+      score.metric = "ape_translation_after_3s_rmse_m";
+      a.push_back(score);
+    }
+  auto b = a;
+  scale(b, "ape_translation_after_3s_rmse_m", 1.3);
+  write("a.csv", a);
+  expect_answer(b, 0, "pass: of 8 metrics 0 worse");
+  EXPECT_EQ(run({"--metric", "ape_translation_after_3s_rmse_m"}).exit_code, 1);
+}
+
 // Of runs that all failed scores.csv has `all,coverage`, a row of a metric that may not be asked for.
 TEST_F(CompareCommand, AFailedRunIsANewFailureOfWhicheverMetric) {
   auto b = fabricated_scores(kNoise, 1);
