@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/config_overrides.h"
 #include "core/base/error.h"
 #include "core/base/read_file.h"
 #include "core/base/text.h"
@@ -25,17 +26,40 @@ ConfigNode ConfigNode::load(const std::filesystem::path& path) {
 }
 
 ConfigNode ConfigNode::parse(const std::string& text, const std::filesystem::path& name) {
+  return parse(text, name, {});
+}
+
+ConfigNode ConfigNode::parse(const std::string& text, const std::filesystem::path& name,
+                             const std::vector<ConfigOverride>& overrides) {
   require_bounded_yaml(text, name);
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1)
       throw InputError(name, documents[1].Mark().line + 1, "a second YAML document; expected one");
-    return {documents.empty() ? YAML::Node() : documents[0], name, ""};
+    YAML::Node root = documents.empty() ? YAML::Node() : documents[0];
+    for (const ConfigOverride& value : overrides) root.reset(with_override(root, value, name));
+    ConfigNode node(root, name, "");
+    node.overrides_ = std::make_shared<const std::vector<ConfigOverride>>(overrides);
+    return node;
   } catch (const YAML::ParserException& e) {
     throw InputError(name, e.mark.line + 1, "malformed YAML: " + e.msg);
   } catch (const YAML::Exception& e) {
     throw InputError(name, std::string("malformed YAML: ") + e.what());
   }
+}
+
+ConfigNode ConfigNode::child(const YAML::Node& node, std::string name) const {
+  ConfigNode child(node, file_, std::move(name));
+  child.overrides_ = overrides_;
+  return child;
+}
+
+// Whether the value, or one that it is part of, is none of the file.
+bool ConfigNode::is_set() const {
+  return std::ranges::any_of(*overrides_, [&](const ConfigOverride& value) {
+    return name_.starts_with(value.key) && (name_.size() == value.key.size() ||
+                                            name_[value.key.size()] == '.' || name_[value.key.size()] == '[');
+  });
 }
 
 int ConfigNode::line() const {
@@ -44,6 +68,7 @@ int ConfigNode::line() const {
 
 void ConfigNode::fail(const std::string& what) const {
   const std::string message = name_.empty() ? what : name_ + ": " + what;
+  if (is_set()) throw InputError(file_, message + " (set, not the file's)");
   if (node_->Mark().line < 0) throw InputError(file_, message);
   throw InputError(file_, line(), message);
 }
@@ -53,7 +78,7 @@ std::optional<ConfigNode> ConfigNode::find(const std::string& key) const {
   known_->insert(key);
   const YAML::Node value = (*node_)[key];
   if (!value.IsDefined()) return std::nullopt;
-  return ConfigNode(value, file_, name_.empty() ? key : name_ + "." + key);
+  return child(value, name_.empty() ? key : name_ + "." + key);
 }
 
 ConfigNode ConfigNode::at(const std::string& key) const {
@@ -66,7 +91,7 @@ std::vector<ConfigNode> ConfigNode::items() const {
   if (!node_->IsSequence()) fail("expected a list");
   std::vector<ConfigNode> result;
   for (std::size_t i = 0; i < node_->size(); ++i)
-    result.push_back(ConfigNode((*node_)[i], file_, fmt::format("{}[{}]", name_, i)));
+    result.push_back(child((*node_)[i], fmt::format("{}[{}]", name_, i)));
   return result;
 }
 
@@ -76,7 +101,7 @@ std::vector<std::pair<std::string, ConfigNode>> ConfigNode::entries() const {
   for (const auto& pair : *node_) {
     const auto text = pair.first.Scalar();
     known_->insert(text);
-    result.emplace_back(text, ConfigNode(pair.second, file_, name_.empty() ? text : name_ + "." + text));
+    result.emplace_back(text, child(pair.second, name_.empty() ? text : name_ + "." + text));
   }
   return result;
 }
@@ -151,6 +176,14 @@ double ConfigNode::positive(const std::string& key, double fallback) const {
   return has(key) ? positive(key) : fallback;
 }
 
+std::string ConfigNode::yaml() const {
+  YAML::Emitter out;
+  out.SetMapFormat(YAML::Flow);
+  out.SetSeqFormat(YAML::Flow);
+  out << *node_;
+  return out.c_str();
+}
+
 std::string ConfigNode::choice(const std::string& key, const std::vector<std::string>& choices,
                                const std::string& fallback) const {
   const auto node = find(key);
@@ -182,9 +215,10 @@ void ConfigNode::refuse_unknown_keys() const {
     const std::string shown = name_.empty() ? text : name_ + "." + text;
     if (!seen.insert(text).second)
       throw InputError(file_, at_line, fmt::format("key '{}' stands twice", shown));
-    if (!known_->contains(text))
-      throw InputError(file_, at_line,
-                       fmt::format("unknown key '{}' (known: {})", shown, fmt::join(*known_, ", ")));
+    if (known_->contains(text)) continue;
+    const std::string what = fmt::format("unknown key '{}' (known: {})", shown, fmt::join(*known_, ", "));
+    if (is_set() || at_line < 1) throw InputError(file_, what);
+    throw InputError(file_, at_line, what);
   }
 }
 

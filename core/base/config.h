@@ -15,12 +15,17 @@ class Node;
 
 namespace uniquadric {
 
+struct ConfigOverride;
+
 /// A node of a YAML file (within yaml_bounds.h) that refuses what it does not know. Every access that fails
 /// throws InputError with file and line. Read all keys of a map, then call `refuse_unknown_keys()`.
 class ConfigNode {
  public:
   static ConfigNode load(const std::filesystem::path& path);
   static ConfigNode parse(const std::string& text, const std::filesystem::path& name);
+  /// With values set that need not be the file's (config_overrides.h).
+  static ConfigNode parse(const std::string& text, const std::filesystem::path& name,
+                          const std::vector<ConfigOverride>& overrides);
 
   bool has(const std::string& key) const { return find(key).has_value(); }
   /// The value of a key of this map; nothing when the key is absent.
@@ -51,6 +56,8 @@ class ConfigNode {
   /// A number that must be greater than zero.
   double positive(const std::string& key) const;
   double positive(const std::string& key, double fallback) const;
+  /// This value as YAML in one line.
+  std::string yaml() const;
   /// One of `choices`.
   std::string choice(const std::string& key, const std::vector<std::string>& choices,
                      const std::string& fallback) const;
@@ -68,10 +75,13 @@ class ConfigNode {
 
  private:
   ConfigNode(const YAML::Node& node, std::filesystem::path file, std::string name);
+  ConfigNode child(const YAML::Node& node, std::string name) const;
+  bool is_set() const;
   std::shared_ptr<const YAML::Node> node_;
   std::filesystem::path file_;
   std::string name_;  // dotted path of keys, for messages
   std::shared_ptr<std::set<std::string>> known_;
+  std::shared_ptr<const std::vector<ConfigOverride>> overrides_;
 };
 
 template <>

@@ -86,19 +86,21 @@ BenchScene read_item_of_scene(const ConfigNode& root, const ConfigNode& node,
                               const std::vector<std::uint64_t>& seeds) {
   if (const auto recording = node.find("recording")) {
     const bool is_optional = node.get<bool>("optional", false);
-    return {read_recording(root, *recording, is_optional), true, 1, {0}, "", {}};
+    return {read_recording(root, *recording, is_optional), true, 1, {}, {0}, "", {}};
   }
   BenchScene scene{
-      read_file(root, node.at("scene")), false, node.get<double>("noise_scale", 1), seeds, "", {}};
+      read_file(root, node.at("scene")), false, node.get<double>("noise_scale", 1), {}, seeds, "", {}};
   if (!(scene.noise_scale >= 0 && scene.noise_scale <= kMostNoiseScale))
     node.at("noise_scale").fail(fmt::format("expected 0 to {}", kMostNoiseScale));
+  if (const auto set = node.find("set"))
+    for (const auto& [key, value] : set->entries()) scene.set.push_back({key, value.yaml()});
   return scene;
 }
 
 // A path, or a map with what is other than usual.
 BenchScene read_scene(const ConfigNode& root, const ConfigNode& node,
                       const std::vector<std::uint64_t>& seeds) {
-  if (!node.is_map()) return {read_file(root, node), false, 1, seeds, "", {}};
+  if (!node.is_map()) return {read_file(root, node), false, 1, {}, seeds, "", {}};
   BenchScene scene = read_item_of_scene(root, node, seeds);
   scene.name = node.name("name", scene.name);
   if (node.has("name") && (scene.name == "." || scene.name == ".."))
@@ -155,6 +157,13 @@ std::string prompt_name(const std::string& prompt) {
   return yaml_quoted(prompt.substr(0, colon + 1) + fs::path(prompt.substr(colon + 1)).filename().string());
 }
 
+std::vector<std::string> set_entries(const BenchScene& scene) {
+  std::vector<std::string> result;
+  for (const ConfigOverride& value : scene.set)
+    result.push_back(fmt::format("{}: {}", yaml_quoted(value.key), value.value));
+  return result;
+}
+
 // A scene's name, or a map where it differs from what stands for all.
 std::vector<std::string> scene_entries(const BenchConfig& config) {
   std::vector<std::string> result;
@@ -162,6 +171,7 @@ std::vector<std::string> scene_entries(const BenchConfig& config) {
     std::string extra = scene.is_recording ? ", recording: true" : "";
     if (!scene.prompt.empty()) extra += fmt::format(", prompt: {}", prompt_name(scene.prompt));
     if (scene.noise_scale != 1) extra += fmt::format(", noise_scale: {}", scene.noise_scale);
+    if (!scene.set.empty()) extra += fmt::format(", set: {{{}}}", fmt::join(set_entries(scene), ", "));
     if (scene.seeds != config.seeds) extra += fmt::format(", seeds: [{}]", fmt::join(scene.seeds, ", "));
     if (!scene.judging.empty())
       extra += fmt::format(", evaluate: {}", yaml_quoted(fmt::format("{}", fmt::join(scene.judging, " "))));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/config_overrides.h"
 #include "estimator/variant.h"
 
 namespace uniquadric {
@@ -20,6 +21,7 @@ struct BenchItem {
 struct BenchScene : BenchItem {
   bool is_recording = false;         ///< `path` is a folder that `import` made, else a scene file
   double noise_scale = 1;            ///< of a scene: of the amplitudes of all its noise
+  std::vector<ConfigOverride> set;   ///< of a scene: in place of the file's values
   std::vector<std::uint64_t> seeds;  ///< its own, or the bench's; of a recording [0] by default
   std::string prompt;                ///< boxes:FILE or points:FILE; empty: none
   std::vector<std::string> judging;  ///< options of `evaluate`: --objects, --unlabelled

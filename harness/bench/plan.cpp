@@ -137,7 +137,7 @@ struct Data {
 };
 
 Data data_of_scene(const BenchScene& item) {
-  Scene scene = load_scene(item.path);
+  Scene scene = load_scene(item.path, item.set);
   scale_noise(scene, item.noise_scale);
   return {"scene", scene.hash, sensors_of(scene), takes_the_papers_way(scene), {}, {}};
 }
@@ -220,6 +220,8 @@ std::optional<BenchStage> BenchPlan::simulate(const BenchSimulation& simulation)
                                       with_suffix(folder, ".timing.csv")};
   if (scene.noise_scale != 1)
     command.insert(command.end(), {"--noise-scale", fmt::format("{}", scene.noise_scale)});
+  for (const ConfigOverride& value : scene.set)
+    command.insert(command.end(), {"--set", value.key + '=' + value.value});
   if (config.frames) command.insert(command.end(), {"--frames", std::to_string(*config.frames)});
   if (simulation.has_routes) command.insert(command.end(), {"--routes", routes_folder(simulation)});
   return stage(folder, simulation.key, std::move(command), {}, with_suffix(folder, ".log"));

@@ -37,12 +37,16 @@ void add_simulate(CLI::App& app, Common& common) {
   static const std::map<std::string, GlLibrary> libraries{
       {"auto", GlLibrary::automatic}, {"osmesa", GlLibrary::osmesa}, {"egl", GlLibrary::egl}};
   static double noise_scale = 1;
+  static std::vector<std::string> set;
   sub->add_option("SCENE", scene, "scene file (YAML)")->required();
   sub->add_option("OUT", out, "folder for sequence/ and truth/")->required();
   sub->add_option("--seed", options.seed, "of all noise")->check(whole_number());
   sub->add_option("--noise-scale", noise_scale, "of the amplitudes of all noise")
       ->check(at_least_0())
       ->check(CLI::Range(0.0, kMostNoiseScale));
+  sub->add_option("--set", set, "KEY=VALUE: a value in place of the scene file's, as lidar.method=embree")
+      ->expected(1)
+      ->take_all();
   auto* count =
       sub->add_option("--frames", frames, "instead of the scene's number")->check(whole_number(1, kMaxCount));
   sub->add_option(
@@ -63,7 +67,9 @@ void add_simulate(CLI::App& app, Common& common) {
     require_apart(options.timing, {scene});
     require_apart(routes, {scene});
     require_replaceable_file(options.timing, common.force);
-    Scene loaded = load_scene(scene);
+    std::vector<ConfigOverride> overrides;
+    for (const std::string& text : set) overrides.push_back(parse_override(text));
+    Scene loaded = load_scene(scene, overrides);
     scale_noise(loaded, noise_scale);
     make_stage(common, out, [&] {
       simulate(loaded, options, out);

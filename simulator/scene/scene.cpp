@@ -114,9 +114,11 @@ void read_objects(const ConfigNode& list, Scene& scene, std::vector<fs::path>& f
 }
 
 // The text, then the files in the order they are named: the same scene elsewhere has the same hash.
-std::string scene_hash(const std::string& text, const std::vector<fs::path>& files) {
+std::string scene_hash(const std::string& text, const std::vector<ConfigOverride>& overrides,
+                       const std::vector<fs::path>& files) {
   Hash hash;
   hash.add("scene").add(text);
+  for (const ConfigOverride& value : overrides) hash.add("set").add(value.key).add(value.value);
   for (const fs::path& file : files) hash.add_file(file);
   return hash.hex();
 }
@@ -127,9 +129,9 @@ std::int64_t Scene::stamp_ns(std::int64_t frame) const {
   return std::llround(static_cast<double>(frame) * 1e9 / rate_hz);
 }
 
-Scene load_scene(const fs::path& path) {
+Scene load_scene(const fs::path& path, const std::vector<ConfigOverride>& overrides) {
   const std::string text = read_file(path, kYamlFile);
-  const ConfigNode root = ConfigNode::parse(text, path);
+  const ConfigNode root = ConfigNode::parse(text, path, overrides);
   Scene scene;
   std::vector<fs::path> files;
   scene.name = root.name("name", path.stem().string());
@@ -150,7 +152,7 @@ Scene load_scene(const fs::path& path) {
   if (!(noise_scale >= 0 && noise_scale <= kMostNoiseScale))
     root.at("noise_scale").fail(fmt::format("expected 0 to {}, found {}", kMostNoiseScale, noise_scale));
   root.refuse_unknown_keys();
-  scene.hash = scene_hash(text, files);
+  scene.hash = scene_hash(text, overrides, files);
   scale_noise(scene, noise_scale);
   return scene;
 }

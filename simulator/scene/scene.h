@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/config.h"
+#include "core/base/config_overrides.h"
 #include "core/geometry/body_symmetry.h"
 #include "core/geometry/camera.h"
 #include "core/sequence/imu.h"
@@ -110,7 +111,8 @@ struct Scene {
   std::int64_t stamp_ns(std::int64_t frame) const;  ///< of a frame, from 0 on, rounded to the nanosecond
 };
 
-/// Loads a scene; meshes are generated or loaded, re-centred, scaled. Throws InputError with file and line.
-Scene load_scene(const std::filesystem::path& path);
+/// Loads a scene, with values set that need not be the file's; meshes are generated or loaded, re-centred,
+/// scaled. Throws InputError with file and line.
+Scene load_scene(const std::filesystem::path& path, const std::vector<ConfigOverride>& overrides = {});
 
 }  // namespace uniquadric

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "core/base/config_overrides.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -48,6 +49,45 @@ TEST(Config, EveryRefusalNamesFileLineAndKey) {
     ++checked;
   }
   EXPECT_EQ(checked, 11);
+}
+
+ConfigNode parse_with(const std::string& text, const std::vector<std::string>& set) {
+  std::vector<ConfigOverride> overrides;
+  for (const std::string& value : set) overrides.push_back(parse_override(value));
+  return ConfigNode::parse(text, "file.yaml", overrides);
+}
+
+TEST(Config, ValuesCanBeSet) {
+  const std::string text = "shared: &s {x: 1, y: 2}\nlist: [{v: 3}, *s]\n";
+  const ConfigNode node =
+      parse_with(text, {"shared.x=5", "list[1].y=[6, 7]", "made.up=a=b", "list[0]={w: 8}", "shared.x=9"});
+  EXPECT_EQ(node.at("shared").get<int>("x"), 9) << "the last one stands";
+  EXPECT_EQ(node.at("shared").get<int>("y"), 2) << "what is not set is the file's";
+  EXPECT_EQ(node.at("list").items()[1].get<int>("x"), 1) << "an alias is of its own";
+  EXPECT_EQ(node.at("list").items()[1].at("y").yaml(), "[6, 7]");
+  EXPECT_EQ(node.at("list").items()[0].get<int>("w"), 8);
+  EXPECT_EQ(node.at("made").get<std::string>("up"), "a=b");
+  EXPECT_EQ(parse(text).at("shared").get<int>("x"), 1);
+}
+
+TEST(Config, ValuesThatAreSetAreRefusedAsSuch) {
+  const auto refusal = [](const std::string& set, const auto& read) {
+    return input_error([&] { read(parse_with("a: 1\nb: [2]\n", {set})); });
+  };
+  const auto a = [](const ConfigNode& node) { (void)node.get<int>("a"); };
+  const auto all = [](const ConfigNode& node) {
+    for (const char* key : {"a", "b"}) (void)node.find(key);
+    node.refuse_unknown_keys();
+  };
+  EXPECT_EQ(refusal("a=x", a), "file.yaml: a: expected an integer (set, not the file's)");
+  EXPECT_EQ(refusal("c=x", all), "file.yaml: unknown key 'c' (known: a, b)");
+  EXPECT_EQ(refusal("a.c=2", a), "file.yaml: set a.c=2: there is no key 'c'");
+  for (const char* index : {"1", "-1", "x", ""})
+    EXPECT_EQ(refusal(fmt::format("b[{}]=2", index), a),
+              fmt::format("file.yaml: set b[{0}]=2: there is no item [{0}]", index));
+  EXPECT_EQ(refusal("a=[", a).find("file.yaml: set a=[: malformed YAML"), 0u);
+  for (const char* text : {"a", "=1", ""})
+    EXPECT_EQ(refusal(text, a), fmt::format("--set {}: expected KEY=VALUE", text));
 }
 
 TEST(Config, ASecondDocumentIsRefused) {

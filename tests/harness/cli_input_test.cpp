@@ -101,6 +101,7 @@ TEST_F(Cli, RefusesBadVariantsAndBenches) {
   refused("{scene: bench.yaml, noise_scale: 1, name: ..}",
           "scenes[0].name: names a folder that is there already");
   refused("{scene: bench.yaml, noise: 1}", "unknown key 'scenes[0].noise'");
+  refused("{scene: bench.yaml, set: 3}", "scenes[0].set: expected a map");
   refused("{scene: bench.yaml, seeds: [2, 2]}", "scenes[0].seeds[1]: 2 stands twice");
   refused("bench.yaml, {scene: bench.yaml, noise_scale: 2}", "scenes[1]: the name 'bench' stands twice");
 }

@@ -55,6 +55,8 @@ TEST_F(Cli, RefusesWhatItDoesNotKnow) {
   for (const char* scale : {"-1", "nan", "inf", "x"})
     expect_refusal({"simulate", "a.yaml", out(), "--noise-scale", scale}, "is no number of at least 0");
   expect_refusal({"simulate", folder() / "none.yaml", out()}, "none.yaml: cannot be read");
+  expect_refusal({"simulate", write("set.yaml", "frames: 3\n"), out(), "--set", "frames=0"},
+                 "frames: expected 1 to 10000000, found 0 (set, not the file's)");
   expect_refusal({"metric", "iou4d"}, "iou4d");
   for (const char* option : {"--samples", "--seed"})
     expect_refusal({"metric", "iou3d", option, "10"}, option + std::string(" requires --method monte-carlo"));

@@ -329,6 +329,24 @@ TEST_F(Pipeline, BenchWithoutOverlays) {
   EXPECT_NE(read_text(out / "cells.csv").find("small,single_frame_obb,1,ok,"), std::string::npos);
 }
 
+TEST_F(Pipeline, BenchSetsValuesOfAScene) {
+  const fs::path out = folder() / "out";
+  const auto item = [](const std::string& name, const std::string& frames) {
+    return "{scene: small.yaml, name: " + name + ", set: {frames: " + frames + ", camera.depth: true}}";
+  };
+  ok({"bench", bench_file(item("two", "2") + ", " + item("three", "3")), out, "--quiet", "--keep"});
+  EXPECT_NE(
+      read_text(out / "bench.yaml").find("{name: \"two\", set: {\"frames\": 2, \"camera.depth\": true}}"),
+      std::string::npos);
+  ok({"simulate", scene(), folder() / "hand", "--set", "frames=2", "--set", "camera.depth=true", "--seed",
+      "1", "--quiet"});
+  const auto made = [&](const char* name) {
+    return folder_hash(out / "simulations" / name / "seed_1/sequence");
+  };
+  EXPECT_EQ(made("two"), folder_hash(folder() / "hand/sequence")) << "the same as by hand";
+  EXPECT_NE(made("two"), made("three"));
+}
+
 TEST_F(Pipeline, BenchTakesAScenesNoiseAndSeeds) {
   const fs::path out = folder() / "out";
   const std::string half = "{scene: small.yaml, noise_scale: 0.5, seeds: [4, 5], name: small_half_noise}";

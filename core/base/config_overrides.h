@@ -1,0 +1,25 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace uniquadric {
+
+/// A value that takes the place of one in a YAML file.
+struct ConfigOverride {
+  std::string key;    ///< as messages name values: `frames`, `lidar.method`, `objects[0].name`
+  std::string value;  ///< YAML
+};
+
+/// Reads KEY=VALUE; throws InputError where there is no such key.
+ConfigOverride parse_override(const std::string& text);
+
+/// A copy of `root` with the value; maps on the way to it are made where there are none. Throws InputError
+/// with `file` for a key that leads through a scalar or past a list's end, and for a value that is no YAML.
+YAML::Node with_override(const YAML::Node& root, const ConfigOverride& value,
+                         const std::filesystem::path& file);
+
+}  // namespace uniquadric
