@@ -21,6 +21,7 @@
 #include "core/sequence/calibration.h"
 #include "core/sequence/depth_scale.h"
 #include "estimator/backend.h"
+#include "estimator/carve.h"
 #include "estimator/factors/solver_log.h"
 #include "estimator/single_frame.h"
 
@@ -242,6 +243,12 @@ void write_output(const fs::path& folder, const Tracks& tracks, const std::map<i
   write_text(folder / "run.yaml", fmt::format("output: {}\n", output) + run);
 }
 
+void write_solids(const fs::path& folder, const std::map<int, SurfaceFile>& solids) {
+  if (!solids.empty()) fs::create_directories(folder);
+  for (const auto& [id, solid] : solids)
+    write_surface_ply(folder / fmt::format("{}.ply", id), solid, "closed body, object frame, metres");
+}
+
 // What the frames show of the bodies' points, before any back end.
 std::string features_csv(const Perception& perception) {
   std::string text = "frame,timestamp_ns,body,track,u_px,v_px,depth_m,depth_sigma_m\n";
@@ -341,6 +348,7 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
   const ResourceUsage before = is_own ? own.used() : read_usage(perceived).value_or(ResourceUsage{});
   const UsageMeter backend;
   BackendResult result = estimate_objects(perception, variant, options);
+  const std::map<int, SurfaceFile> solids = carve_bodies(sequence, perception, result, variant);
   const Tracks causal = tracks_of(perception, result.causal, [](const FrameInfo& frame) {
     return frame.camera_came_late ? std::nullopt : frame.world_from_camera;
   });
@@ -353,10 +361,12 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
     write_output(pending.path() / "fixed_lag",
                  tracks_of(perception, *result.fixed_lag, [](const auto& f) { return f.lagged_camera; }),
                  result.surfaces, sequence.camera, "fixed_lag", run);
-  if (result.final)
+  if (result.final) {
     write_output(pending.path() / "final",
                  tracks_of(perception, *result.final, [](const auto& f) { return f.final_camera; }),
                  result.surfaces, sequence.camera, "final", run);
+    write_solids(pending.path() / "final/solids", solids);
+  }
   if (variant.write_features) write_text(pending.path() / "features.csv", features_csv(perception));
   write_text(pending.path() / "timing.csv", timing_csv(result.times, read_text(perceived / "timing.csv")));
   if (is_own) fs::remove_all(perceived);

@@ -29,6 +29,7 @@ void visit(Io& io, Variant& o) {
   io.section("lifecycle", [&](auto& inner) { visit(inner, o.body.lifecycle); });
   io.section("cloud_alignment", [&](auto& inner) { visit(inner, o.body.alignment); });
   io.section("trajectory", [&](auto& inner) { visit(inner, o.body.trajectory); });
+  io.section("carving", [&](auto& inner) { visit(inner, o.body.carving); });
   io.choice("backend", o.backend,
             Choices<Backend>{{"single_frame", Backend::single_frame}, {"windows", Backend::windows}});
   io.choice(

@@ -216,7 +216,9 @@ void compare_surfaces(const Truth& reference, const fs::path& estimate, double s
 }
 
 // The estimated bodies, whatever their shape, against the true ones.
-void compare_bodies(Truth& reference, const Tracks& estimate, std::uint64_t seed, Evaluation& evaluation) {
+void compare_bodies(Truth& reference, const fs::path& folder, const Tracks& estimate, std::uint64_t seed,
+                    Evaluation& evaluation) {
+  const double scale = evaluation.alignment.truth_from_estimate.scale;
   const auto track_of = [](const Tracks& tracks, int id) -> const ObjectTrack& {
     return *std::ranges::find(tracks.objects, id, &ObjectTrack::id);
   };
@@ -225,8 +227,9 @@ void compare_bodies(Truth& reference, const Tracks& estimate, std::uint64_t seed
     if (!body) continue;
     const ObjectTrack &true_track = track_of(reference.tracks, object.id),
                       &track = track_of(estimate, *object.matched_id);
-    compare_solids(*body, true_track, track, object);
-    compare_body_surfaces(*body, true_track, track, object);
+    const auto mesh = estimated_mesh(folder, *object.matched_id, scale, seed);
+    compare_solids(*body, mesh.get(), true_track, track, object);
+    compare_body_surfaces(*body, mesh.get(), true_track, track, object);
   }
 }
 
@@ -292,7 +295,7 @@ void evaluate_output(Truth& reference, const fs::path& estimate_folder, const Ev
         fmt::format("{} of {} poses lie within 0.01 s of the truth's {}, at least {} are needed",
                     evaluation.camera.pairs, estimate.camera.size(), truth.camera.size(), kMinPairs));
   compare_surfaces(reference, estimate_folder, alignment.truth_from_estimate.scale, evaluation);
-  compare_bodies(reference, estimate, options.seed, evaluation);
+  compare_bodies(reference, estimate_folder, estimate, options.seed, evaluation);
   evaluation.map = compare_surroundings(reference.folder, estimate_folder, alignment.truth_from_estimate);
   evaluation.timing_ms = read_timing(estimate_folder);
   evaluation.usage = read_usage(estimate_folder);

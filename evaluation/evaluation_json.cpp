@@ -138,6 +138,7 @@ json solid_iou_json(const ObjectEvaluation& object) {
   result["mean"] = object.solid->iou.mean;
   result["stderr"] = object.solid->iou.standard_error;
   result["truth_solid"] = object.solid->truth;
+  result["estimate_solid"] = object.solid->estimate;
   return result;
 }
 

@@ -23,6 +23,7 @@ namespace uniquadric {
 struct SolidScore {
   std::string
       truth;    ///< how the true body's inside is known: box, ellipsoid, closed, closed_unoriented, open
+  std::string estimate;  ///< the estimate's: states, or of a mesh closed, closed_unoriented, open
   MeanIou iou;  ///< mean over the matched frames
 };
 

@@ -1,11 +1,13 @@
 #include "evaluation/object_solid.h"
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <utility>
 #include <vector>
 
+#include "core/base/error.h"
 #include "evaluation/object_surface.h"
 
 namespace uniquadric {
@@ -13,7 +15,8 @@ namespace {
 
 // In the box about the true body; measured: a standard error of 0.002 of a frame at most.
 constexpr int kCandidates = 32768;
-constexpr std::size_t kGrain = 8;  // frames in a row, which often have one shape
+constexpr int kVolumeCandidates = 1 << 17;  // of an estimated mesh: a standard error of 0.0005 of its volume
+constexpr std::size_t kGrain = 8;           // frames in a row, which often have one shape
 
 std::vector<std::size_t> matched_frames(const ObjectEvaluation& object) {
   std::vector<std::size_t> matched;
@@ -47,8 +50,20 @@ Superellipsoid solid_of(const ObjectState& state) {
   return {state.ellipsoid.semi_axes_m, state.exponents, state.profile_axis};
 }
 
-void compare_solids(const TrueSolid& body, const ObjectTrack& truth, const ObjectTrack& estimate,
-                    ObjectEvaluation& object) {
+std::unique_ptr<const EstimatedMesh> estimated_mesh(const std::filesystem::path& estimate, int id,
+                                                    double scale, std::uint64_t seed) {
+  const std::filesystem::path file = estimate / "solids" / fmt::format("{}.ply", id);
+  if (!std::filesystem::exists(file)) return nullptr;
+  SurfaceFile mesh = read_surface_ply(file);
+  if (mesh.triangles.empty()) throw InputError(file, "has no faces: a body is a mesh");
+  for (Eigen::Vector3f& point : mesh.points) point *= static_cast<float>(scale);
+  const auto solid = std::make_shared<MeshSolid>(mesh.points, mesh.triangles);
+  const double volume_m3 = SolidSamples({{}, solid}, kVolumeCandidates, seed).volume();
+  return std::make_unique<const EstimatedMesh>(*solid, volume_m3, reference_surface(mesh));
+}
+
+void compare_solids(const TrueSolid& body, const EstimatedMesh* mesh, const ObjectTrack& truth,
+                    const ObjectTrack& estimate, ObjectEvaluation& object) {
   const std::vector<std::size_t> matched = matched_frames(object);
   if (matched.empty() || !(body.samples.volume() > 0)) return;
   std::vector<SolidIou> pairs(matched.size());
@@ -56,15 +71,16 @@ void compare_solids(const TrueSolid& body, const ObjectTrack& truth, const Objec
     const std::size_t k = matched[i];
     const ObjectState& state = estimate.states[*object.frames[k].state];
     const Pose& world_from_truth = truth.states[k].ellipsoid.world_from_object;
-    pairs[i] = solid_iou(body.samples, solid_of(state),
-                         relative_pose(world_from_truth, state.ellipsoid.world_from_object));
+    const Pose truth_from_estimate = relative_pose(world_from_truth, state.ellipsoid.world_from_object);
+    pairs[i] = mesh ? solid_iou(body.samples, mesh->solid, mesh->volume_m3, truth_from_estimate)
+                    : solid_iou(body.samples, solid_of(state), truth_from_estimate);
   });
   for (std::size_t i = 0; i < matched.size(); ++i) object.frames[matched[i]].iou3d_solid = pairs[i].iou;
-  object.solid = {body.kind, mean_iou(pairs)};
+  object.solid = {body.kind, mesh ? to_string(mesh->solid.kind()) : "states", mean_iou(pairs)};
 }
 
-void compare_body_surfaces(const TrueSolid& body, const ObjectTrack& truth, const ObjectTrack& estimate,
-                           ObjectEvaluation& object) {
+void compare_body_surfaces(const TrueSolid& body, const EstimatedMesh* mesh, const ObjectTrack& truth,
+                           const ObjectTrack& estimate, ObjectEvaluation& object) {
   const std::vector<std::size_t> matched = matched_frames(object);
   if (matched.empty() || body.surface.points.empty()) return;
   const auto compare_frames = [&](const tbb::blocked_range<std::size_t>& range) {
@@ -73,14 +89,15 @@ void compare_body_surfaces(const TrueSolid& body, const ObjectTrack& truth, cons
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       ObjectFrame& frame = object.frames[matched[i]];
       const ObjectState& state = estimate.states[*frame.state];
-      if (!shape || *shape != solid_of(state)) {
+      if (!mesh && (!shape || *shape != solid_of(state))) {
         shape = solid_of(state);
         surface = reference_surface(tessellate(*shape));
       }
-      if (surface->points.empty()) continue;  // too small to have an area
+      const ReferenceSurface& estimated = mesh ? mesh->surface : *surface;
+      if (estimated.points.empty()) continue;  // too small to have an area
       const Pose& world_from_truth = truth.states[matched[i]].ellipsoid.world_from_object;
       const SurfaceScore score = surface_score(
-          body.surface, *surface, relative_pose(world_from_truth, state.ellipsoid.world_from_object),
+          body.surface, estimated, relative_pose(world_from_truth, state.ellipsoid.world_from_object),
           body.surface_tolerance_m);
       frame.surface_f1 = score.f1;
       frame.chamfer_m = score.chamfer_m;

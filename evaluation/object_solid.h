@@ -30,15 +30,29 @@ std::unique_ptr<const TrueSolid> true_solid(const std::filesystem::path& truth,
 /// The body that an estimate's state describes, in its own frame.
 Superellipsoid solid_of(const ObjectState& state);
 
+/// The mesh that an estimate gives of a body, in the frame of its states, scaled.
+struct EstimatedMesh {
+  MeshSolid solid;
+  double volume_m3 = 0;
+  ReferenceSurface surface;
+};
+
+/// ESTIMATE/solids/ID.ply; null without that file. Throws InputError for a file that cannot be read or has no
+/// faces.
+std::unique_ptr<const EstimatedMesh> estimated_mesh(const std::filesystem::path& estimate, int id,
+                                                    double scale, std::uint64_t seed);
+
 /// Fills `iou3d_solid` of the matched frames and `solid` of an object, where its true body encloses a volume:
 /// the estimate as it came, in the true world, against it. `truth` and `estimate` are the tracks that were
-/// matched. The same for any number of processors.
-void compare_solids(const TrueSolid& body, const ObjectTrack& truth, const ObjectTrack& estimate,
-                    ObjectEvaluation& object);
+/// matched; `mesh` not null: the estimated body, whatever the states' shapes. The same for any number of
+/// processors.
+void compare_solids(const TrueSolid& body, const EstimatedMesh* mesh, const ObjectTrack& truth,
+                    const ObjectTrack& estimate, ObjectEvaluation& object);
 
 /// Fills `surface_f1` and `chamfer_m` of the matched frames and `surface_tolerance_m` of an object, where its
-/// true surface has an area. The tracks are those of compare_solids(). The same for any number of processors.
-void compare_body_surfaces(const TrueSolid& body, const ObjectTrack& truth, const ObjectTrack& estimate,
-                           ObjectEvaluation& object);
+/// true surface has an area. Mesh and tracks are those of compare_solids(). The same for any number of
+/// processors.
+void compare_body_surfaces(const TrueSolid& body, const EstimatedMesh* mesh, const ObjectTrack& truth,
+                           const ObjectTrack& estimate, ObjectEvaluation& object);
 
 }  // namespace uniquadric

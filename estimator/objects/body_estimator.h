@@ -11,6 +11,7 @@
 #include "estimator/objects/outline_watch.h"
 #include "estimator/objects/shape_estimator.h"
 #include "estimator/perception/perception.h"
+#include "estimator/shape/body_carving.h"
 #include "estimator/window/cloud_alignment.h"
 #include "estimator/window/short_window.h"
 #include "estimator/window/trajectory_smoother.h"
@@ -41,6 +42,7 @@ struct BodyOptions {
   MotionDecisionOptions motion;
   CloudAlignmentOptions alignment;
   TrajectorySmootherOptions trajectory;
+  CarvingOptions carving;
 };
 
 /// What is known of a body at one frame: where its short window's frame is, and the shape in it.

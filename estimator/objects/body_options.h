@@ -156,6 +156,17 @@ void visit(Io& io, MotionDecisionOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, CarvingOptions& o) {
+  io.flag("enabled", o.enabled);
+  io.number("cells", o.cells, 4, 512);
+  io.number("views", o.views, 1, 60'000);
+  io.positive("sigmas", o.sigmas);
+  io.number("min_views", o.min_views, 1, 60'000);
+  io.number("min_share", o.min_share, 0.0, 1.0);
+  io.number("least_free", o.least_free, 0.0, 1.0);
+}
+
+template <typename Io>
 void visit(Io& io, CloudAlignmentOptions& o) {
   io.number("max_points", o.max_points, 10, 1'000'000);
   io.positive("point_sigma_m", o.point_sigma_m, kSigma_m);

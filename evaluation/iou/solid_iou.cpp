@@ -4,7 +4,9 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "evaluation/iou/box_iou.h"
 #include "evaluation/iou/ellipsoid_iou.h"
@@ -35,6 +37,23 @@ std::optional<double> exact_iou(const Solid& a, const Superellipsoid& b, const P
   if (is_box(a.body) && is_box(b)) return box_iou(first, second);
   if (is_ellipsoid(a.body) && is_ellipsoid(b)) return ellipsoid_iou(first, second);
   return std::nullopt;
+}
+
+// With I the common volume and V, W those of the bodies, IoU = I / (V + W - I), and its change is
+// ((V + W) dI - I dV) / (V + W - I)^2. `count`: how many points are in the other body.
+template <typename Count>
+SolidIou sampled_iou(const SolidSamples& samples, double other_volume, const Count& count) {
+  Replicates common{};
+  for (std::size_t r = 0; r < kReplicates; ++r)
+    if (const auto points = samples.points(r); !points.empty())
+      common[r] = samples.volume(r) * static_cast<double>(count(points)) / static_cast<double>(points.size());
+  const double I = mean(common), V = samples.volume(), both = V + other_volume;
+  assert(V > 0);
+  const double all = both - I, by_common = both / (all * all), by_volume = -I / (all * all);
+  SolidIou result{I / all, {}, by_common * samples.volume_of_point()};
+  for (std::size_t r = 0; r < kReplicates; ++r)
+    result.replicates[r] = result.iou + by_common * (common[r] - I) + by_volume * (samples.volume(r) - V);
+  return result;
 }
 
 }  // namespace
@@ -69,25 +88,22 @@ double SolidSamples::volume() const {
   return mean(volumes_);
 }
 
-// With I the common volume and V, W those of the bodies, IoU = I / (V + W - I), and its change is
-// ((V + W) dI - I dV) / (V + W - I)^2.
 SolidIou solid_iou(const SolidSamples& samples, const Superellipsoid& other, const Pose& samples_from_other) {
   if (const auto iou = exact_iou(samples.solid(), other, samples_from_other)) return exact(*iou);
   const InsideTest test(other, samples_from_other);
-  Replicates common{};
-  for (std::size_t r = 0; r < kReplicates; ++r) {
-    const auto points = samples.points(r);
-    if (points.empty()) continue;
-    const auto hits = std::ranges::count_if(points, [&](const auto& point) { return test.contains(point); });
-    common[r] = samples.volume(r) * static_cast<double>(hits) / static_cast<double>(points.size());
-  }
-  const double I = mean(common), V = samples.volume(), both = V + superellipsoid_volume(other);
-  assert(V > 0);
-  const double all = both - I, by_common = both / (all * all), by_volume = -I / (all * all);
-  SolidIou result{I / all, {}, by_common * samples.volume_of_point()};
-  for (std::size_t r = 0; r < kReplicates; ++r)
-    result.replicates[r] = result.iou + by_common * (common[r] - I) + by_volume * (samples.volume(r) - V);
-  return result;
+  return sampled_iou(samples, superellipsoid_volume(other), [&](std::span<const Eigen::Vector3d> points) {
+    return std::ranges::count_if(points, [&](const auto& point) { return test.contains(point); });
+  });
+}
+
+SolidIou solid_iou(const SolidSamples& samples, const MeshSolid& other, double other_volume,
+                   const Pose& samples_from_other) {
+  const Pose other_from_samples = samples_from_other.inverse();
+  return sampled_iou(samples, other_volume, [&](std::span<const Eigen::Vector3d> points) {
+    std::vector<Eigen::Vector3d> moved;
+    for (const Eigen::Vector3d& point : points) moved.push_back(other_from_samples * point);
+    return std::ranges::count(other.contains(moved), 1);
+  });
 }
 
 MeanIou mean_iou(std::span<const SolidIou> pairs) {

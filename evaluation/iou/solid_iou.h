@@ -48,6 +48,10 @@ struct SolidIou {
 /// and equal bodies, else sampled. Asserts that the solid has a volume.
 SolidIou solid_iou(const SolidSamples& samples, const Superellipsoid& other, const Pose& samples_from_other);
 
+/// The same with what a mesh encloses, of a volume that is known beforehand [m^3].
+SolidIou solid_iou(const SolidSamples& samples, const MeshSolid& other, double other_volume,
+                   const Pose& samples_from_other);
+
 struct MeanIou {
   double mean = 0;
   /// From the spread over the replicates of each one's mean: pairs that share their points have no

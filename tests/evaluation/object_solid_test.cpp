@@ -4,6 +4,7 @@
 #include "core/sequence/ply.h"
 #include "tests/evaluation/evaluate_fixture.h"
 #include "tests/evaluation/solid_meshes.h"
+#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {
@@ -48,6 +49,29 @@ TEST_F(ObjectSolid, TakesTheMeshBeforeTheShape) {
   const json cube = run()["objects"][1]["iou3d_solid"];
   EXPECT_EQ(cube["truth_solid"], "closed");
   EXPECT_NEAR(cube["mean"], 0.5, 1e-5);
+}
+
+// Half a cube, whatever the states' shapes are.
+TEST_F(ObjectSolid, TakesTheEstimatesMesh) {
+  write_changed([](Tracks&) {});
+  const TestMesh half = box_mesh({0, 0, 0.1F}, {0.2F, 0.2F, 0.1F});
+  fs::create_directories(estimate() / "solids");
+  write_surface_ply(estimate() / "solids/20.ply", {half.corners, {}, half.triangles}, "");
+  const json cube = run()["objects"][1];
+  const double error = cube["iou3d_solid"]["stderr"];
+  EXPECT_LT(error, 0.002);
+  EXPECT_NEAR(cube["iou3d_solid"]["mean"], 0.5, 4 * error + 0.001);
+  EXPECT_EQ(cube["iou3d_solid"]["estimate_solid"], "closed");
+  // half the points of the truth and three quarters of the estimate's are on the other's surface
+  EXPECT_NEAR(cube["surface_f1"]["mean"], 2 * 0.5 * 0.75 / 1.25, 0.05);
+  EXPECT_EQ(run()["objects"][0]["iou3d_solid"]["estimate_solid"], "states");
+}
+
+TEST_F(ObjectSolid, RefusesAnEstimatesMeshWithoutFaces) {
+  write_changed([](Tracks&) {});
+  fs::create_directories(estimate() / "solids");
+  write_surface_ply(estimate() / "solids/20.ply", {{{0, 0, 0}}, {}}, "");
+  EXPECT_NE(input_error([&] { run(); }).find("solids/20.ply: has no faces"), std::string::npos);
 }
 
 TEST_F(ObjectSolid, SurfacesOfTheSameBodyAreOne) {
