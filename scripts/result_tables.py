@@ -4,10 +4,11 @@ A block of a page is `<!-- KIND BENCH key=value .. -->`, then what is made, then
   made                                    commit, command and seeds of the bench
   table   metrics= [scenes= objects= variants= outputs=]    means over seeds
   claim   than= better= metric= [output= scenes= objects= margin=]   a paired comparison and a verdict
-  level   variant= metric= level=0.8 | object:0.8,.. [output= scenes=]   a figure against a level, and a verdict
+  level   variant= metric= level=0.8 | object:0.8,.. [output= scenes= verdict=no]   a figure against a level
   section heading=                        a section of the bench's report.md
 """
 import csv
+import functools
 import gzip
 import math
 import re
@@ -49,13 +50,22 @@ class PageError(Exception):
     """What a page asks for and the scores do not have."""
 
 
+class MissingScores(PageError):
+    """A bench that has not been run."""
+
+
+def kept(name, ending):
+    file = SCORES / f"{name}.{ending}"
+    if not file.exists():
+        raise MissingScores(f"{file.name} is missing; run scripts/results --page {name}")
+    return file
+
+
+@functools.cache
 def read_scores(name):
     """(scene, object, variant, output, metric) -> {seed: value}; the value is None where a run failed."""
-    file = SCORES / f"{name}.csv.gz"
-    if not file.exists():
-        raise PageError(f"{file.name} is missing; run scripts/results --page {name}")
     values = {}
-    with gzip.open(file, "rt") as lines:
+    with gzip.open(kept(name, "csv.gz"), "rt") as lines:
         for row in csv.DictReader(lines):
             variant, _, output = row["variant"].partition("@")
             key = (row["sequence"], row["object"], variant, output, row["metric"])
@@ -64,10 +74,10 @@ def read_scores(name):
 
 
 def interval(values):
-    """Mean and half its 95 % confidence interval (Student's t); half is None without two values."""
-    half = None
-    if 1 < len(values) <= len(T):
-        half = T[len(values) - 1] * statistics.stdev(values) / math.sqrt(len(values))
+    """Mean and half its 95 % confidence interval (Student's t), which is infinite for a single value."""
+    if len(values) > len(T):
+        raise PageError(f"{len(values)} values; Student's t is listed for {len(T)}")
+    half = T[len(values) - 1] * statistics.stdev(values) / math.sqrt(len(values)) if len(values) > 1 else math.inf
     return statistics.fmean(values), half
 
 
@@ -84,7 +94,7 @@ def cell(values, metric):
     if not good:
         return "-"
     mean, half = interval(good)
-    text = f"{mean:.{digits}f}" + (f" ± {half:.{digits}f}" if half is not None else "")
+    text = f"{mean:.{digits}f}" + (f" ± {half:.{digits}f}" if math.isfinite(half) else "")
     return text if len(good) == len(values) else f"{text} ({len(good)}/{len(values)})"
 
 
@@ -97,15 +107,17 @@ def table(name, options):
     rows = list(dict.fromkeys(key[:4] for key in scores))
     metrics = options["metrics"].split(",")
     outputs = chosen(options, "outputs", ["causal", "fixed_lag"])
+    scenes, variants = (chosen(options, key, {row[place] for row in rows}) for key, place in (("scenes", 0), ("variants", 2)))
+    objects = chosen(options, "objects", {row[1] for row in rows} - {"camera", "all"})
     lines = ["| scene | object | variant | known | " + " | ".join(column(m)[0] for m in metrics) + " |",
              "|---|---|---|---|" + "---:|" * len(metrics)]
     for row in rows:
         scene, item, variant, output = row
-        if (scene in chosen(options, "scenes", [scene]) and variant in chosen(options, "variants", [variant])
-                and item in chosen(options, "objects", [item] if item not in ("camera", "all") else [])
-                and (output or "causal") in outputs):
+        if scene in scenes and variant in variants and item in objects and (output or "causal") in outputs:
             cells = [cell(scores.get((*row, metric), {}), metric) for metric in metrics]
             lines.append(f"| {scene} | {item} | {variant} | {OUTPUTS[output]} | " + " | ".join(cells) + " |")
+    if len(lines) == 2:
+        raise PageError(f"{name}: no row of the table {options}")
     return "\n".join(lines)
 
 
@@ -114,10 +126,23 @@ def is_error(metric):
     return metric.endswith(("_m", "_rad", "_deg"))
 
 
-def objects_of(scores, variant, output, metric, options):
-    return [(scene, item) for scene, item, *rest in scores
-            if rest == [variant, output, metric] and item not in ("camera", "all")
-            and scene in chosen(options, "scenes", [scene]) and item in chosen(options, "objects", [item])]
+def objects_of(scores, variants, output, metric, options):
+    """(scene, object) of which any of the variants has runs."""
+    found = dict.fromkeys((scene, item) for scene, item, variant, *rest in scores
+                          if variant in variants and rest == [output, metric] and item not in ("camera", "all")
+                          and scene in chosen(options, "scenes", [scene])
+                          and item in chosen(options, "objects", [item]))
+    missing = set(variants) - {key[2] for key in scores}
+    if missing or not found:
+        raise PageError(f"no scores of {', '.join(missing) or metric} for {options}")
+    return list(found)
+
+
+def output_of(options):
+    output = options.get("output", "causal").replace("causal", "")
+    if output not in OUTPUTS:
+        raise PageError(f"there is no output {output}")
+    return output
 
 
 def gain(than, better, metric):
@@ -131,84 +156,93 @@ def pooled(gains):
     return [statistics.fmean(of_object[seed] for of_object in gains) for seed in sorted(seeds)]
 
 
+def sign_of(values, beyond=0.0):
+    """1 or -1 where the whole interval lies above or below a value, else 0."""
+    if not values:
+        return 0
+    mean, half = interval(values)
+    return 1 if mean - half > beyond else -1 if mean + half < beyond else 0
+
+
 def gain_text(values, metric):
     """A mean gain with its interval: of errors as the ratio of `better` to `than`."""
     if not values:
-        return "-", 0
+        return "-"
     mean, half = interval(values)
-    half = half if half is not None else math.inf
-    sign = 1 if mean - half > 0 else -1 if mean + half < 0 else 0
     if is_error(metric):
-        return f"x {math.exp(-mean):.3f} ({math.exp(-mean - half):.3f} to {math.exp(-mean + half):.3f})", sign
-    return f"{mean:+.3f} ± {half:.3f}", sign
+        return f"x {math.exp(-mean):.3f} ({math.exp(-mean - half):.3f} to {math.exp(-mean + half):.3f})"
+    return f"{mean:+.3f} ± {half:.3f}"
 
 
 def claim(name, options):
     scores = read_scores(name)
-    than, better, metric = options["than"], options["better"], options["metric"]
-    output = options.get("output", "causal").replace("causal", "")
+    than, better, metric, output = options["than"], options["better"], options["metric"], output_of(options)
     margin = float(options.get("margin", 0))
     heading = column(metric)[0]
     lines = [f"| scene | object | pairs | {heading}: {than} | {better} | {'ratio' if is_error(metric) else 'difference'} |",
              "|---|---|---:|---:|---:|---:|"]
-    gains, signs = [], []
-    for scene, item in objects_of(scores, better, output, metric, options):
-        a = scores.get((scene, item, than, output, metric), {})
-        b = scores[scene, item, better, output, metric]
+    gains, lost = [], 0
+    for scene, item in objects_of(scores, (than, better), output, metric, options):
+        a, b = (scores.get((scene, item, variant, output, metric), {}) for variant in (than, better))
         pairs = {s: gain(a[s], b[s], metric) for s in b if b[s] is not None and a.get(s) is not None}
-        text, sign = gain_text(list(pairs.values()), metric)
-        if pairs:
-            gains.append(pairs)
-            signs.append(sign)
-        lines.append(f"| {scene} | {item} | {len(pairs)} | {cell(a, metric)} | {cell(b, metric)} | {text} |")
-    all_values = pooled(gains)
-    text, sign = gain_text(all_values, metric)
-    lines.append(f"| all | mean over objects | {len(all_values)} | | | **{text}** |")
-    count = f"better on {signs.count(1)}, worse on {signs.count(-1)} of {len(signs)} objects"
-    return "\n".join(lines) + f"\n\n**Verdict: {verdict(all_values, sign, signs, margin)}** ({count})."
+        lost += sum(1 for s in a if a[s] is not None and b.get(s) is None)
+        gains.append(pairs)
+        lines.append(f"| {scene} | {item} | {len(pairs)} | {cell(a, metric)} | {cell(b, metric)} | "
+                     f"{gain_text(list(pairs.values()), metric)} |")
+    all_values = pooled([pairs for pairs in gains if pairs])
+    lines.append(f"| all | mean over objects | {len(all_values)} | | | **{gain_text(all_values, metric)}** |")
+    signs = [sign_of(list(pairs.values()), -margin) for pairs in gains]
+    text = f"{'no worse' if margin else 'better'} on {signs.count(1)}, worse on {signs.count(-1)} of {len(signs)} objects"
+    if lost:
+        text += f"; {better} has no figure in {lost} runs where {than} has"
+    return "\n".join(lines) + f"\n\n**Verdict: {verdict(sign_of(all_values, -margin), signs, lost, margin)}** ({text})."
 
 
-def verdict(values, sign, signs, margin):
-    """Of a claim that something is better, or with a margin, no worse than by that."""
-    if margin:
-        mean, half = interval(values)
-        if mean - half > -margin:
-            return f"reproduced, within a margin of {margin:g}"
-        return "refuted" if mean + half < -margin else "not decided"
-    if sign > 0:
-        return "reproduced" if -1 not in signs else "reproduced on the mean, not on every object"
-    return "refuted" if sign < 0 else "not decided"
+def verdict(sign, signs, lost, margin):
+    """Of a claim that something is better, or with a margin, no worse than by that. Runs that were lost say
+    nothing good of it."""
+    if sign < 0:
+        return "refuted"
+    if sign == 0 or lost:
+        return "not decided"
+    word = f"reproduced, within a margin of {margin:g}" if margin else "reproduced"
+    return word if -1 not in signs else word + " on the mean, not on every object"
 
 
 def level(name, options):
     scores = read_scores(name)
-    variant, metric = options["variant"], options["metric"]
-    output = options.get("output", "causal").replace("causal", "")
+    variant, metric, output = options["variant"], options["metric"], output_of(options)
     levels = dict(pair.split(":") for pair in options["level"].split(",") if ":" in pair)
-    wanted = [(s, i) for s, i in objects_of(scores, variant, output, metric, options) if not levels or i in levels]
+    if is_error(metric) and not levels:
+        raise PageError("an error has a level for each object")
     heading, factor, digits = column(metric)
     lines = [f"| scene | object | {heading} of {variant} | level |", "|---|---|---:|---:|"]
     margins = []
-    for scene, item in wanted:
+    for scene, item in objects_of(scores, (variant,), output, metric, options):
+        if levels and item not in levels:
+            continue
         values = scores[scene, item, variant, output, metric]
-        limit = float(levels.get(item, options["level"] if not levels else 0))
-        good = {s: (limit - v if is_error(metric) else v - limit) for s, v in values.items() if v is not None}
-        margins.append(good)
+        limit = float(levels.get(item, 0) if levels else options["level"])
+        margins.append({s: (limit - v if is_error(metric) else v - limit) for s, v in values.items() if v is not None})
         lines.append(f"| {scene} | {item} | {cell(values, metric)} | {factor * limit:.{digits}f} |")
-    signs = [gain_text(list(of.values()), "share")[1] for of in margins]
-    mean, half = interval(pooled(margins))
+    signs = [sign_of(list(of.values())) for of in margins]
     if levels:  # each object has its own
-        word = "reproduced" if set(signs) == {1} else "refuted" if 1 not in signs else "reproduced in part"
+        sign = signs[0] if len(set(signs)) == 1 else 0
+        word = "in part" if 1 in signs and -1 in signs else {1: "reproduced", 0: "not decided", -1: "refuted"}[sign]
     else:
+        mean, half = interval(pooled([of for of in margins if of]))
         lines.append(f"| all | mean over objects | {mean + float(options['level']):.3f} ± {half:.3f} | {options['level']} |")
         word = "reproduced" if mean - half > 0 else "refuted" if mean + half < 0 else "not decided"
-    return "\n".join(lines) + f"\n\n**Verdict: {word}** (on the good side: {signs.count(1)} of {len(signs)} objects)."
+    count = f"on the good side: {signs.count(1)} of {len(signs)} objects"
+    if options.get("verdict") == "no":
+        return "\n".join(lines) + f"\n\nAll of the interval {count}."
+    return "\n".join(lines) + f"\n\n**Verdict: {word}** ({count})."
 
 
 def section(name, options):
     """The section of report.md whose heading begins with the words given, underscores for blanks."""
     heading = options["heading"].replace("_", " ")
-    text = (SCORES / f"{name}.report.md").read_text()
+    text = kept(name, "report.md").read_text()
     found = re.search(rf"^## {re.escape(heading)}.*?\n(.*?)(?=^## |\Z)", text, re.S | re.M)
     if not found:
         raise PageError(f"{name}.report.md has no section '{heading}'")
@@ -216,16 +250,41 @@ def section(name, options):
 
 
 def made(name, _):
-    return (SCORES / f"{name}.txt").read_text().strip()
+    return kept(name, "txt").read_text().strip()
 
 
-KINDS = {"table": table, "made": made, "claim": claim, "level": level, "section": section}
-BLOCK = re.compile(rf"(<!-- ({'|'.join(KINDS)}) (\S+)((?: \S+=\S+)*) -->\n)(.*?)(<!-- end -->)", re.S)
+# kind: (what makes it, the keys it needs, those that it may have)
+KINDS = {
+    "made": (made, set(), set()),
+    "table": (table, {"metrics"}, {"scenes", "objects", "variants", "outputs"}),
+    "claim": (claim, {"than", "better", "metric"}, {"output", "scenes", "objects", "margin"}),
+    "level": (level, {"variant", "metric", "level"}, {"output", "scenes", "verdict"}),
+    "section": (section, {"heading"}, set()),
+}
+BLOCK = re.compile(r"(<!-- (\w+) (\S+)((?: \S+=\S+)*) -->\n)(.*?)(<!-- end -->)", re.S)
 
 
-def with_tables(text):
-    """A page's text, its blocks made anew."""
+def benches_of(text):
+    return [match[3] for match in BLOCK.finditer(text)]
+
+
+def with_tables(text, keeps_missing=False):
+    """A page's text, its blocks made anew; those of benches that have not been run stay, if they may."""
     def block(match):
+        kind, name = match[2], match[3]
         options = dict(option.split("=", 1) for option in match[4].split())
-        return f"{match[1]}{KINDS[match[2]](match[3], options)}\n{match[6]}"
-    return BLOCK.sub(block, text)
+        if kind not in KINDS:
+            raise PageError(f"there is no block of the kind {kind}")
+        make, needed, possible = KINDS[kind]
+        if not needed <= set(options) <= needed | possible:
+            raise PageError(f"a {kind} needs {', '.join(needed)} and may have {', '.join(possible)}: {match[1].strip()}")
+        try:
+            return f"{match[1]}{make(name, options)}\n{match[6]}"
+        except MissingScores:
+            if keeps_missing:
+                return match[0]
+            raise
+    new, count = BLOCK.subn(block, text)
+    if count != text.count("<!-- end -->"):
+        raise PageError("a block does not begin with <!-- KIND BENCH key=value -->")
+    return new
