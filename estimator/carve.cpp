@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
 

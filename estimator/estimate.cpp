@@ -348,7 +348,10 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
   const ResourceUsage before = is_own ? own.used() : read_usage(perceived).value_or(ResourceUsage{});
   const UsageMeter backend;
   BackendResult result = estimate_objects(perception, variant, options);
+  const std::int64_t last_frame = perception.frames().empty() ? 0 : perception.frames().back().frame;
+  Stopwatch watch(last_frame, result.times);
   const std::map<int, SurfaceFile> solids = carve_bodies(sequence, perception, result, variant);
+  watch.stop("carve");
   const Tracks causal = tracks_of(perception, result.causal, [](const FrameInfo& frame) {
     return frame.camera_came_late ? std::nullopt : frame.world_from_camera;
   });

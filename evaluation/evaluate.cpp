@@ -269,6 +269,7 @@ void evaluate_output(Truth& reference, const fs::path& estimate_folder, const Ev
   const Tracks& truth = reference.tracks;
   const TruthNotes& notes = reference.notes;
   Tracks original = read_tracks(estimate_folder);
+  require_tracks_of_solids(estimate_folder, original);
   if (notes.in_sensor_frame) original = in_sensor_frame(original);
   const std::string run_config = read_run_config(estimate_folder);
   const bool is_aligned = !truth.camera.empty() && !notes.in_sensor_frame && !camera_was_given(run_config);

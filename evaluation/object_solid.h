@@ -42,6 +42,9 @@ struct EstimatedMesh {
 std::unique_ptr<const EstimatedMesh> estimated_mesh(const std::filesystem::path& estimate, int id,
                                                     double scale, std::uint64_t seed);
 
+/// Throws InputError for a file in ESTIMATE/solids that belongs to no track: nobody would look at it.
+void require_tracks_of_solids(const std::filesystem::path& estimate, const Tracks& tracks);
+
 /// Fills `iou3d_solid` of the matched frames and `solid` of an object, where its true body encloses a volume:
 /// the estimate as it came, in the true world, against it. `truth` and `estimate` are the tracks that were
 /// matched; `mesh` not null: the estimated body, whatever the states' shapes. The same for any number of

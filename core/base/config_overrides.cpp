@@ -1,7 +1,9 @@
 #include "core/base/config_overrides.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <charconv>
 #include <span>
 
@@ -11,20 +13,37 @@
 namespace uniquadric {
 namespace {
 
-// `a.b[2].c` in parts: a, b, [2, c.
+constexpr std::size_t kMostParts = 64;  // ours: as deep as files may be nested
+
+// `a.b[2].c` in parts: a, b, [2, c. Empty: it is none of a key's form.
 std::vector<std::string> parts_of(const std::string& key) {
-  std::vector<std::string> parts(1);
-  for (const char c : key) {
-    if (c == '.' || c == '[') parts.emplace_back();
-    if (c != '.' && c != ']') parts.back() += c;
+  std::vector<std::string> parts;
+  std::size_t at = 0;
+  while (at < key.size()) {
+    const bool is_index = key[at] == '[';
+    if (!is_index && at > 0 && key[at++] != '.') return {};
+    const std::size_t end = std::min(key.find_first_of(is_index ? "]" : ".[]", at), key.size());
+    const std::size_t begin = at;
+    at = is_index ? end + 1 : end;
+    if (end == begin + (is_index ? 1 : 0) || at > key.size() || parts.size() == kMostParts) return {};
+    parts.push_back(key.substr(begin, end - begin));
   }
-  return parts;
+  return parts.empty() || parts.front().starts_with('[') ? std::vector<std::string>{} : parts;
 }
 
 class Setter {
  public:
   Setter(const ConfigOverride& value, const std::filesystem::path& file) : value_(value), file_(file) {}
 
+  YAML::Node set(const YAML::Node& root) const {
+    const std::vector<std::string> parts = parts_of(value_.key);
+    if (parts.empty())
+      fail(fmt::format("expected a key such as lidar.method or objects[0].name, of at most {} parts",
+                       kMostParts));
+    return set(root, parts);
+  }
+
+ private:
   // Maps are made anew: one that an alias shares must not change elsewhere.
   YAML::Node set(const YAML::Node& node, std::span<const std::string> parts) const {
     if (parts.empty()) return read_value();
@@ -42,7 +61,6 @@ class Setter {
     return copy;
   }
 
- private:
   YAML::Node set_item(const YAML::Node& list, std::span<const std::string> parts) const {
     const std::string_view digits = std::string_view(parts.front()).substr(1);
     std::size_t index = 0;
@@ -57,16 +75,20 @@ class Setter {
   }
 
   YAML::Node read_value() const {
-    require_bounded_yaml(value_.value, file_);
+    require_bounded_yaml(value_.value, fmt::format("{}: set {}", file_.string(), value_.key));
     try {
-      return YAML::Load(value_.value);
+      const std::vector<YAML::Node> documents = YAML::LoadAll(value_.value);
+      if (documents.size() > 1) fail("expected one value");
+      return documents.empty() ? YAML::Node() : documents.front();
     } catch (const YAML::Exception& e) {
       fail("malformed YAML: " + e.msg);
     }
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(file_, fmt::format("set {}={}: {}", value_.key, value_.value, what));
+    constexpr std::size_t kMostShown = 100;  // so that the reason stays in sight
+    throw InputError(file_, fmt::format("set {}={}: {}", value_.key.substr(0, kMostShown),
+                                        value_.value.substr(0, kMostShown), what));
   }
 
   const ConfigOverride& value_;
@@ -84,7 +106,7 @@ ConfigOverride parse_override(const std::string& text) {
 
 YAML::Node with_override(const YAML::Node& root, const ConfigOverride& value,
                          const std::filesystem::path& file) {
-  return Setter(value, file).set(root, parts_of(value.key));
+  return Setter(value, file).set(root);
 }
 
 }  // namespace uniquadric

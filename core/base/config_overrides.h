@@ -1,10 +1,12 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>
+
+namespace YAML {
+class Node;
+}
 
 namespace uniquadric {
 
@@ -18,7 +20,8 @@ struct ConfigOverride {
 ConfigOverride parse_override(const std::string& text);
 
 /// A copy of `root` with the value; maps on the way to it are made where there are none. Throws InputError
-/// with `file` for a key that leads through a scalar or past a list's end, and for a value that is no YAML.
+/// with `file` for a key that leads through a scalar or past a list's end or has more than 64 parts, and for
+/// a value that is no single YAML document.
 YAML::Node with_override(const YAML::Node& root, const ConfigOverride& value,
                          const std::filesystem::path& file);
 

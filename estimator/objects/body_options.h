@@ -158,7 +158,7 @@ void visit(Io& io, MotionDecisionOptions& o) {
 template <typename Io>
 void visit(Io& io, CarvingOptions& o) {
   io.flag("enabled", o.enabled);
-  io.number("cells", o.cells, 4, 512);
+  io.number("cells", o.cells, 4, 128);
   io.number("views", o.views, 1, 60'000);
   io.positive("sigmas", o.sigmas);
   io.number("min_views", o.min_views, 1, 60'000);

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
@@ -11,6 +10,10 @@
 #include "core/geometry/pose.h"
 #include "core/geometry/superquadric.h"
 #include "core/sequence/ply.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace uniquadric {
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
 #include "core/embree/embree.h"
@@ -20,6 +21,7 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 struct MeshSolid::State {
   MeshKind kind = MeshKind::open;
   Eigen::AlignedBox3d box;
+  std::optional<double> volume_m3;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of the box, the origin of the scene
   std::vector<Eigen::Vector3f> directions;
   EmbreeDevice device = new_embree_device("");
@@ -65,6 +67,50 @@ MeshKind kind_of(const Triangles& triangles) {
   }
   if (balanced) return MeshKind::closed;
   return even ? MeshKind::closed_unoriented : MeshKind::open;
+}
+
+constexpr std::size_t kMostParts = 1000;  // each is held against all others
+
+// Triangles that hang together by corners, a part each.
+std::vector<Triangles> parts_of(const Triangles& triangles, std::size_t corners) {
+  std::vector<std::uint32_t> parent(corners);
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root = [&](std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const auto& [a, b, c] : triangles) parent[root(b)] = root(a), parent[root(c)] = root(a);
+  std::map<std::uint32_t, Triangles> parts;
+  for (const auto& triangle : triangles) parts[root(triangle[0])].push_back(triangle);
+  std::vector<Triangles> result;
+  for (auto& [corner, part] : parts) result.push_back(std::move(part));
+  return result;
+}
+
+// Of parts that lie apart, whichever way each faces; nothing where their boxes meet: one may be a hole in the
+// other, or overlap it.
+std::optional<double> volume_of(const std::vector<Eigen::Vector3f>& corners, const Triangles& triangles) {
+  const std::vector<Triangles> parts = parts_of(triangles, corners.size());
+  if (parts.size() > kMostParts) return std::nullopt;
+  double volume = 0;
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const Triangles& part : parts) {
+    Eigen::AlignedBox3d box;
+    for (const auto& triangle : part)
+      for (const std::uint32_t corner : triangle) box.extend(corners[corner].cast<double>());
+    if (std::ranges::any_of(boxes, [&](const auto& other) { return box.intersects(other); }))
+      return std::nullopt;
+    boxes.push_back(box);
+    double six_fold = 0;
+    for (const auto& [a, b, c] : part) {
+      const auto at = [&](std::uint32_t i) -> Eigen::Vector3d {
+        return corners[i].cast<double>() - box.center();
+      };
+      six_fold += at(a).dot(at(b).cross(at(c)));
+    }
+    volume += std::abs(six_fold) / 6;
+  }
+  return volume;
 }
 
 // Along no plane or diagonal that bodies are made of.
@@ -152,6 +198,7 @@ MeshSolid::MeshSolid(const std::vector<Eigen::Vector3f>& corners, const Triangle
   state->directions = state->kind == MeshKind::open ? spread_directions() : std::vector{generic_direction()};
   for (const auto& triangle : welded)
     for (const std::uint32_t corner : triangle) state->box.extend(corners[corner].cast<double>());
+  if (state->kind == MeshKind::closed) state->volume_m3 = volume_of(corners, welded);
   if (!state->box.isEmpty()) state->middle = state->box.center();
   std::vector<Eigen::Vector3f> about_middle;
   for (const Eigen::Vector3f& c : corners)
@@ -174,6 +221,10 @@ MeshKind MeshSolid::kind() const {
 
 const Eigen::AlignedBox3d& MeshSolid::box() const {
   return state_->box;
+}
+
+std::optional<double> MeshSolid::known_volume() const {
+  return state_->volume_m3;
 }
 
 std::vector<char> MeshSolid::contains(std::span<const Eigen::Vector3d> points) const {

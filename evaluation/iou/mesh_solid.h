@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,6 +34,8 @@ class MeshSolid {
   MeshKind kind() const;
   /// Around all triangles [m]; empty without triangles.
   const Eigen::AlignedBox3d& box() const;
+  /// Of a closed mesh whose parts lie apart, by the divergence theorem [m^3]; nothing of others.
+  std::optional<double> known_volume() const;
   /// Of each point [m] 1 where it is inside, else 0; on all processors.
   std::vector<char> contains(std::span<const Eigen::Vector3d> points) const;
 

@@ -30,7 +30,7 @@ Eigen::AlignedBox3d bounding_box(const Solid& solid) {
 }
 
 std::optional<double> known_volume(const Solid& solid) {
-  return solid.mesh ? std::nullopt : std::optional(superellipsoid_volume(solid.body));
+  return solid.mesh ? solid.mesh->known_volume() : std::optional(superellipsoid_volume(solid.body));
 }
 
 InsideTest::InsideTest(const Superellipsoid& body, const Pose& points_from_body)

@@ -22,7 +22,7 @@ struct Solid {
 /// The tight box of a superellipsoid, the box of a mesh's corners [m].
 Eigen::AlignedBox3d bounding_box(const Solid& solid);
 
-/// The volume in closed form [m^3]; nothing of a mesh.
+/// The volume in closed form [m^3]; nothing of a mesh that has none (MeshSolid::known_volume).
 std::optional<double> known_volume(const Solid& solid);
 
 /// Whether points are inside a superellipsoid. pow() is called only between two bodies around its surface

@@ -47,7 +47,7 @@ SolidIou sampled_iou(const SolidSamples& samples, double other_volume, const Cou
   for (std::size_t r = 0; r < kReplicates; ++r)
     if (const auto points = samples.points(r); !points.empty())
       common[r] = samples.volume(r) * static_cast<double>(count(points)) / static_cast<double>(points.size());
-  const double I = mean(common), V = samples.volume(), both = V + other_volume;
+  const double I = mean(common), V = samples.volume(), both = V + std::max(other_volume, I);
   assert(V > 0);
   const double all = both - I, by_common = both / (all * all), by_volume = -I / (all * all);
   SolidIou result{I / all, {}, by_common * samples.volume_of_point()};

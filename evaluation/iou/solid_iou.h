@@ -48,7 +48,8 @@ struct SolidIou {
 /// and equal bodies, else sampled. Asserts that the solid has a volume.
 SolidIou solid_iou(const SolidSamples& samples, const Superellipsoid& other, const Pose& samples_from_other);
 
-/// The same with what a mesh encloses, of a volume that is known beforehand [m^3].
+/// The same with what a mesh encloses, of a volume that is known beforehand [m^3]; one below what both have
+/// in common counts as that.
 SolidIou solid_iou(const SolidSamples& samples, const MeshSolid& other, double other_volume,
                    const Pose& samples_from_other);
 

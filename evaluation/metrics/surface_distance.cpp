@@ -12,11 +12,14 @@ namespace uniquadric {
 struct SurfaceDistance::State {
   std::vector<Eigen::Vector3f> corners;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  Eigen::AlignedBox3d box;
   EmbreeDevice device = new_embree_device("");
   EmbreeScene scene = new_embree_scene(device.get());
 };
 
 namespace {
+
+constexpr double kFar = 1000;  // ours: sizes of the surface, beyond which its box stands for it
 
 // The nearest point lies inside the triangle, or on one of its sides.
 double to_triangle_m(const Eigen::Vector3d& p, const std::array<Eigen::Vector3d, 3>& corners) {
@@ -67,6 +70,8 @@ SurfaceDistance::SurfaceDistance(std::vector<Eigen::Vector3f> corners,
   auto state = std::make_shared<State>();
   state->corners = std::move(corners);
   state->triangles = std::move(triangles);
+  for (const auto& triangle : state->triangles)
+    for (const std::uint32_t corner : triangle) state->box.extend(state->corners[corner].cast<double>());
   attach_triangles(state->device.get(), state->scene.get(), state->corners, state->triangles);
   commit_embree_scene(state->device.get(), state->scene);
   state_ = std::move(state);
@@ -87,6 +92,9 @@ std::optional<double> SurfaceDistance::along(const Eigen::Vector3d& from,
 }
 
 double SurfaceDistance::at(const Eigen::Vector3d& point, double most_m) const {
+  // From far away every triangle is as near, and all would be looked at.
+  const double to_box_m = state_->box.exteriorDistance(point);
+  if (to_box_m > kFar * state_->box.diagonal().norm()) return std::min(most_m, to_box_m);
   Query query{state_->corners, state_->triangles, point, most_m};
   const Eigen::Vector3f p = point.cast<float>();
   RTCPointQuery around{p.x(), p.y(), p.z(), 0, reach(point, most_m)};

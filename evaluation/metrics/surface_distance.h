@@ -16,7 +16,8 @@ class SurfaceDistance {
  public:
   /// Corners in the body's frame [m], finite; triangles of indices into them.
   SurfaceDistance(std::vector<Eigen::Vector3f> corners, std::vector<std::array<std::uint32_t, 3>> triangles);
-  /// Distance [m] of a point in the body's frame to the nearest triangle; `most_m` where none is nearer.
+  /// Distance [m] of a point in the body's frame to the nearest triangle; `most_m` where none is nearer. From
+  /// beyond a thousand sizes of the surface that to its box, which differs by 0.1 % at most.
   double at(const Eigen::Vector3d& point, double most_m = std::numeric_limits<double>::infinity()) const;
   /// Where a ray meets a triangle first, in lengths of its direction; nothing: it passes by. In single
   /// precision.

@@ -45,8 +45,7 @@ void add_simulate(CLI::App& app, Common& common) {
       ->check(at_least_0())
       ->check(CLI::Range(0.0, kMostNoiseScale));
   sub->add_option("--set", set, "KEY=VALUE: a value in place of the scene file's, as lidar.method=embree")
-      ->expected(1)
-      ->take_all();
+      ->allow_extra_args(false);
   auto* count =
       sub->add_option("--frames", frames, "instead of the scene's number")->check(whole_number(1, kMaxCount));
   sub->add_option(

@@ -14,6 +14,7 @@
 #include "core/sequence/sequence.h"
 #include "core/sequence/stamps.h"
 #include "evaluation/association/stamps.h"
+#include "evaluation/object_solid.h"
 #include "evaluation/world_alignment.h"
 #include "harness/result/lengths.h"
 #include "harness/result/pose_conventions.h"
@@ -47,20 +48,28 @@ std::string rate_of(const std::vector<std::int64_t>& stamps_ns) {
   return period_ns > 0 ? fmt::format(", {:.3g} Hz", 1e9 / static_cast<double>(period_ns)) : "";
 }
 
-std::string object_line(const ObjectTrack& track) {
+// Of the mesh that takes the place of the states' shapes.
+std::string mesh_of(const fs::path& folder, int id) {
+  const auto mesh = estimated_mesh(folder, id, 1, 0);
+  return mesh ? fmt::format(", body: {} mesh of {:.3g} m^3", to_string(mesh->solid.kind()), mesh->volume_m3)
+              : "";
+}
+
+std::string object_line(const fs::path& folder, const ObjectTrack& track) {
   const Eigen::Vector3d size_m = track.states.empty()
                                      ? Eigen::Vector3d::Zero().eval()
                                      : (2 * track.states.back().ellipsoid.semi_axes_m).eval();
-  return fmt::format("object {}: {} states{}, size {:.3g} x {:.3g} x {:.3g} m\n", track.id,
+  return fmt::format("object {}: {} states{}, size {:.3g} x {:.3g} x {:.3g} m{}\n", track.id,
                      track.states.size(), span_of(stamps_of(track.states)), size_m.x(), size_m.y(),
-                     size_m.z());
+                     size_m.z(), mesh_of(folder, track.id));
 }
 
 std::string contents(const fs::path& folder, const Tracks& tracks) {
+  require_tracks_of_solids(folder, tracks);
   const auto stamps_ns = stamps_of(tracks.camera);
   std::string text =
       fmt::format("camera: {} poses{}{}\n", stamps_ns.size(), span_of(stamps_ns), rate_of(stamps_ns));
-  for (const ObjectTrack& track : tracks.objects) text += object_line(track);
+  for (const ObjectTrack& track : tracks.objects) text += object_line(folder, track);
   std::string header;
   if (std::ifstream csv(folder / "objects.csv"); std::getline(csv, header))
     text += fmt::format("objects.csv: columns {}\n", header);

@@ -82,9 +82,18 @@ TEST(Config, ValuesThatAreSetAreRefusedAsSuch) {
   EXPECT_EQ(refusal("a=x", a), "file.yaml: a: expected an integer (set, not the file's)");
   EXPECT_EQ(refusal("c=x", all), "file.yaml: unknown key 'c' (known: a, b)");
   EXPECT_EQ(refusal("a.c=2", a), "file.yaml: set a.c=2: there is no key 'c'");
-  for (const char* index : {"1", "-1", "x", ""})
+  for (const char* index : {"1", "-1", "x"})
     EXPECT_EQ(refusal(fmt::format("b[{}]=2", index), a),
               fmt::format("file.yaml: set b[{0}]=2: there is no item [{0}]", index));
+  std::string deep = "a";
+  for (int i = 0; i < 20'000; ++i) deep += ".a";
+  for (const std::string& key :
+       {std::string("a]"), std::string("[0]"), std::string("a..c"), std::string(".a"), std::string("a."),
+        std::string("b[0"), std::string("b[0]c"), deep})
+    EXPECT_EQ(refusal(key + "=1", a)
+                  .find(fmt::format("file.yaml: set {}=1: expected a key such as", key.substr(0, 100))),
+              0u);
+  EXPECT_EQ(refusal("a=1\n---\n2", a), "file.yaml: set a=1\\x0a---\\x0a2: expected one value");
   EXPECT_EQ(refusal("a=[", a).find("file.yaml: set a=[: malformed YAML"), 0u);
   for (const char* text : {"a", "=1", ""})
     EXPECT_EQ(refusal(text, a), fmt::format("--set {}: expected KEY=VALUE", text));

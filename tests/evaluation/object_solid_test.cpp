@@ -67,11 +67,19 @@ TEST_F(ObjectSolid, TakesTheEstimatesMesh) {
   EXPECT_EQ(run()["objects"][0]["iou3d_solid"]["estimate_solid"], "states");
 }
 
-TEST_F(ObjectSolid, RefusesAnEstimatesMeshWithoutFaces) {
+TEST_F(ObjectSolid, RefusesMeshesThatAreNoBodies) {
   write_changed([](Tracks&) {});
   fs::create_directories(estimate() / "solids");
-  write_surface_ply(estimate() / "solids/20.ply", {{{0, 0, 0}}, {}}, "");
-  EXPECT_NE(input_error([&] { run(); }).find("solids/20.ply: has no faces"), std::string::npos);
+  const auto refusal = [&](const char* name, const SurfaceFile& mesh) {
+    write_surface_ply(estimate() / "solids" / name, mesh, "");
+    const std::string error = input_error([&] { run(); });
+    fs::remove(estimate() / "solids" / name);
+    return error.substr(error.find("solids/"));
+  };
+  const SurfaceFile flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}, {{0, 1, 2}}};
+  EXPECT_EQ(refusal("20.ply", {{{0, 0, 0}}, {}}), "solids/20.ply: has no faces: a body is a mesh");
+  EXPECT_EQ(refusal("20.ply", flat), "solids/20.ply: encloses no volume");
+  EXPECT_EQ(refusal("77.ply", flat), "solids/77.ply: is no mesh (ID.ply) of an object of the estimate");
 }
 
 TEST_F(ObjectSolid, SurfacesOfTheSameBodyAreOne) {

@@ -203,6 +203,30 @@ TEST(MeshSolid, OverlappingPartsAreAUnion) {
   EXPECT_NEAR(SolidSamples(solid_of(both), kCandidates, 1).volume(), 12, 1e-9);
 }
 
+TEST(MeshSolid, VolumeIsKnownWherePartsLieApart) {
+  const TestMesh box = box_mesh({0, 0, 0}, {1, 2, 0.5F}), other = box_mesh({5, 0, 0}, {0.5F, 0.5F, 0.5F});
+  const auto volume = [](const TestMesh& mesh) {
+    return MeshSolid(mesh.corners, mesh.triangles).known_volume();
+  };
+  EXPECT_NEAR(volume(box).value(), 8, 1e-6);
+  EXPECT_NEAR(volume(joined(box, other)).value(), 9, 1e-6);
+  EXPECT_FALSE(volume(joined(box, box_mesh({1, 0, 0}, {1, 1, 1}))));
+  TestMesh open = box;
+  open.triangles.pop_back();
+  EXPECT_FALSE(volume(open));
+}
+
+// Hardly a sample of the mesh's box would meet the ball.
+TEST(SolidIou, OfAMeshWithAFarPart) {
+  const TestMesh mesh = joined(ball_mesh(64), box_mesh({1000, 1000, 1000}, {0.01F, 0.01F, 0.01F}));
+  const MeshSolid solid(mesh.corners, mesh.triangles);
+  const SolidSamples ball({{{1, 1, 1}}}, kCandidates, 1);
+  const SolidIou pair = solid_iou(ball, solid, solid.known_volume().value(), {});
+  const double share = solid.known_volume().value() / (4 * pi / 3);  // the mesh lies in the ball
+  EXPECT_NEAR(pair.iou, share, 0.002);
+  EXPECT_LE(solid_iou(ball, solid, 1e-9, {}).iou, 1);
+}
+
 TEST(MeshSolid, FacesMayLookInwards) {
   TestMesh box = box_mesh({0, 0, 0}, {1, 1, 1});
   for (auto& [a, b, c] : box.triangles) std::swap(b, c);

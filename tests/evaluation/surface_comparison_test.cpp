@@ -70,6 +70,12 @@ TEST(SurfaceDistance, IsThatOfACubeInDoublePrecision) {
   EXPECT_EQ(surface.at({0.25, 1, -1}), 0);
 }
 
+TEST(SurfaceDistance, FromFarAwayIsThatOfTheBox) {
+  const SurfaceDistance triangle({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  for (const double far_m : {1e3, 2e3, 1e6}) EXPECT_NEAR(triangle.at({0.2, 0.2, far_m}), far_m, 1e-3 * far_m);
+  EXPECT_EQ(triangle.at({0, 0, 1e6}, 5), 5);
+}
+
 TEST_F(SurfaceMetric, FiguresOfPointsAtKnownDistances) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   // 0, 0.25 inside, 0.5 outside, 5 off a corner (3, 4 over two sides), and one without coordinates.
