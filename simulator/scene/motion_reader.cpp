@@ -44,18 +44,30 @@ Pose read_start(const ConfigNode& node, Mover mover) {
 }
 
 Motion read_spline(const ConfigNode& node, Mover mover) {
-  std::vector<Waypoint> waypoints;
+  std::vector<std::vector<Waypoint>> stretches(1);  // from rest to rest
   const auto target = node.find("look_at_m");
   for (const ConfigNode& item : node.at("waypoints").items()) {
     const auto position = item.get<Vector3d>("position_m");
     const double time_s = item.get<double>("time_s");
-    if (!waypoints.empty() && time_s <= waypoints.back().time_s)
-      item.fail(fmt::format("time_s {} does not follow {}", time_s, waypoints.back().time_s));
-    waypoints.push_back({time_s, {read_orientation(item, mover, position, target), position}});
+    if (const auto& stretch = stretches.back(); !stretch.empty() && time_s <= stretch.back().time_s)
+      item.fail(fmt::format("time_s {} does not follow {}", time_s, stretch.back().time_s));
+    const Pose pose{read_orientation(item, mover, position, target), position};
+    stretches.back().push_back({time_s, pose});
+    if (item.has("hold_s")) {
+      if (stretches.back().size() == 1) stretches.pop_back();  // it begins with a rest
+      stretches.push_back({{time_s + item.positive("hold_s"), pose}});
+    }
     item.refuse_unknown_keys();
   }
+  if (stretches.size() > 1 && stretches.back().size() == 1) stretches.pop_back();  // it ends with a rest
   try {
-    return spline_motion(waypoints);
+    std::vector<Motion> parts;
+    std::vector<double> starts_s;
+    for (const std::vector<Waypoint>& stretch : stretches) {
+      parts.push_back(spline_motion(stretch));
+      starts_s.push_back(stretch.front().time_s);
+    }
+    return parts.size() == 1 ? parts.front() : successive_motion(std::move(parts), std::move(starts_s));
   } catch (const InputError& error) {
     node.fail(error.what());
   }

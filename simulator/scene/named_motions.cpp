@@ -1,5 +1,6 @@
 #include "simulator/scene/named_motions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -44,6 +45,23 @@ class Composition final : public Motion::Curve {
 
  private:
   std::vector<Motion> parts_;
+};
+
+class Succession final : public Motion::Curve {
+ public:
+  Succession(std::vector<Motion> parts, std::vector<double> starts_s)
+      : parts_(std::move(parts)), starts_s_(std::move(starts_s)) {}
+  Pose at(double time_s) const override { return part(time_s).at(time_s); }
+  Kinematics kinematics(double time_s) const override { return part(time_s).kinematics(time_s); }
+
+ private:
+  const Motion& part(double time_s) const {
+    const auto next = std::upper_bound(starts_s_.begin() + 1, starts_s_.end(), time_s);
+    return parts_[static_cast<std::size_t>(next - starts_s_.begin()) - 1];
+  }
+
+  std::vector<Motion> parts_;
+  std::vector<double> starts_s_;
 };
 
 /// Columns right, down, forward (or forward, left, up) as a rotation.
@@ -170,6 +188,10 @@ Motion screw_motion(const ScrewOptions& o) {
     return point * shifting(o.pitch_m / (2 * std::numbers::pi) * o.axis, angle) * turning(o.axis, angle) *
            start;
   });
+}
+
+Motion successive_motion(std::vector<Motion> parts, std::vector<double> starts_s) {
+  return Motion(std::make_shared<Succession>(std::move(parts), std::move(starts_s)));
 }
 
 Motion composed_motion(std::vector<Motion> parts) {

@@ -51,6 +51,9 @@ struct ScrewOptions {
 };
 Motion screw_motion(const ScrewOptions& options);
 
+/// One motion after the other: `parts[i]` from `starts_s[i]` on (increasing), the first one before that, too.
+Motion successive_motion(std::vector<Motion> parts, std::vector<double> starts_s);
+
 /// The product of poses: each motion takes place in the frame that the ones before it carry.
 Motion composed_motion(std::vector<Motion> parts);
 
