@@ -152,7 +152,8 @@ int count_failures(const BenchPlan& plan) {
 // One killed in its first moments has written none of its files whole.
 bool holds_results(const fs::path& out) {
   const fs::path config = out / "bench.yaml";
-  return fs::exists(config) || fs::exists(aside_of(config)) || fs::exists(out / "command.txt");
+  return fs::exists(config) || fs::exists(aside_of(config)) || fs::exists(out / "command.txt") ||
+         fs::exists(out / "scenes");  // of --plan
 }
 
 // Stages and reports overwrite what bears their names.
@@ -173,6 +174,7 @@ int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& 
   fs::create_directories(out);
   const FolderLock lock(out, out);
   write_text(out / "bench.yaml", bench_yaml(plan.config));  // at once: what is cut short can be gone on with
+  write_scenes(plan);
   if (!options.collect) run_all(plan, options);
   const int failed = options.collect ? find_failures(plan) : count_failures(plan);
   write_results(plan, options.command);

@@ -8,14 +8,18 @@
 #include <set>
 
 #include "core/base/config.h"
+#include "core/base/error.h"
 #include "core/base/text.h"
 #include "core/base/warning.h"
 #include "evaluation/association/object_choice.h"
+#include "simulator/families/family.h"
 #include "simulator/scene/noise_scale.h"
 
 namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
+
+constexpr int kMostOfFamily = 100'000;
 
 // The file that `node` names, relative to the bench's.
 BenchItem read_file(const ConfigNode& root, const ConfigNode& node) {
@@ -78,29 +82,67 @@ std::vector<std::string> read_judging(const ConfigNode& node) {
   return options;
 }
 
-bool is_there(const BenchItem& item) {
-  return fs::exists(item.path);
+bool is_there(const BenchScene& item) {
+  return !item.generated.empty() || fs::exists(item.path);
+}
+
+std::vector<ConfigOverride> read_set(const ConfigNode& node) {
+  std::vector<ConfigOverride> overrides;
+  if (const auto set = node.find("set")) {
+    for (const auto& [key, value] : set->entries()) overrides.push_back({key, value.yaml()});
+    set->refuse_unknown_keys();  // that stand twice
+  }
+  return overrides;
+}
+
+// What the maps of all kinds of scenes may have.
+void read_common(const ConfigNode& node, BenchScene& scene) {
+  scene.judging = read_judging(node);
+  if (node.has("seeds")) scene.seeds = read_seeds(node);
+  if (scene.is_recording) return;
+  scene.noise_scale = node.get<double>("noise_scale", 1);
+  if (!(scene.noise_scale >= 0 && scene.noise_scale <= kMostNoiseScale))
+    node.at("noise_scale").fail(fmt::format("expected 0 to {}", kMostNoiseScale));
+}
+
+// A scene for each of `count` seeds of its own.
+std::vector<BenchScene> read_family(const ConfigNode& node, const std::vector<std::uint64_t>& seeds) {
+  const ConfigNode family = node.at("family");
+  FamilyRequest request{family.as<std::string>(), node.get<std::uint64_t>("first_seed", 1), read_set(node)};
+  const int count = node.get<int>("count", 1);
+  if (count < 1 || count > kMostOfFamily)
+    node.at("count").fail(fmt::format("expected 1 to {}", kMostOfFamily));
+  const std::string name = node.name("name", request.family);
+  BenchScene common{{}, false, 1, {}, "", seeds, "", {}};
+  read_common(node, common);
+  node.refuse_unknown_keys();
+  std::vector<BenchScene> scenes(static_cast<std::size_t>(count), common);
+  for (BenchScene& scene : scenes) {
+    scene.name = fmt::format("{}_{}", name, request.seed);
+    try {
+      scene.generated = generate_scene(request);
+    } catch (const InputError& error) {
+      node.fail(error.what());
+    }
+    ++request.seed;
+  }
+  return scenes;
 }
 
 BenchScene read_item_of_scene(const ConfigNode& root, const ConfigNode& node,
                               const std::vector<std::uint64_t>& seeds) {
   if (const auto recording = node.find("recording")) {
     const bool is_optional = node.get<bool>("optional", false);
-    return {read_recording(root, *recording, is_optional), true, 1, {}, {0}, "", {}};
+    return {read_recording(root, *recording, is_optional), true, 1, {}, "", {0}, "", {}};
   }
-  BenchScene scene{
-      read_file(root, node.at("scene")), false, node.get<double>("noise_scale", 1), {}, seeds, "", {}};
-  if (!(scene.noise_scale >= 0 && scene.noise_scale <= kMostNoiseScale))
-    node.at("noise_scale").fail(fmt::format("expected 0 to {}", kMostNoiseScale));
-  if (const auto set = node.find("set"))
-    for (const auto& [key, value] : set->entries()) scene.set.push_back({key, value.yaml()});
-  return scene;
+  return {read_file(root, node.at("scene")), false, 1, read_set(node), "", seeds, "", {}};
 }
 
 // A path, or a map with what is other than usual.
-BenchScene read_scene(const ConfigNode& root, const ConfigNode& node,
-                      const std::vector<std::uint64_t>& seeds) {
-  if (!node.is_map()) return {read_file(root, node), false, 1, {}, seeds, "", {}};
+std::vector<BenchScene> read_scenes(const ConfigNode& root, const ConfigNode& node,
+                                    const std::vector<std::uint64_t>& seeds) {
+  if (!node.is_map()) return {{read_file(root, node), false, 1, {}, "", seeds, "", {}}};
+  if (node.has("family")) return read_family(node, seeds);
   BenchScene scene = read_item_of_scene(root, node, seeds);
   scene.name = node.name("name", scene.name);
   if (node.has("name") && (scene.name == "." || scene.name == ".."))
@@ -109,10 +151,9 @@ BenchScene read_scene(const ConfigNode& root, const ConfigNode& node,
     node.fail(fmt::format("'{}' cannot be a name in the results; give another `name`", scene.name));
   if (const auto prompt = node.find("prompt"); prompt && is_there(scene))
     scene.prompt = read_prompt(root, *prompt);
-  scene.judging = read_judging(node);
-  if (node.has("seeds")) scene.seeds = read_seeds(node);
+  read_common(node, scene);
   node.refuse_unknown_keys();
-  return scene;
+  return {scene};
 }
 
 // Recordings have the seed 0, and any item may name its own.
@@ -122,16 +163,16 @@ bool all_have_seeds(const ConfigNode& root) {
   });
 }
 
-// The list at `key`, an item each by `read`; their names are told apart.
+// The list at `key`, each node some items by `read`; their names are told apart.
 template <typename Read>
 auto read_items(const ConfigNode& root, const std::string& key, const Read& read) {
-  std::vector<decltype(read(root))> items;
+  decltype(read(root)) items;
   std::set<std::string> names;
-  for (const ConfigNode& node : root.at(key).items()) {
-    items.push_back(read(node));
-    if (!names.insert(items.back().name).second)
-      node.fail(fmt::format("the name '{}' stands twice", items.back().name));
-  }
+  for (const ConfigNode& node : root.at(key).items())
+    for (auto& item : read(node)) {
+      if (!names.insert(item.name).second) node.fail(fmt::format("the name '{}' stands twice", item.name));
+      items.push_back(std::move(item));
+    }
   if (items.empty()) root.at(key).fail("expected at least one");
   return items;
 }
@@ -189,10 +230,10 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
   config.name = root.name("name", path.stem().string());
   if (root.has("seeds") || !all_have_seeds(root)) config.seeds = read_seeds(root);
   config.scenes = read_items(root, "scenes",
-                             [&](const ConfigNode& node) { return read_scene(root, node, config.seeds); });
+                             [&](const ConfigNode& node) { return read_scenes(root, node, config.seeds); });
   leave_out_absent(root, config.scenes);
-  config.variants =
-      read_items(root, "variants", [&](const ConfigNode& node) { return read_file(root, node); });
+  config.variants = read_items(root, "variants",
+                               [&](const ConfigNode& node) { return std::vector{read_file(root, node)}; });
   if (const auto frames = root.find("frames")) {
     config.frames = frames->as<std::int64_t>();
     if (*config.frames < 1) frames->fail("expected at least 1");

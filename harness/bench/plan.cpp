@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "core/base/files.h"
 #include "core/base/folder_hashes.h"
 #include "core/base/hash.h"
 #include "core/sequence/sequence.h"
@@ -137,7 +138,8 @@ struct Data {
 };
 
 Data data_of_scene(const BenchScene& item) {
-  Scene scene = load_scene(item.path, item.set);
+  Scene scene = item.generated.empty() ? load_scene(item.path, item.set)
+                                       : parse_scene(item.generated, item.path, item.set);
   scale_noise(scene, item.noise_scale);
   return {"scene", scene.hash, sensors_of(scene), takes_the_papers_way(scene), {}, {}};
 }
@@ -291,6 +293,8 @@ std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, con
 
 BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out) {
   BenchPlan plan{load_bench_config(bench_file), out, {}, {}};
+  for (BenchScene& scene : plan.config.scenes)
+    if (!scene.generated.empty()) scene.path = out / "scenes" / (scene.name + ".yaml");
   const BenchConfig& config = plan.config;
   const std::vector<PlannedVariant> variants = load_variants(config);
   plan.made_from.push_back({"bench", config.name, hex(hash_file(bench_file))});
@@ -309,6 +313,14 @@ BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out) {
     }
   }
   return plan;
+}
+
+void write_scenes(const BenchPlan& plan) {
+  for (const BenchScene& scene : plan.config.scenes) {
+    if (scene.generated.empty()) continue;
+    fs::create_directories(scene.path.parent_path());
+    write_text(scene.path, scene.generated);
+  }
 }
 
 void print_plan(const BenchPlan& plan, const fs::path& bench_file, std::ostream& out) {

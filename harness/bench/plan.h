@@ -81,6 +81,9 @@ struct BenchPlan {
 /// Throws InputError for a bad configuration, scene or variant.
 BenchPlan plan_bench(const std::filesystem::path& bench_file, const std::filesystem::path& out);
 
+/// Writes the scenes that are drawn from families to where the plan's commands look for them.
+void write_scenes(const BenchPlan& plan);
+
 /// The plan as JSON lines, a stage each, inputs before what is made of them (docs/cluster.md).
 void print_plan(const BenchPlan& plan, const std::filesystem::path& bench_file, std::ostream& out);
 

@@ -30,7 +30,11 @@ void add_bench(CLI::App& app, Common& common) {
     options.quiet = common.quiet;
     options.command = common.command;
     require_apart(out, {config});
-    if (plan) return print_plan(plan_bench(config, out), config, std::cout);
+    if (plan) {
+      const BenchPlan planned = plan_bench(config, out);
+      write_scenes(planned);
+      return print_plan(planned, config, std::cout);
+    }
     const int failed = bench(config, out, options);
     std::cout << summary_table(out) << "report: " << out << "/report.html\n";
     if (failed > 0) {

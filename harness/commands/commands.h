@@ -10,6 +10,7 @@ struct Common;
 
 /// Each adds its subcommand to `app`: options, and a callback that calls one function. Both arguments must
 /// outlive the parsing.
+void add_generate(CLI::App& app, Common& common);
 void add_simulate(CLI::App& app, Common& common);
 void add_preview(CLI::App& app, Common& common);
 void add_estimate(CLI::App& app, Common& common);

@@ -130,7 +130,11 @@ std::int64_t Scene::stamp_ns(std::int64_t frame) const {
 }
 
 Scene load_scene(const fs::path& path, const std::vector<ConfigOverride>& overrides) {
-  const std::string text = read_file(path, kYamlFile);
+  return parse_scene(read_file(path, kYamlFile), path, overrides);
+}
+
+Scene parse_scene(const std::string& text, const fs::path& path,
+                  const std::vector<ConfigOverride>& overrides) {
   const ConfigNode root = ConfigNode::parse(text, path, overrides);
   Scene scene;
   std::vector<fs::path> files;

@@ -115,4 +115,8 @@ struct Scene {
 /// scaled. Throws InputError with file and line.
 Scene load_scene(const std::filesystem::path& path, const std::vector<ConfigOverride>& overrides = {});
 
+/// The same of a text that stands, or will stand, in the file `path`.
+Scene parse_scene(const std::string& text, const std::filesystem::path& path,
+                  const std::vector<ConfigOverride>& overrides = {});
+
 }  // namespace uniquadric

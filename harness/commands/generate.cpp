@@ -1,0 +1,30 @@
+#include <CLI/CLI.hpp>
+
+#include "core/base/files.h"
+#include "harness/commands/commands.h"
+#include "harness/commands/options.h"
+#include "simulator/families/family.h"
+
+namespace uniquadric {
+
+void add_generate(CLI::App& app, Common& common) {
+  auto* sub = app.add_subcommand("generate", "family of scenes -> a scene file, drawn at random");
+  static FamilyRequest request;
+  static std::string out;
+  static std::vector<std::string> set;
+  sub->add_option("FAMILY", request.family, "what is drawn")
+      ->required()
+      ->check(CLI::IsMember(family_names()));
+  sub->add_option("OUT", out, "the scene file (YAML)")->required();
+  sub->add_option("--seed", request.seed, "of all that is drawn")->check(whole_number());
+  sub->add_option("--set", set, "KEY=VALUE: difficulty (0 to 1), frames, count (of objects)")
+      ->allow_extra_args(false);
+  add_force(sub, common);
+  sub->callback([&common] {
+    require_replaceable_file(out, common.force);
+    for (const std::string& text : set) request.set.push_back(parse_override(text));
+    write_text(out, generate_scene(request));
+  });
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/base/config.h"
+#include "core/base/random.h"
+
+namespace uniquadric {
+
+/// What the scenes of all families have of their own.
+struct FamilyOptions {
+  double difficulty = 0.5;  ///< 0 to 1: of speed, number, occlusion, distance and texture
+  std::int64_t frames = 300;
+  int count = 0;  ///< of objects; 0: drawn
+};
+
+/// `easy` at difficulty 0, `hard` at 1.
+double graded(double difficulty, double easy, double hard);
+
+/// A value of a list, each as likely.
+template <typename T>
+const T& one_of(RandomStream& random, const std::vector<T>& values) {
+  return values[random.below(static_cast<std::uint32_t>(values.size()))];
+}
+
+/// Numbers and poses as YAML, to a tenth of a millimetre or a hundredth of a degree: the same bytes anywhere.
+std::string yaml_number(double value, int digits = 4);
+std::string yaml_vector(const Eigen::Vector3d& value, int digits = 4);
+
+/// `material:` of a body: fewer marks and less contrast the harder the scene.
+std::string drawn_material(RandomStream& random, double difficulty);
+
+}  // namespace uniquadric

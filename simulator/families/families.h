@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "simulator/families/draw.h"
+
+namespace uniquadric {
+
+/// Each draws `camera`, `world` and `objects` of a scene.
+std::string tabletop_scene(RandomStream& random, const FamilyOptions& options);
+std::string room_scene(RandomStream& random, const FamilyOptions& options);
+
+}  // namespace uniquadric

@@ -1,0 +1,62 @@
+#include "simulator/families/family.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/error.h"
+#include "simulator/families/families.h"
+
+namespace uniquadric {
+namespace {
+
+using Draw = std::string (*)(RandomStream&, const FamilyOptions&);
+const std::vector<std::pair<std::string, Draw>> kFamilies = {{"tabletop", tabletop_scene},
+                                                             {"room", room_scene}};
+constexpr int kMostObjects = 100, kMostFrames = 100'000;
+
+int whole(const ConfigNode& node, const std::string& key, int fallback, int low, int high) {
+  const int value = node.get<int>(key, fallback);
+  if (value < low || value > high)
+    node.at(key).fail(fmt::format("expected {} to {}, found {}", low, high, value));
+  return value;
+}
+
+FamilyOptions read_options(const FamilyRequest& request, double drawn_difficulty) {
+  const ConfigNode node = ConfigNode::parse("{}", request.family, request.set);
+  FamilyOptions options;
+  options.difficulty = node.get<double>("difficulty", drawn_difficulty);
+  if (!(options.difficulty >= 0 && options.difficulty <= 1)) node.at("difficulty").fail("expected 0 to 1");
+  options.frames = whole(node, "frames", 300, 1, kMostFrames);
+  options.count = whole(node, "count", 0, 0, kMostObjects);
+  node.refuse_unknown_keys();
+  return options;
+}
+
+}  // namespace
+
+const std::vector<std::string>& family_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const auto& [name, draw] : kFamilies) all.push_back(name);
+    return all;
+  }();
+  return names;
+}
+
+std::string generate_scene(const FamilyRequest& request) {
+  const auto family = std::ranges::find(kFamilies, request.family, &std::pair<std::string, Draw>::first);
+  if (family == kFamilies.end())
+    throw InputError(
+        fmt::format("there is no family '{}' (known: {})", request.family, fmt::join(family_names(), ", ")));
+  RandomStream random(request.seed, "family " + request.family);
+  const FamilyOptions options = read_options(request, random.uniform());
+  std::string text = fmt::format("# Family {}, seed {}, difficulty {}.\n", request.family, request.seed,
+                                 yaml_number(options.difficulty, 3));
+  text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\n", request.family, request.seed, options.frames);
+  return text + family->second(random, options);
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/config_overrides.h"
+
+namespace uniquadric {
+
+/// A scene that nobody chose: drawn at random from a family (scenes/families.md has the distributions).
+struct FamilyRequest {
+  std::string family;
+  std::uint64_t seed = 0;
+  std::vector<ConfigOverride> set;  ///< of the family's own keys
+};
+
+/// Their names, in the order of their documentation.
+const std::vector<std::string>& family_names();
+
+/// The scene as YAML, the same bytes for the same request. Throws InputError for a family that there is not,
+/// a key that it has not, and a value out of range.
+std::string generate_scene(const FamilyRequest& request);
+
+}  // namespace uniquadric

@@ -1,0 +1,36 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "simulator/families/families.h"
+
+namespace uniquadric {
+
+// A walk around the middle of a furnished room that looks at its walls: nothing in it moves.
+std::string room_scene(RandomStream& random, const FamilyOptions& options) {
+  const double width_m = random.uniform(4, 7), depth_m = random.uniform(4, 7);
+  const double duration_s = static_cast<double>(options.frames) / 30;
+  const double turn_deg = graded(options.difficulty, 8, 45) * duration_s * (random.below(2) ? 1 : -1);
+  const double begin_deg = random.uniform(-180, 180);
+  const int points = 3 + static_cast<int>(std::abs(turn_deg) / 20);
+  std::string text = "camera:\n  motion:\n    kind: spline\n    waypoints:\n";
+  for (int i = 0; i <= points; ++i) {
+    const double share = (i - 0.5) / (points - 1);
+    const double angle = (begin_deg + share * turn_deg) * std::numbers::pi / 180;
+    const Eigen::Vector3d at(0.15 * width_m * std::cos(angle) * random.uniform(0.8, 1.2),
+                             0.15 * depth_m * std::sin(angle) * random.uniform(0.8, 1.2),
+                             random.uniform(1.2, 1.6));
+    const Eigen::Vector3d ahead(0.5 * width_m * std::cos(angle), 0.5 * depth_m * std::sin(angle),
+                                random.uniform(0.7, 1.3));
+    text += fmt::format("      - {{time_s: {}, position_m: {}, look_at_m: {}}}\n",
+                        yaml_number(share * duration_s, 2), yaml_vector(at), yaml_vector(ahead));
+  }
+  text += fmt::format(
+      "world:\n  - {{name: room, primitive: room, size_m: [{}, {}, 3], furniture: {}, material: {{seed: "
+      "{}}}}}\n",
+      yaml_number(width_m), yaml_number(depth_m), 4 + random.below(9), random.below(100'000));
+  return text;
+}
+
+}  // namespace uniquadric

@@ -1,0 +1,126 @@
+#include "simulator/families/family.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simulator/scene/scene.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr int kScenes = 6;  // of each family
+
+Scene scene_of(const std::string& family, std::uint64_t seed, const std::vector<ConfigOverride>& set = {}) {
+  return parse_scene(generate_scene({family, seed, set}), family + ".yaml");
+}
+
+double seconds_of(const Scene& scene, std::int64_t frame) {
+  return static_cast<double>(scene.stamp_ns(frame)) * 1e-9;
+}
+
+bool is_in_view(const Scene& scene, const Body& body, double time_s) {
+  const Pose camera_from_world = scene.camera_motion.at(time_s).inverse();
+  const auto pixel = scene.camera.project(camera_from_world * body.motion.at(time_s).translation);
+  return pixel && scene.camera.contains(*pixel);
+}
+
+// Whether places in the box of `a`, a tenth of it apart, lie in that of `b`.
+bool reaches_into(const Body& a, const Body& b, double time_s) {
+  const Pose b_from_a = b.motion.at(time_s).inverse() * a.motion.at(time_s);
+  for (int i = 0; i < 11 * 11 * 11; ++i) {
+    const Eigen::Array3d share(i % 11 / 5.0 - 1, i / 11 % 11 / 5.0 - 1, i / 121 / 5.0 - 1);
+    const Eigen::Vector3d place = b_from_a * (share * a.semi_axes_m.array()).matrix();
+    if ((place.cwiseAbs().array() < b.semi_axes_m.array()).all()) return true;
+  }
+  return false;
+}
+
+class Family : public testing::TestWithParam<std::string> {};
+
+TEST_P(Family, IsTheSameForTheSameSeed) {
+  EXPECT_EQ(generate_scene({GetParam(), 7, {}}), generate_scene({GetParam(), 7, {}}));
+  EXPECT_NE(generate_scene({GetParam(), 7, {}}), generate_scene({GetParam(), 8, {}}));
+}
+
+TEST_P(Family, NothingIsInsideAnythingElse) {
+  for (int seed = 0; seed < kScenes; ++seed) {
+    const Scene scene = scene_of(GetParam(), static_cast<std::uint64_t>(seed));
+    for (std::int64_t frame = 0; frame < scene.frames; frame += 5)
+      for (const Body& a : scene.objects)
+        for (const Body& b : scene.objects) {
+          if (a.id >= b.id) continue;
+          const double time_s = seconds_of(scene, frame);
+          EXPECT_FALSE(reaches_into(a, b, time_s) || reaches_into(b, a, time_s))
+              << fmt::format("seed {}, frame {}: {} and {}", seed, frame, a.name, b.name);
+        }
+  }
+}
+
+TEST_P(Family, EveryObjectIsInViewAtSomeTime) {
+  for (int seed = 0; seed < kScenes; ++seed) {
+    const Scene scene = scene_of(GetParam(), static_cast<std::uint64_t>(seed));
+    for (const Body& body : scene.objects) {
+      bool is_seen = false;
+      for (std::int64_t frame = 0; frame < scene.frames; frame += 5)
+        is_seen = is_seen || is_in_view(scene, body, seconds_of(scene, frame));
+      EXPECT_TRUE(is_seen) << seed << ": " << body.name;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Family, testing::ValuesIn(family_names()),
+                         [](const auto& family) { return family.param; });
+
+// What lies on a table touches it, and nothing sinks in.
+TEST(Tabletop, ThingsStandOnTheTableOrAreInTheAir) {
+  for (std::uint64_t seed = 0; seed < kScenes; ++seed) {
+    const Scene scene = scene_of("tabletop", seed);
+    bool something_moves = false;
+    for (const Body& body : scene.objects) {
+      double least_m = 1e9, path_m = 0;
+      for (std::int64_t frame = 0; frame < scene.frames; ++frame) {
+        const Pose pose = body.motion.at(seconds_of(scene, frame));
+        const Eigen::Vector3d down = pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+        least_m = std::min(least_m, pose.translation.z() - down.cwiseAbs().dot(body.semi_axes_m));
+        if (frame > 0)
+          path_m += (pose.translation - body.motion.at(seconds_of(scene, frame - 1)).translation).norm();
+      }
+      EXPECT_NEAR(least_m, 0.72, 2e-3) << seed << ": " << body.name;
+      something_moves = something_moves || path_m > 0.05;
+    }
+    EXPECT_TRUE(something_moves) << seed;
+  }
+}
+
+TEST(Families, TheHarderTheFaster) {
+  const auto mean_speed = [](double difficulty) {
+    double path_m = 0;
+    for (std::uint64_t seed = 0; seed < kScenes; ++seed) {
+      const Scene scene = scene_of("tabletop", seed, {{"difficulty", fmt::format("{}", difficulty)}});
+      for (const Body& body : scene.objects)
+        for (std::int64_t frame = 1; frame < scene.frames; ++frame)
+          path_m = std::max(path_m, (body.motion.at(seconds_of(scene, frame)).translation -
+                                     body.motion.at(seconds_of(scene, frame - 1)).translation)
+                                        .norm());
+    }
+    return path_m;
+  };
+  EXPECT_GT(mean_speed(1), 2 * mean_speed(0));
+}
+
+TEST(Families, RefuseWhatTheyDoNotHave) {
+  const auto refusal = [](const FamilyRequest& request) {
+    return input_error([&] { generate_scene(request); });
+  };
+  EXPECT_EQ(refusal({"tabel", 1, {}}).find("there is no family 'tabel' (known: tabletop, "), 0u);
+  EXPECT_EQ(refusal({"room", 1, {{"difficulty", "2"}}}),
+            "room: difficulty: expected 0 to 1 (set, not the file's)");
+  EXPECT_EQ(refusal({"room", 1, {{"speed", "2"}}}).find("room: unknown key 'speed' (known: "), 0u);
+  EXPECT_EQ(refusal({"room", 1, {{"frames", "0"}}}).find("room: frames: expected 1 to "), 0u);
+}
+
+}  // namespace
+}  // namespace uniquadric
