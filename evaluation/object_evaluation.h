@@ -22,9 +22,9 @@ namespace uniquadric {
 /// The estimated bodies of a track against the true one.
 struct SolidScore {
   std::string
-      truth;    ///< how the true body's inside is known: box, ellipsoid, closed, closed_unoriented, open
+      truth;  ///< how the true body's inside is known: box, ellipsoid, closed, closed_unoriented, open
   std::string estimate;  ///< the estimate's: states, or of a mesh closed, closed_unoriented, open
-  MeanIou iou;  ///< mean over the matched frames
+  MeanIou iou;           ///< mean over the matched frames
 };
 
 struct ObjectEvaluation {

@@ -88,7 +88,8 @@ TEST(BodyCarving, TakesTheAirOutOfASkateboard) {
   EXPECT_GT(iou_with_skateboard(solid), 0.6);  // the box itself: 0.24
 }
 
-// Seen from above alone, up to three sigmas (22 mm) of air stay on a plate; the points of its surface tell it.
+// Seen from above alone, up to three sigmas (22 mm) of air stay on a plate; the points of its surface tell
+// it.
 TEST(BodyCarving, GoesCloserByTheSurfaceSeen) {
   const RayBody plate = box_body("plate", {0.2, 0.2, 0.01});
   const Superellipsoid start{{0.2, 0.2, 0.05}, kBoxExponents};
