@@ -57,7 +57,7 @@ class MissingScores(PageError):
 def kept(name, ending):
     file = SCORES / f"{name}.{ending}"
     if not file.exists():
-        raise MissingScores(f"{file.name} is missing; run scripts/results --page {name}")
+        raise MissingScores(f"Not run yet: `scripts/results --page {name}`")
     return file
 
 
@@ -268,8 +268,8 @@ def benches_of(text):
     return [match[3] for match in BLOCK.finditer(text)]
 
 
-def with_tables(text, keeps_missing=False):
-    """A page's text, its blocks made anew; those of benches that have not been run stay, if they may."""
+def with_tables(text):
+    """A page's text, its blocks made anew; those of benches that have not been run say so."""
     def block(match):
         kind, name = match[2], match[3]
         options = dict(option.split("=", 1) for option in match[4].split())
@@ -279,11 +279,10 @@ def with_tables(text, keeps_missing=False):
         if not needed <= set(options) <= needed | possible:
             raise PageError(f"a {kind} needs {', '.join(needed)} and may have {', '.join(possible)}: {match[1].strip()}")
         try:
-            return f"{match[1]}{make(name, options)}\n{match[6]}"
-        except MissingScores:
-            if keeps_missing:
-                return match[0]
-            raise
+            made_text = make(name, options)
+        except MissingScores as error:
+            made_text = f"*{error}.*"
+        return f"{match[1]}{made_text}\n{match[6]}"
     new, count = BLOCK.subn(block, text)
     if count != text.count("<!-- end -->"):
         raise PageError("a block does not begin with <!-- KIND BENCH key=value -->")
