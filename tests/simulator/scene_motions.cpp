@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/config.h"
 #include "core/base/error.h"
+#include "simulator/scene/motion_reader.h"
 #include "simulator/scene/named_motions.h"
 #include "simulator/scene/spline.h"
 
@@ -127,6 +129,34 @@ TEST(SplineMotion, RefusesBadWaypoints) {
   std::vector<Waypoint> many;  // whose equations would fill the memory
   for (int k = 0; k < 200'000; ++k) many.push_back({double(k), {}});
   EXPECT_THROW(spline_motion(many), InputError);
+}
+
+Motion read(const std::string& yaml) {
+  return read_motion(ConfigNode::parse(yaml, "motion.yaml"), Mover::body);
+}
+
+TEST(SplineMotion, RestsWhereItHolds) {
+  const std::string begin = "{time_s: 0, position_m: [0, 0, 0]}",
+                    middle = "{time_s: 2, position_m: [1, 0, 0]", end = "{time_s: 5, position_m: [1, 2, 0]}";
+  const auto of = [](const std::string& waypoints) {
+    return read("kind: spline\nwaypoints: [" + waypoints + "]");
+  };
+  const Motion motion = of(begin + ", " + middle + ", hold_s: 1}, " + end);
+  for (const double t : {2.0, 2.4, 3.0}) {
+    EXPECT_EQ(motion.at(t).translation, kX) << t;
+    EXPECT_EQ(motion.kinematics(t).velocity_mps, Vector3d::Zero()) << t;
+  }
+  EXPECT_LT((motion.at(1).translation - 0.5 * kX).norm(), kRounding);  // each half from rest to rest
+  EXPECT_LT((motion.at(4).translation - (kX + kY)).norm(), kRounding);
+  EXPECT_LT((motion.at(9).translation - (kX + 2 * kY)).norm(), kRounding);
+  // at its ends a hold is the rest that is there anyhow
+  const Motion early = of("{time_s: 0, position_m: [0, 0, 0], hold_s: 2}, " + end);
+  EXPECT_EQ(early.at(1.9).translation, Vector3d::Zero());
+  EXPECT_LT((early.at(3.5).translation - 0.5 * (kX + 2 * kY)).norm(), kRounding);
+  EXPECT_EQ(of(begin + ", " + middle + ", hold_s: 1}").at(7).translation, kX);
+  EXPECT_THROW(of(begin + ", " + middle + ", hold_s: 4}, " + end), InputError)
+      << "it ends after the next one";
+  EXPECT_THROW(of(begin + ", " + middle + ", hold_s: -1}, " + end), InputError);
 }
 
 TEST(LookAt, PutsTargetOnTheOpticalAxisAndUpUpwards) {
