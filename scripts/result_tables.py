@@ -242,10 +242,10 @@ def level(name, options):
 def section(name, options):
     """The section of report.md whose heading begins with the words given, underscores for blanks."""
     heading = options["heading"].replace("_", " ")
-    text = kept(name, "report.md").read_text()
+    text = gzip.decompress(kept(name, "report.md.gz").read_bytes()).decode()
     found = re.search(rf"^## {re.escape(heading)}.*?\n(.*?)(?=^## |\Z)", text, re.S | re.M)
     if not found:
-        raise PageError(f"{name}.report.md has no section '{heading}'")
+        raise PageError(f"the report of {name} has no section '{heading}'")
     return found[1].strip()
 
 
