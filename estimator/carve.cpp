@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/sequence/object_body.h"
 #include "estimator/shape/body_carving.h"
 #include "estimator/shape/even_choice.h"
 
@@ -18,10 +19,6 @@ struct CarvedBody {
   BodyCarving carving;
   std::map<std::int64_t, Pose> world_from_object;  // in the frames that it is carved by
 };
-
-Superellipsoid body_of(const ObjectState& state) {
-  return {state.ellipsoid.semi_axes_m, state.exponents, state.profile_axis};
-}
 
 // A body that was begun anew has another frame in each life: one mesh cannot be all of them.
 bool has_one_shape(const ObjectTrack& track) {

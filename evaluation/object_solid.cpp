@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/sequence/object_body.h"
 #include "evaluation/object_surface.h"
 
 namespace uniquadric {
@@ -48,10 +49,6 @@ std::unique_ptr<const TrueSolid> true_solid(const std::filesystem::path& truth,
   return made_of(is_box(solid.body) ? "box" : "ellipsoid", tessellate(solid.body));
 }
 
-Superellipsoid solid_of(const ObjectState& state) {
-  return {state.ellipsoid.semi_axes_m, state.exponents, state.profile_axis};
-}
-
 std::unique_ptr<const EstimatedMesh> estimated_mesh(const std::filesystem::path& estimate, int id,
                                                     double scale, std::uint64_t seed) {
   const std::filesystem::path file = estimate / "solids" / fmt::format("{}.ply", id);
@@ -86,7 +83,7 @@ void compare_solids(const TrueSolid& body, const EstimatedMesh* mesh, const Obje
     const Pose& world_from_truth = truth.states[k].ellipsoid.world_from_object;
     const Pose truth_from_estimate = relative_pose(world_from_truth, state.ellipsoid.world_from_object);
     pairs[i] = mesh ? solid_iou(body.samples, mesh->solid, mesh->volume_m3, truth_from_estimate)
-                    : solid_iou(body.samples, solid_of(state), truth_from_estimate);
+                    : solid_iou(body.samples, body_of(state), truth_from_estimate);
   });
   for (std::size_t i = 0; i < matched.size(); ++i) object.frames[matched[i]].iou3d_solid = pairs[i].iou;
   object.solid = {body.kind, mesh ? to_string(mesh->solid.kind()) : "states", mean_iou(pairs)};
@@ -102,8 +99,8 @@ void compare_body_surfaces(const TrueSolid& body, const EstimatedMesh* mesh, con
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       ObjectFrame& frame = object.frames[matched[i]];
       const ObjectState& state = estimate.states[*frame.state];
-      if (!mesh && (!shape || *shape != solid_of(state))) {
-        shape = solid_of(state);
+      if (!mesh && (!shape || *shape != body_of(state))) {
+        shape = body_of(state);
         surface = reference_surface(tessellate(*shape));
       }
       const ReferenceSurface& estimated = mesh ? mesh->surface : *surface;

@@ -27,9 +27,6 @@ struct TrueSolid {
 std::unique_ptr<const TrueSolid> true_solid(const std::filesystem::path& truth,
                                             const ObjectDescription& object, std::uint64_t seed);
 
-/// The body that an estimate's state describes, in its own frame.
-Superellipsoid solid_of(const ObjectState& state);
-
 /// The mesh that an estimate gives of a body, in the frame of its states, scaled.
 struct EstimatedMesh {
   MeshSolid solid;

@@ -97,11 +97,15 @@ class Setter {
 
 }  // namespace
 
-ConfigOverride parse_override(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw InputError(fmt::format("--set {}: expected KEY=VALUE", text));
-  return {text.substr(0, equals), text.substr(equals + 1)};
+std::vector<ConfigOverride> parse_overrides(const std::vector<std::string>& texts) {
+  std::vector<ConfigOverride> overrides;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw InputError(fmt::format("--set {}: expected KEY=VALUE", text));
+    overrides.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  return overrides;
 }
 
 YAML::Node with_override(const YAML::Node& root, const ConfigOverride& value,

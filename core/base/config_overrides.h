@@ -16,8 +16,8 @@ struct ConfigOverride {
   std::string value;  ///< YAML
 };
 
-/// Reads KEY=VALUE; throws InputError where there is no such key.
-ConfigOverride parse_override(const std::string& text);
+/// Reads texts of the form KEY=VALUE; throws InputError for any other.
+std::vector<ConfigOverride> parse_overrides(const std::vector<std::string>& texts);
 
 /// A copy of `root` with the value; maps on the way to it are made where there are none. Throws InputError
 /// with `file` for a key that leads through a scalar or past a list's end or has more than 64 parts, and for

@@ -113,7 +113,8 @@ std::vector<BenchScene> read_family(const ConfigNode& node, const std::vector<st
   if (count < 1 || count > kMostOfFamily)
     node.at("count").fail(fmt::format("expected 1 to {}", kMostOfFamily));
   const std::string name = node.name("name", request.family);
-  BenchScene common{{}, false, 1, {}, "", seeds, "", {}};
+  BenchScene common;
+  common.seeds = seeds;
   read_common(node, common);
   node.refuse_unknown_keys();
   std::vector<BenchScene> scenes(static_cast<std::size_t>(count), common);
@@ -129,19 +130,29 @@ std::vector<BenchScene> read_family(const ConfigNode& node, const std::vector<st
   return scenes;
 }
 
+BenchScene scene_of_file(const ConfigNode& root, const ConfigNode& file,
+                         const std::vector<std::uint64_t>& seeds) {
+  BenchScene scene{read_file(root, file)};
+  scene.seeds = seeds;
+  return scene;
+}
+
 BenchScene read_item_of_scene(const ConfigNode& root, const ConfigNode& node,
                               const std::vector<std::uint64_t>& seeds) {
   if (const auto recording = node.find("recording")) {
-    const bool is_optional = node.get<bool>("optional", false);
-    return {read_recording(root, *recording, is_optional), true, 1, {}, "", {0}, "", {}};
+    BenchScene scene{read_recording(root, *recording, node.get<bool>("optional", false)), true};
+    scene.seeds = {0};
+    return scene;
   }
-  return {read_file(root, node.at("scene")), false, 1, read_set(node), "", seeds, "", {}};
+  BenchScene scene = scene_of_file(root, node.at("scene"), seeds);
+  scene.set = read_set(node);
+  return scene;
 }
 
 // A path, or a map with what is other than usual.
 std::vector<BenchScene> read_scenes(const ConfigNode& root, const ConfigNode& node,
                                     const std::vector<std::uint64_t>& seeds) {
-  if (!node.is_map()) return {{read_file(root, node), false, 1, {}, "", seeds, "", {}}};
+  if (!node.is_map()) return {scene_of_file(root, node, seeds)};
   if (node.has("family")) return read_family(node, seeds);
   BenchScene scene = read_item_of_scene(root, node, seeds);
   scene.name = node.name("name", scene.name);

@@ -19,13 +19,13 @@ struct BenchItem {
 
 /// A scene with what the bench makes of it, one drawn from a family, or a recording.
 struct BenchScene : BenchItem {
-  bool is_recording = false;         ///< `path` is a folder that `import` made, else a scene file
-  double noise_scale = 1;            ///< of a scene: of the amplitudes of all its noise
-  std::vector<ConfigOverride> set;   ///< of a scene: in place of the file's values
-  std::string generated;             ///< of a family: the scene, which will stand in `path` below the results
-  std::vector<std::uint64_t> seeds;  ///< its own, or the bench's; of a recording [0] by default
-  std::string prompt;                ///< boxes:FILE or points:FILE; empty: none
-  std::vector<std::string> judging;  ///< options of `evaluate`: --objects, --unlabelled
+  bool is_recording = false;          ///< `path` is a folder that `import` made, else a scene file
+  double noise_scale = 1;             ///< of a scene: of the amplitudes of all its noise
+  std::vector<ConfigOverride> set{};  ///< of a scene: in place of the file's values
+  std::string generated{};  ///< of a family: the scene, which will stand in `path` below the results
+  std::vector<std::uint64_t> seeds{};  ///< its own, or the bench's; of a recording [0] by default
+  std::string prompt{};                ///< boxes:FILE or points:FILE; empty: none
+  std::vector<std::string> judging{};  ///< options of `evaluate`: --objects, --unlabelled
 };
 
 /// scenes x variants x seeds (configs/bench/README.md).

@@ -22,7 +22,7 @@ void add_generate(CLI::App& app, Common& common) {
   add_force(sub, common);
   sub->callback([&common] {
     require_replaceable_file(out, common.force);
-    for (const std::string& text : set) request.set.push_back(parse_override(text));
+    request.set = parse_overrides(set);
     write_text(out, generate_scene(request));
   });
 }

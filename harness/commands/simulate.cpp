@@ -66,9 +66,7 @@ void add_simulate(CLI::App& app, Common& common) {
     require_apart(options.timing, {scene});
     require_apart(routes, {scene});
     require_replaceable_file(options.timing, common.force);
-    std::vector<ConfigOverride> overrides;
-    for (const std::string& text : set) overrides.push_back(parse_override(text));
-    Scene loaded = load_scene(scene, overrides);
+    Scene loaded = load_scene(scene, parse_overrides(set));
     scale_noise(loaded, noise_scale);
     make_stage(common, out, [&] {
       simulate(loaded, options, out);

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "simulator/families/families.h"
 
@@ -11,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr Vector3d::Scalar kTable_m[] = {1.5, 1.0, 0.72};
+constexpr double kTable_m[] = {1.5, 1.0, 0.72};
 constexpr double kClear_m = 0.01;  // between what things can sweep
 constexpr int kMostTries = 300;    // of places for one thing
 constexpr double kPushedShare = 0.4, kLiftedShare = 0.3;
@@ -43,7 +45,7 @@ Thing draw_thing(RandomStream& random, int id) {
     const double across = kind == "can" ? between(0.06, 0.10) : between(0.05, 0.08);
     thing.size_m = {across, across, kind == "can" ? between(0.08, 0.14) : between(0.18, 0.28)};
   } else {
-    thing.extra = fmt::format("radius_m: {}, ", yaml_number(0.03 * thing.size_m.minCoeff()));
+    thing.extra = fmt::format("radius_m: {}\n    ", yaml_number(0.03 * thing.size_m.minCoeff()));
   }
   for (double& extent : thing.size_m) extent = std::round(1e4 * extent) / 1e4;  // as it is written
   return thing;
@@ -178,9 +180,8 @@ std::string tabletop_scene(RandomStream& random, const FamilyOptions& options) {
     if (!placed) continue;  // the table is full
     things.push_back(*placed);
     text += fmt::format("  - id: {}\n    name: {}\n    primitive: {}\n    {}size_m: {}\n    material: {}\n",
-                        id, thing.name, thing.primitive,
-                        thing.extra.empty() ? "" : thing.extra.substr(0, thing.extra.size() - 2) + "\n    ",
-                        yaml_vector(thing.size_m), drawn_material(random, options.difficulty));
+                        id, thing.name, thing.primitive, thing.extra, yaml_vector(thing.size_m),
+                        drawn_material(random, options.difficulty));
     text += motion_of(random, *placed, options);
   }
   return text;

@@ -52,9 +52,7 @@ TEST(Config, EveryRefusalNamesFileLineAndKey) {
 }
 
 ConfigNode parse_with(const std::string& text, const std::vector<std::string>& set) {
-  std::vector<ConfigOverride> overrides;
-  for (const std::string& value : set) overrides.push_back(parse_override(value));
-  return ConfigNode::parse(text, "file.yaml", overrides);
+  return ConfigNode::parse(text, "file.yaml", parse_overrides(set));
 }
 
 TEST(Config, ValuesCanBeSet) {
