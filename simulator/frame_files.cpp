@@ -6,7 +6,9 @@
 
 #include "core/base/files.h"
 #include "simulator/noise/depth_noise.h"
+#include "simulator/noise/exposure.h"
 #include "simulator/noise/segmenter.h"
+#include "simulator/scene_files.h"
 
 namespace uniquadric {
 namespace {
@@ -50,14 +52,15 @@ void FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered, LapTi
     write_file(folder_ / part / file, bytes);
     timer.lap(FrameStage::write);
   };
-  fill_color(frame, rendered.rgba);
+  fill_color(frame, exposed(rendered.rgba, scene_.imaging, seed_, frame_time_s(scene_, frame)));
   put("sequence/rgb", color_.finish(), FrameStage::color);
   if (scene_.depth) {
-    fill_depth(frame, rendered.depth_m);
+    fill_depth(frame, rendered);
     put("sequence/depth", depth_.finish(), FrameStage::depth);
   }
-  if (is_segmented(scene_.segmenter, frame))
-    put("sequence/masks", pack_png(segment(rendered.ids, scene_.segmenter, seed_, frame)), FrameStage::masks);
+  if (is_segmented(scene_.segmenter, seed_, frame, scene_.rate_hz))
+    put("sequence/masks", pack_png(segment(rendered.ids, scene_.segmenter, seed_, frame, scene_.rate_hz)),
+        FrameStage::masks);
   put("truth/instances", pack_png(rendered.ids), FrameStage::masks);
 }
 
@@ -69,8 +72,9 @@ void FrameWriter::fill_color(std::int64_t frame, const cv::Mat& rgba) {
   }
 }
 
-void FrameWriter::fill_depth(std::int64_t frame, const cv::Mat& depth_m) {
-  const cv::Mat noisy_m = add_depth_noise(depth_m, scene_.camera, scene_.depth_noise, seed_, frame);
+void FrameWriter::fill_depth(std::int64_t frame, const RenderedFrame& rendered) {
+  const cv::Mat noisy_m =
+      add_depth_noise(rendered.depth_m, rendered.rgba, scene_.camera, scene_.depth_noise, seed_, frame);
   cv::Mat units;
   noisy_m.convertTo(units, CV_16U, depth_units_per_m(scene_.depth_noise));
   for (int v = 0; v < units.rows; ++v) pack_16_bits(units.ptr<std::uint16_t>(v), units.cols, depth_.row(v));

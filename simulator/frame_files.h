@@ -24,7 +24,7 @@ class FrameWriter {
 
  private:
   void fill_color(std::int64_t frame, const cv::Mat& rgba);
-  void fill_depth(std::int64_t frame, const cv::Mat& depth_m);
+  void fill_depth(std::int64_t frame, const RenderedFrame& rendered);
 
   const Scene& scene_;
   std::uint64_t seed_;

@@ -18,6 +18,13 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxImageField_deg = 150;  // a wider field spreads over a plane image too unevenly
 
+// Without points' times where the scene says so.
+LidarScan as_told(LidarScan scan, const LidarRig& rig) {
+  if (!rig.point_times)
+    for (LidarPoint& point : scan.points) point.offset_ns = 0;
+  return scan;
+}
+
 void cast_scans(const Scene& scene, const LidarRig& rig, const SimulateOptions& options, std::size_t count,
                 const fs::path& folder, StageTimes& times) {
   std::int64_t missing = 0;
@@ -31,7 +38,7 @@ void cast_scans(const Scene& scene, const LidarRig& rig, const SimulateOptions& 
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
       const auto number = static_cast<std::int64_t>(k);
       if (const ScanFiles files = scan_files(folder, k); !files.complete())
-        write_scan(files, take_scan(caster, rig, world_from_lidar, number, options.seed),
+        write_scan(files, as_told(take_scan(caster, rig, world_from_lidar, number, options.seed), rig),
                    world_from_lidar(static_cast<double>(rig.start_ns(number)) * 1e-9));
       progress.advance();
     });

@@ -33,16 +33,16 @@ SurfaceFile surface_of(const Body& body) {
   return {std::move(whole.positions), {}, std::move(whole.triangles)};
 }
 
-SequenceFrame list_frame(const Scene& scene, std::int64_t frame) {
+SequenceFrame list_frame(const Scene& scene, std::uint64_t seed, std::int64_t frame) {
   const std::string file = fmt::format("{:06}.png", frame);
   SequenceFrame listed;
   listed.frame = frame;
   listed.stamp_ns = scene.stamp_ns(frame);
   listed.rgb = fs::path("rgb") / file;
   if (scene.depth) listed.depth = fs::path("depth") / file;
-  if (is_segmented(scene.segmenter, frame)) {
+  if (is_segmented(scene.segmenter, seed, frame, scene.rate_hz)) {
     listed.masks = fs::path("masks") / file;
-    listed.masks_arrival_ns = listed.stamp_ns + std::llround(scene.segmenter.latency_s * 1e9);
+    listed.masks_arrival_ns = listed.stamp_ns + std::llround(latency_s(scene.segmenter, seed, frame) * 1e9);
   }
   return listed;
 }
@@ -60,15 +60,18 @@ void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t f
   sequence.name = scene.name;
   sequence.scene_hash = scene.hash;
   sequence.seed = seed;
-  sequence.camera = scene.camera;
+  sequence.camera = scene.told_camera();
   sequence.rate_hz = scene.rate_hz;
   sequence.depth_units_per_m = depth_units_per_m(scene.depth_noise);
-  for (std::int64_t frame = 0; frame < frames; ++frame) sequence.frames.push_back(list_frame(scene, frame));
+  for (std::int64_t frame = 0; frame < frames; ++frame)
+    sequence.frames.push_back(list_frame(scene, seed, frame));
   if (scene.imu) sequence.imu = scene.imu->calibration;
+  if (scene.imu) sequence.imu->camera_from_imu = sequence.imu->camera_from_imu * scene.imu->mounting_error;
   if (const auto rig = lidar_of(scene)) {
-    sequence.lidar =
-        LidarCalibration{rig->pattern_name, rig->rate_hz, rig->camera_from_lidar, rig->data_sheet};
+    sequence.lidar = LidarCalibration{rig->pattern_name, rig->rate_hz,
+                                      rig->camera_from_lidar * rig->mounting_error, rig->data_sheet};
     sequence.scans = lidar_scans(scene, *rig, frames);
+    for (SequenceScan& scan : sequence.scans) scan.stamp_ns += std::llround(rig->time_offset_s * 1e9);
   }
   if (scene.given_camera) sequence.given_camera = sample(scene, scene.camera_motion, frames);
   write_sequence_index(folder, sequence);

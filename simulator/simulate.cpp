@@ -17,6 +17,7 @@
 #include "simulator/imu/imu_files.h"
 #include "simulator/lidar_files.h"
 #include "simulator/map/occupancy_map.h"
+#include "simulator/noise/exposure.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene_files.h"
 #include "simulator/stage_times.h"
@@ -61,16 +62,27 @@ void discard_other_work(const Scene& scene, const std::string& key, const Pendin
   write_text(key_file, key);
 }
 
+cv::Mat depth_at(const Scene& scene, Renderer& renderer, double time_s) {
+  cv::Mat rgba, ids, depth_m;
+  renderer.draw(poses_at(scene, time_s));
+  renderer.read_back(rgba, ids, depth_m);
+  return depth_m;
+}
+
 // What a worker has to draw and write frames with, and what it does with one.
 struct FrameMaker {
   const Scene& scene;
+  std::uint64_t seed;
   Renderer renderer;
   FrameWriter writer;
 
   void make(std::int64_t frame, FrameLog& log, FrameTimes& times) {
     LapTimer timer(times);
-    const double time_s = frame_time_s(scene, frame);
-    const RenderedFrame& rendered = renderer.render(poses_at(scene, time_s), color_steps(scene, time_s));
+    const double time_s = frame_time_s(scene, frame) - stamp_error_s(scene.imaging, seed, frame);
+    const double delay_s = scene.depth_noise.delay_s;
+    const cv::Mat late_m = delay_s > 0 ? depth_at(scene, renderer, time_s - delay_s) : cv::Mat();
+    RenderedFrame rendered = renderer.render(poses_at(scene, time_s), color_steps(scene, time_s));
+    if (delay_s > 0) rendered.depth_m = late_m;
     timer.lap(FrameStage::draw);
     writer.write(frame, rendered, timer);
     log.add(frame, visibility_lines(scene, frame, rendered));
@@ -90,7 +102,8 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
     } else if (!log.has(frame)) {
       const StageClock clock;
       FrameTimes first;
-      maker.reset(new FrameMaker{scene, Renderer(scene, options.gl), {scene, options.seed, folder}});
+      maker.reset(
+          new FrameMaker{scene, options.seed, Renderer(scene, options.gl), {scene, options.seed, folder}});
       maker->make(frame, log, first);
       times.add_first_frame(clock.seconds());
     }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/base/random.h"
 #include "core/base/vector_clones.h"
@@ -33,33 +32,34 @@ void clear(BeamDraws& draws) {
     row->fill(0);
 }
 
-// Which of the block's beams report something that is not there, and how far: gaps between them are drawn.
-class FalseAlarms {
+// Which of the block's beams something rare happens to: the gaps between them are drawn.
+class RareBeams {
  public:
-  FalseAlarms(const BeamCasting& casting, std::int64_t from)
-      : noise_(casting.rig.noise),
-        stream_(casting.seed, "lidar/false_alarm", static_cast<std::uint64_t>(casting.scan),
-                static_cast<std::uint32_t>(from)) {
-    if (noise_.false_alarm > 0)
+  RareBeams(const BeamCasting& casting, std::int64_t from, const char* name, double probability)
+      : stream_(casting.seed, name, static_cast<std::uint64_t>(casting.scan),
+                static_cast<std::uint32_t>(from)),
+        probability_(probability) {
+    if (probability_ > 0)
       advance();
     else
       next_ = BeamBlock::kCapacity;
   }
 
-  std::optional<double> range_at(int beam) {
-    if (beam < next_) return std::nullopt;
+  bool has(int beam) {
+    if (beam < next_) return false;
     advance();
-    return stream_.uniform(noise_.min_range_m, noise_.max_range_m);
+    return true;
   }
+  RandomStream& stream() { return stream_; }
 
  private:
   void advance() {
-    const double gap = std::floor(std::log(stream_.uniform()) / std::log1p(-noise_.false_alarm));
+    const double gap = std::floor(std::log(stream_.uniform()) / std::log1p(-probability_));
     next_ += 1 + static_cast<int>(std::min<double>(gap, BeamBlock::kCapacity));
   }
 
-  const LidarNoise& noise_;
   RandomStream stream_;
+  double probability_;
   int next_ = -1;
 };
 
@@ -111,12 +111,21 @@ int cast_beams(const BeamCasting& casting, std::int64_t first, std::int64_t from
   casting.bodies.cast(rays);
   find_echoes(rig, rays, draws, echoes);
 
-  FalseAlarms false_alarms(casting, from);
+  RareBeams false_alarms(casting, from, "lidar/false_alarm", rig.noise.false_alarm);
+  RareBeams crosstalk(casting, from, "lidar/crosstalk", rig.noise.crosstalk);
+  const auto put_ghost = [&](int i, double range_m, LidarPoint& point, LidarPointTruth& its_truth) {
+    put_point(casting, beams, i, range_m, 0, 0, point);
+    its_truth = {static_cast<float>(range_m), 0, 0, LidarPointTruth::Kind::false_alarm};
+  };
   int written = 0;
   for (int i = 0; i < count; ++i) {
-    if (const auto range = false_alarms.range_at(i)) {
-      put_point(casting, beams, i, *range, 0, 0, points[written]);
-      truth[written++] = {static_cast<float>(*range), 0, 0, LidarPointTruth::Kind::false_alarm};
+    if (false_alarms.has(i)) {
+      const double range_m = false_alarms.stream().uniform(rig.noise.min_range_m, rig.noise.max_range_m);
+      put_ghost(i, range_m, points[written], truth[written]);
+      ++written;
+    } else if (crosstalk.has(i) && i > 0 && echoes.is_found[i - 1]) {
+      put_ghost(i, echoes.measured_m[i - 1], points[written], truth[written]);
+      ++written;
     } else if (echoes.is_found[i]) {
       written += surface_point(casting, beams, i, echoes, points[written], truth[written]);
     }

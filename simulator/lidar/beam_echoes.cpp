@@ -24,6 +24,10 @@ double limit_of(double limit, const LidarNoise& noise, float draw) {
   return limit * std::max(0.0, 1 + noise.detection_sigma * draw);
 }
 
+double weak_bias(const LidarNoise& noise, double reflected) {
+  return noise.weak_bias_m * (1 - std::min(1.0, reflected));
+}
+
 // To the nearest multiple: what is added leaves no bits for fractions. For up to 2^51 steps.
 double quantised(double range_m, double quantum_m) {
   constexpr double kNoFractions = 0x1.8p52;
@@ -46,7 +50,8 @@ void single_echoes(const LidarNoise& noise, const RayBlock& rays, const BeamDraw
     const double range = rays.distance[i] * length_of(rays, i);
     echoes.range_m[i] = range;
     echoes.reflected[i] = reflected_by(rays, i);
-    echoes.measured_m[i] = range + spread.sigma_m(range, rays.incidence_cos[i]) * draws.range[i];
+    echoes.measured_m[i] = range + weak_bias(noise, echoes.reflected[i]) +
+                           spread.sigma_m(range, rays.incidence_cos[i]) * draws.range[i];
   }
   for (int i = 0; i < rays.count; ++i)
     echoes.is_found[i] =
@@ -77,6 +82,7 @@ void merged_echoes(const LidarRig& rig, const RayBlock& rays, const BeamDraws& d
     echoes.measured_m[beam] = echoes.range_m[beam] + rig.noise.range_sigma_m * draws.range[beam];
     if (!echo) continue;
     echoes.reflected[beam] = echo->reflected;
+    echoes.measured_m[beam] += weak_bias(rig.noise, echo->reflected);
     echoes.incidence_cos[beam] = echo->incidence_cos;
     echoes.instance[beam] = echo->instance;
     echoes.is_mixed[beam] = echo->mixed;

@@ -18,7 +18,7 @@ bool LidarNoise::is_random() const {
 LidarNoise LidarNoise::none() {
   LidarNoise noise;
   noise.range_sigma_m = noise.divergence_deg = noise.angle_sigma_deg = noise.quantum_m = 0;
-  noise.r10_m = noise.detection_sigma = noise.false_alarm = 0;
+  noise.r10_m = noise.detection_sigma = noise.false_alarm = noise.crosstalk = noise.weak_bias_m = 0;
   noise.min_range_m = 0;
   return noise;
 }

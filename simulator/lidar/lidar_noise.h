@@ -23,6 +23,8 @@ struct LidarNoise {
   double extinction_per_m = 0;   ///< a of exp(-2 a r); ours: clear air
   double detection_sigma = 0.1;  ///< ours: of the limit, relative; half the pulses at it are found
   double false_alarm = 1e-4;     ///< probability a beam, at a range evenly between the least and the most
+  double crosstalk = 0;          ///< probability that a beam takes the echo of the one before it for its own
+  double weak_bias_m = 0;        ///< added to the range of what reflects nothing, less the more it reflects
 
   /// Whether any error is drawn.
   bool is_random() const;

@@ -61,6 +61,9 @@ void read_noise(const ConfigNode& node, LidarNoise& noise) {
   read_at_least_0(node, "detection_sigma", noise.detection_sigma);
   read_at_least_0(node, "false_alarm", noise.false_alarm);
   if (noise.false_alarm >= 1) node.at("false_alarm").fail("expected a probability below 1");
+  read_at_least_0(node, "crosstalk", noise.crosstalk);
+  if (noise.crosstalk >= 1) node.at("crosstalk").fail("expected a probability below 1");
+  noise.weak_bias_m = node.get<double>("weak_bias_m", noise.weak_bias_m);
   if (noise.max_range_m <= noise.min_range_m)
     node.fail(
         fmt::format("max_range_m {} is not above min_range_m {}", noise.max_range_m, noise.min_range_m));
@@ -119,6 +122,9 @@ LidarRig read_lidar(const ConfigNode& node, std::vector<std::filesystem::path>& 
   if (rig.rate_hz > kMaxRate_hz) node.at("rate_hz").fail(fmt::format("expected at most {} Hz", kMaxRate_hz));
   read_pattern(node, rig, files);
   rig.camera_from_lidar = read_mounting(node, "lidar");
+  rig.mounting_error = read_mounting_error(node);
+  read_at_least_0(node, "time_offset_s", rig.time_offset_s);
+  rig.point_times = node.get<bool>("point_times", rig.point_times);
   read_method(node, rig);
   rig.data_sheet = read_data_sheet(node, rig.noise);
   if (const auto noise = node.find("noise")) read_noise(*noise, rig.noise);

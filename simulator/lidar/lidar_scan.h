@@ -43,6 +43,9 @@ struct LidarRig {
   std::vector<std::pair<std::string, double>> reflectivity;  ///< by body name; over 1: retro-reflector
   LidarMethod method = LidarMethod::embree;
   double octree_resolution_m = 0.1;  ///< of depth_octree
+  Pose mounting_error;               ///< the told camera_from_lidar is the true one times this
+  double time_offset_s = 0;          ///< scans are stamped so late
+  bool point_times = true;           ///< else all points are told the scan's start
 
   /// Scan k takes [start_ns(k), start_ns(k + 1)).
   std::int64_t start_ns(std::int64_t scan) const;

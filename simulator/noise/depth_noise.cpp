@@ -8,7 +8,9 @@
 
 #include "core/base/random.h"
 #include "core/base/vector_clones.h"
+#include "simulator/noise/depth_view.h"
 #include "simulator/noise/normals.h"
+#include "simulator/noise/smooth_field.h"
 #include "simulator/noise/stereo_depth.h"
 
 namespace uniquadric {
@@ -23,25 +25,37 @@ RandomStream row_stream(std::uint64_t seed, const char* name, std::int64_t frame
 }
 
 float stereo_z(float z_m, float normal, const DepthNoise& noise, double focal_baseline) {
-  const double disparity = focal_baseline / z_m + noise.disparity_sigma_px * normal;
+  const double disparity = focal_baseline / z_m + noise.disparity_bias_px + noise.disparity_sigma_px * normal;
   const double step = noise.disparity_step_px;
   const double measured = step > 0 ? step * std::round(disparity / step) : disparity;
   return measured > 0 ? static_cast<float>(focal_baseline / measured) : 0;
 }
 
+// Standard normal numbers, a row a stream, or one field of them that is smooth over some pixels.
+cv::Mat draw_normals(cv::Size size, double correlation_px, std::uint64_t seed, std::int64_t frame) {
+  if (correlation_px > 0)
+    return smooth_field(size, correlation_px, {seed, "depth_noise_field", static_cast<std::uint64_t>(frame)});
+  cv::Mat normals(size, CV_32FC1);
+  for (int v = 0; v < size.height; ++v) {
+    RandomStream stream = row_stream(seed, "depth_noise", frame, v);
+    fill_normals(stream, {normals.ptr<float>(v), static_cast<std::size_t>(size.width)});
+  }
+  return normals;
+}
+
 void add_noise(cv::Mat& depth_m, const Camera& camera, const DepthNoise& noise, std::uint64_t seed,
                std::int64_t frame) {
-  std::vector<float> normals(static_cast<std::size_t>(depth_m.cols));
+  const bool is_stereo = noise.model == DepthNoise::Model::stereo;
+  const cv::Mat normals = draw_normals(depth_m.size(), is_stereo ? noise.correlation_px : 0, seed, frame);
   const float k = static_cast<float>(noise.k);
   for (int v = 0; v < depth_m.rows; ++v) {
-    RandomStream stream = row_stream(seed, "depth_noise", frame, v);
-    fill_normals(stream, normals);
+    const auto* normal = normals.ptr<float>(v);
     auto* z_m = depth_m.ptr<float>(v);
     for (int u = 0; u < depth_m.cols; ++u) {
-      if (noise.model == DepthNoise::Model::proportional)
-        z_m[u] *= 1 + k * normals[u];
+      if (!is_stereo)
+        z_m[u] *= 1 + k * normal[u];
       else if (z_m[u] > 0)
-        z_m[u] = stereo_z(z_m[u], normals[u], noise, camera.fx * noise.baseline_m);
+        z_m[u] = stereo_z(z_m[u], normal[u], noise, camera.fx * noise.baseline_m);
     }
   }
 }
@@ -52,6 +66,7 @@ void see_twice(cv::Mat& depth_m, const cv::Mat& edges, const Camera& camera, con
   cv::Mat lost = cv::Mat::zeros(depth_m.size(), CV_8UC1);
   if (noise.shadow) lost |= stereo_shadow(depth_m, camera.fx * noise.baseline_m);
   if (noise.max_incidence_deg < 90) lost |= flat_incidence(depth_m, camera, noise.max_incidence_deg);
+  if (noise.smear_px > 0) smear_disparity(depth_m, edges, noise.smear_px);
   scatter_edges(depth_m, edges, noise.flying_pixels, seed, frame);
   depth_m.setTo(0, lost);
 }
@@ -69,6 +84,22 @@ void drop_edges(cv::Mat& depth_m, const cv::Mat& edges, double probability, std:
       else if (edge[u] && stream.uniform() < probability)
         depth_m.at<float>(v, u) = 0;
     }
+  }
+}
+
+// A pixel returns less the darker it is, and as much as its fourth channel says.
+void drop_faint(cv::Mat& depth_m, const cv::Mat& rgba, const DepthNoise& noise, std::uint64_t seed,
+                std::int64_t frame) {
+  const auto lost_share = [&](const cv::Vec4b& c) {
+    const double grey = (c[0] + c[1] + c[2]) / 3.0;
+    const double darkness = std::max(0.0, 1 - grey / noise.dark_level);
+    return 1 - c[3] / 255.0 * (1 - noise.dark_dropout * darkness);
+  };
+  for (int v = 0; v < depth_m.rows; ++v) {
+    RandomStream stream = row_stream(seed, "depth_faint", frame, v);
+    for (int u = 0; u < depth_m.cols; ++u)
+      if (const double lost = lost_share(rgba.at<cv::Vec4b>(v, u)); lost > 0 && stream.uniform() < lost)
+        depth_m.at<float>(v, u) = 0;
   }
 }
 
@@ -110,17 +141,18 @@ cv::Mat depth_edges(const cv::Mat& depth_m) {
   return edges;
 }
 
-cv::Mat add_depth_noise(const cv::Mat& depth_m, const Camera& camera, const DepthNoise& noise,
-                        std::uint64_t seed, std::int64_t frame) {
+cv::Mat add_depth_noise(const cv::Mat& depth_m, const cv::Mat& rgba, const Camera& camera,
+                        const DepthNoise& noise, std::uint64_t seed, std::int64_t frame) {
   cv::Mat noisy = depth_m.clone();
   if (noise.model != DepthNoise::Model::none) {
     const cv::Mat edges = depth_edges(depth_m);
     if (noise.model == DepthNoise::Model::stereo) see_twice(noisy, edges, camera, noise, seed, frame);
     add_noise(noisy, camera, noise, seed, frame);
     if (noise.edge_dropout > 0) drop_edges(noisy, edges, noise.edge_dropout, seed, frame);
+    if (!rgba.empty()) drop_faint(noisy, rgba, noise, seed, frame);
   }
   drop_out_of_range(noisy, noise);
-  return noisy;
+  return seen_from_depth_camera(noisy, depth_m, camera, noise);
 }
 
 }  // namespace uniquadric

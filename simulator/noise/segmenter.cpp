@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
-#include <opencv2/imgproc.hpp>
 
 #include "core/base/random.h"
 #include "core/base/vector_clones.h"
-#include "simulator/noise/normals.h"
+#include "simulator/noise/mask_faults.h"
 #include "simulator/noise/outline_distance.h"
+#include "simulator/noise/smooth_field.h"
 
 namespace uniquadric {
 namespace {
@@ -54,40 +53,27 @@ void add_mask(int id, const cv::Mat& distance_px, const cv::Mat& displacement_px
   }
 }
 
-// Unit energy, so that white noise keeps its variance; twice convolved with itself it is the autocorrelation.
-cv::Mat smoothing_kernel(double sigma) {
-  const int reach = static_cast<int>(std::ceil(4 * sigma));
-  cv::Mat kernel(1, 2 * reach + 1, CV_32FC1);
-  for (int i = -reach; i <= reach; ++i)
-    kernel.at<float>(i + reach) = sigma > 0 ? static_cast<float>(std::exp(-i * i / (2 * sigma * sigma))) : 1;
-  return kernel / cv::norm(kernel);
-}
-
 }  // namespace
 
-bool is_segmented(const SegmenterNoise& noise, std::int64_t frame) {
-  return frame % std::max(noise.every_n_frames, 1) == 0;
+bool is_segmented(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame, double rate_hz) {
+  if (frame % std::max(noise.every_n_frames, 1) != 0) return false;
+  if (noise.outage_every_s <= 0) return true;
+  const double time_s = static_cast<double>(frame) / rate_hz;
+  const double period = std::floor(time_s / noise.outage_every_s);
+  RandomStream random(seed, "segmenter_outage", static_cast<std::uint64_t>(period));
+  const double begin_s =
+      period * noise.outage_every_s + random.uniform() * std::max(0.0, noise.outage_every_s - noise.outage_s);
+  return time_s < begin_s || time_s >= begin_s + noise.outage_s;
 }
 
-cv::Mat smooth_field(cv::Size size, double length_px, std::uint64_t seed, std::int64_t frame, int id) {
-  constexpr int kNodesALength =
-      4;                      // the field is drawn on a grid this fine and interpolated: variance kept to 1 %
-  constexpr int kMargin = 2;  // nodes: cubic interpolation looks two to each side
-  const int step = std::max(1, static_cast<int>(length_px / kNodesALength));
-  const cv::Mat kernel = smoothing_kernel(length_px / std::numbers::sqrt2 / step);
-  const int reach = kernel.cols / 2;
-  const cv::Size nodes(size.width / step + 1 + 2 * kMargin, size.height / step + 1 + 2 * kMargin);
-  cv::Mat white(nodes.height + 2 * reach, nodes.width + 2 * reach, CV_32FC1), smooth, fine;
-  RandomStream stream(seed, "segmenter_outline", static_cast<std::uint64_t>(frame),
-                      static_cast<std::uint32_t>(id));
-  fill_normals(stream, {white.ptr<float>(), white.total()});
-  cv::sepFilter2D(white, smooth, CV_32F, kernel, kernel);
-  const cv::Mat valid = smooth(cv::Rect(reach, reach, nodes.width, nodes.height)).clone();
-  cv::resize(valid, fine, nodes * step, 0, 0, step > 1 ? cv::INTER_CUBIC : cv::INTER_NEAREST);
-  return fine(cv::Rect(kMargin * step, kMargin * step, size.width, size.height)).clone();
+double latency_s(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame) {
+  RandomStream random(seed, "segmenter_latency", static_cast<std::uint64_t>(frame));
+  return std::max(0.0, noise.latency_s + noise.latency_sigma_s * random.normal());
 }
 
-cv::Mat segment(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame) {
+cv::Mat segment(const cv::Mat& true_ids, const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame,
+                double rate_hz) {
+  const cv::Mat ids = mask_faults(true_ids, noise, seed, static_cast<double>(frame) / rate_hz);
   cv::Mat masks = cv::Mat::zeros(ids.size(), CV_16UC1);
   cv::Mat depth_px = cv::Mat::zeros(ids.size(), CV_32FC1);  // how deep a pixel lies in the mask that holds it
   const int reach = static_cast<int>(std::ceil(kReach_sigmas * noise.boundary_sigma_px)) + 1;
@@ -99,7 +85,9 @@ cv::Mat segment(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64_t s
     const cv::Rect wide(mask.box.x - margin, mask.box.y - margin, mask.box.width + 2 * margin,
                         mask.box.height + 2 * margin);
     const cv::Rect box = wide & cv::Rect({0, 0}, ids.size());
-    const cv::Mat field = smooth_field(box.size(), noise.boundary_length_px, seed, frame, id);
+    const cv::Mat field = smooth_field(
+        box.size(), noise.boundary_length_px,
+        {seed, "segmenter_outline", static_cast<std::uint64_t>(frame), static_cast<std::uint32_t>(id)});
     add_mask(id, outline_distance(ids(box), id, margin), field, noise.boundary_sigma_px, depth_px(box),
              masks(box));
   }

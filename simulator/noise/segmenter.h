@@ -7,19 +7,19 @@
 
 namespace uniquadric {
 
-/// Whether the segmenter looks at a frame at all (every_n_frames).
-bool is_segmented(const SegmenterNoise& noise, std::int64_t frame);
+/// Whether masks come for a frame at all (every_n_frames, outages).
+bool is_segmented(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame, double rate_hz);
+
+/// From the frame's stamp to the arrival of its masks [s].
+double latency_s(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame);
 
 /// The simulated segmenter: a sensor whose masks come from the true ids (16UC1, of visible surfaces), its
 /// errors being those of `noise`. Each object's outline moves along its normal by a smooth Gaussian field
 /// with standard deviation boundary_sigma_px and autocorrelation exp(-r^2 / (2 boundary_length_px^2)), of its
 /// own for each frame and object; a pixel that two moved outlines hold goes to the one it lies deeper in.
 /// Objects whose true mask has fewer than min_pixels and, with miss_probability, any object are not found.
-/// 16UC1, 0 is background.
-cv::Mat segment(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame);
-
-/// A Gaussian random field (32FC1) of unit variance and autocorrelation exp(-r^2 / (2 length_px^2)), from the
-/// stream (seed, "segmenter_outline", frame, id).
-cv::Mat smooth_field(cv::Size size, double length_px, std::uint64_t seed, std::int64_t frame, int id);
+/// Before that, mask_faults() changes what it sees. 16UC1, 0 is background.
+cv::Mat segment(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame,
+                double rate_hz);
 
 }  // namespace uniquadric

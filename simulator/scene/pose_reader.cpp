@@ -74,4 +74,12 @@ Pose read_mounting(const ConfigNode& node, const std::string& sensor) {
   return in_camera ? pose : camera_from_body_axes() * pose;
 }
 
+Pose read_mounting_error(const ConfigNode& node) {
+  const auto error = node.find("mounting_error");
+  if (!error) return {};
+  const Pose pose = read_pose(*error, Mover::body);
+  error->refuse_unknown_keys();
+  return pose;
+}
+
 }  // namespace uniquadric

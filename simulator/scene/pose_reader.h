@@ -33,4 +33,7 @@ Pose camera_from_body_axes();
 /// camera_from_sensor.
 Pose read_mounting(const ConfigNode& node, const std::string& sensor);
 
+/// `mounting_error`, a pose: what the told camera_from_sensor has behind the true one; none: identity.
+Pose read_mounting_error(const ConfigNode& node);
+
 }  // namespace uniquadric

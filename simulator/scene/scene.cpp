@@ -13,6 +13,7 @@
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
 #include "simulator/scene/noise_scale.h"
+#include "simulator/scene/realism.h"
 #include "simulator/scene/sensor_reader.h"
 
 namespace uniquadric {
@@ -60,6 +61,10 @@ void read_camera_section(const ConfigNode& node, Scene& scene) {
   if (const auto calibration = node.find("calibration")) {
     scene.camera = read_camera(*calibration);
     calibration->refuse_unknown_keys();
+  }
+  if (const auto error = node.find("calibration_error")) {
+    scene.calibration_error = read_calibration_error(*error);
+    error->refuse_unknown_keys();
   }
   scene.given_camera = node.get<bool>("given", scene.given_camera);
   scene.depth = node.get<bool>("depth", scene.depth);
@@ -129,16 +134,28 @@ std::int64_t Scene::stamp_ns(std::int64_t frame) const {
   return std::llround(static_cast<double>(frame) * 1e9 / rate_hz);
 }
 
+Camera Scene::told_camera() const {
+  Camera told = camera;
+  told.fx *= 1 + calibration_error.focal;
+  told.fy *= 1 + calibration_error.focal;
+  told.cx += calibration_error.center_px.x();
+  told.cy += calibration_error.center_px.y();
+  return told;
+}
+
 Scene load_scene(const fs::path& path, const std::vector<ConfigOverride>& overrides) {
   return parse_scene(read_file(path, kYamlFile), path, overrides);
 }
 
 Scene parse_scene(const std::string& text, const fs::path& path,
                   const std::vector<ConfigOverride>& overrides) {
-  const ConfigNode root = ConfigNode::parse(text, path, overrides);
+  std::vector<ConfigOverride> all = realism_of(ConfigNode::parse(text, path, overrides));
+  all.insert(all.begin(), overrides.begin(), overrides.end());
+  const ConfigNode root = ConfigNode::parse(text, path, all);
   Scene scene;
   std::vector<fs::path> files;
   scene.name = root.name("name", path.stem().string());
+  root.find("realism");  // realism_of() has read it
   read_clock(root, scene);
   read_camera_section(root.at("camera"), scene);
   read_sensor_models(root, scene);

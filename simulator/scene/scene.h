@@ -40,8 +40,19 @@ struct DepthNoise {
   double edge_dropout = 0.3;            ///< probability that a pixel beside a depth edge is lost
   double flying_pixels = 0.3;     ///< stereo: probability that it lies between the edge's two sides instead
   double max_incidence_deg = 80;  ///< stereo: surfaces seen at a flatter angle are lost; 90 keeps all
-  bool shadow = true;  ///< stereo: what the second imager, baseline_m to the right, cannot see is lost
-  double min_range_m = 0.1, max_range_m = 20;  ///< outside: no depth
+  bool shadow = true;         ///< stereo: what the second imager, baseline_m to the right, cannot see is lost
+  double correlation_px = 0;  ///< stereo: length over which the disparity's noise is alike, 0: white
+  double disparity_bias_px = 0;  ///< stereo: added to every disparity, so depth is off by b z^2 / (f B)
+  double smear_px = 0;           ///< stereo: half the window that mixes the disparities of an edge's sides
+  double dark_dropout = 0;       ///< probability that a black surface's depth is lost; at dark_level none is
+  double dark_level = 40;        ///< grey level from which a surface is bright enough
+  /// The depth camera stands so far to the right of the colour camera (negative: left). What it cannot see
+  /// has no depth in the colour camera's image.
+  double color_offset_m = 0;
+  bool registered = true;                          ///< else depth is left in the depth camera's own image
+  Eigen::Vector2d registration_error_px = {0, 0};  ///< (u, v) by which the depth image lies off
+  double delay_s = 0;                              ///< depth shows what was there so long before the stamp
+  double min_range_m = 0.1, max_range_m = 20;      ///< outside: no depth
 };
 
 /// How the camera makes its colour image. Ids, depth and true masks belong to pixel centres and the stamp
@@ -55,6 +66,11 @@ struct Imaging {
   /// at once.
   double rolling_shutter_s = 0;
   int rolling_shutter_bands = 24;  ///< ours: strips of rows of one time each, 20 rows of 480
+  double auto_exposure_level = 0;  ///< mean grey level that every image is brought to; 0: fixed exposure
+  double exposure_drift = 0;       ///< standard deviation of the slow change of the gain's logarithm
+  double white_balance_drift = 0;  ///< the same of the gains of red and blue against green's
+  double stamp_offset_s = 0;       ///< images are stamped so late (negative: early)
+  double stamp_jitter_s = 0;       ///< standard deviation of a stamp's error besides
 };
 
 struct ImageNoise {
@@ -72,6 +88,18 @@ struct SegmenterNoise {
   double latency_s = 0.1;          ///< from the frame's stamp to the result's arrival
   int every_n_frames = 1;          ///< segmented frames: 1 is each
   int min_pixels = 50;             ///< smaller masks are not found
+  double latency_sigma_s = 0;      ///< standard deviation of the latency; it is never below 0
+  /// Faults that last half a second: two masks that touch become one, a mask falls into two, a mask runs over
+  /// what lies below it in the image by leak_px, and a mask of nothing (ids from 60000 on).
+  double merge_probability = 0, split_probability = 0, leak_probability = 0, false_probability = 0;
+  double leak_px = 12;
+  double outage_every_s = 0, outage_s = 2;  ///< once in that time no masks come for outage_s; 0: never
+};
+
+/// What is wrong with a calibration as it is told, beside the true one.
+struct CalibrationError {
+  double focal = 0;                    ///< both focal lengths are told so much too long, relative
+  Eigen::Vector2d center_px = {0, 0};  ///< the principal point is told so far off
 };
 
 /// An inertial measurement unit on the camera.
@@ -81,6 +109,7 @@ struct ImuRig {
   Eigen::Vector3d accelerometer_bias_mps2 = Eigen::Vector3d::Zero();  ///< when the sequence starts
   /// Readings beyond are cut off, an axis at a time; none: no limit.
   std::optional<double> gyroscope_range_radps, accelerometer_range_mps2;
+  Pose mounting_error;  ///< the told camera_from_imu is the true one times this
 };
 
 /// What the simulator renders: read from YAML (scenes/README.md).
@@ -90,7 +119,8 @@ struct Scene {
   std::int64_t frames = 300;
   double rate_hz = 30;
   Camera camera;
-  Motion camera_motion;  ///< world_from_camera, optical frame
+  CalibrationError calibration_error;  ///< of the intrinsics that the sequence carries
+  Motion camera_motion;                ///< world_from_camera, optical frame
   bool given_camera =
       true;  ///< whether the sequence carries the camera's poses as another system would give them
   std::vector<Body> world;  ///< static, id 0
@@ -108,6 +138,7 @@ struct Scene {
   double map_resolution_m = 0.1;    ///< cell edge of the static world's octree (truth/map.bt)
   std::optional<ConfigNode> lidar;  ///< the section as it stands, for its own reader
 
+  Camera told_camera() const;                       ///< with its calibration error
   std::int64_t stamp_ns(std::int64_t frame) const;  ///< of a frame, from 0 on, rounded to the nanosecond
 };
 

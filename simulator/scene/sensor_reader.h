@@ -10,4 +10,7 @@ class ConfigNode;
 /// own reader; what is absent keeps its default. Throws InputError with file and line.
 void read_sensor_models(const ConfigNode& root, Scene& scene);
 
+/// camera.calibration_error.
+CalibrationError read_calibration_error(const ConfigNode& node);
+
 }  // namespace uniquadric

@@ -15,7 +15,7 @@ namespace {
 
 std::vector<double> depth_errors(double z_m, const DepthNoise& noise, const Camera& camera = {}) {
   const cv::Mat depth_m(camera.height, camera.width, CV_32FC1, cv::Scalar(z_m));
-  const cv::Mat noisy = add_depth_noise(depth_m, camera, noise, 4, 17);
+  const cv::Mat noisy = add_depth_noise(depth_m, {}, camera, noise, 4, 17);
   std::vector<double> errors;
   for (auto p = noisy.begin<float>(); p != noisy.end<float>(); ++p) errors.push_back(*p - z_m);
   return errors;
@@ -58,7 +58,7 @@ TEST(DepthNoise, StereoMeasuresWholeDisparitySteps) {
   noise.edge_dropout = 0;
   const Camera camera;
   const cv::Mat depth_m(camera.height, camera.width, CV_32FC1, cv::Scalar(1.7));
-  const cv::Mat noisy = add_depth_noise(depth_m, camera, noise, 4, 17);
+  const cv::Mat noisy = add_depth_noise(depth_m, {}, camera, noise, 4, 17);
   for (int u = 0; u < noisy.cols; ++u) {
     const double steps = camera.fx * noise.baseline_m / noisy.at<float>(0, u) / noise.disparity_step_px;
     EXPECT_NEAR(steps, std::round(steps), 1e-3);  // 900 steps in single precision
@@ -75,7 +75,7 @@ TEST(DepthNoise, LosesEdgesAtTheirRateAndWhatIsOutOfRange) {
   depth_m.colRange(20, 30) = 3;    // edges: columns 19, 20, 29 and, to the far part, 30 ...
   depth_m.colRange(40, 50) = 0.4;  // too near; edges: 39, 40, 49, 50
   depth_m.colRange(55, 60) = 5.1;  // too far; edges: 54, 55
-  const cv::Mat noisy = add_depth_noise(depth_m, {}, noise, 4, 17);
+  const cv::Mat noisy = add_depth_noise(depth_m, {}, {}, noise, 4, 17);
   const auto lost = [&](int u) { return noisy.rows - cv::countNonZero(noisy.col(u)); };
   const double tolerance = kSigmas * std::sqrt(1000 * 0.3 * 0.7);
   for (const int u : {19, 20, 29, 30, 39, 50, 54}) EXPECT_NEAR(lost(u), 300, tolerance) << u;
@@ -87,11 +87,11 @@ TEST(DepthNoise, LosesEdgesAtTheirRateAndWhatIsOutOfRange) {
 TEST(DepthNoise, NothingStaysNothingAndNoneIsExact) {
   DepthNoise noise;
   const cv::Mat nothing = cv::Mat::zeros(40, 40, CV_32FC1);
-  EXPECT_EQ(cv::countNonZero(add_depth_noise(nothing, {}, noise, 1, 1)), 0);
+  EXPECT_EQ(cv::countNonZero(add_depth_noise(nothing, {}, {}, noise, 1, 1)), 0);
   noise.model = DepthNoise::Model::none;
   cv::Mat depth_m(40, 40, CV_32FC1, cv::Scalar(1.234f));
   depth_m.col(7) = 2.5;
-  EXPECT_TRUE(same(add_depth_noise(depth_m, {}, noise, 1, 1), depth_m));
+  EXPECT_TRUE(same(add_depth_noise(depth_m, {}, {}, noise, 1, 1), depth_m));
 }
 
 TEST(DepthNoise, StereoSeesTwiceAndProportionalOnce) {
@@ -100,12 +100,12 @@ TEST(DepthNoise, StereoSeesTwiceAndProportionalOnce) {
   noise.flying_pixels = 0;
   cv::Mat depth_m(4, 300, CV_32FC1, cv::Scalar(4));
   depth_m.colRange(100, 140) = 1;
-  EXPECT_EQ(cv::countNonZero(add_depth_noise(depth_m, {}, noise, 1, 1) == 0), 0);
+  EXPECT_EQ(cv::countNonZero(add_depth_noise(depth_m, {}, {}, noise, 1, 1) == 0), 0);
   noise.model = DepthNoise::Model::stereo;
   const int width_px = static_cast<int>(Camera().fx * noise.baseline_m * 0.75);
-  EXPECT_EQ(cv::countNonZero(add_depth_noise(depth_m, {}, noise, 1, 1) == 0), 4 * width_px);
+  EXPECT_EQ(cv::countNonZero(add_depth_noise(depth_m, {}, {}, noise, 1, 1) == 0), 4 * width_px);
   noise.shadow = false;
-  EXPECT_EQ(cv::countNonZero(add_depth_noise(depth_m, {}, noise, 1, 1) == 0), 0);
+  EXPECT_EQ(cv::countNonZero(add_depth_noise(depth_m, {}, {}, noise, 1, 1) == 0), 0);
 }
 
 TEST(StereoDepth, ANearEdgeThrowsAShadowOfTheStepInDisparityToItsLeft) {

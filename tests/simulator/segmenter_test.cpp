@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "simulator/noise/outline_distance.h"
+#include "simulator/noise/smooth_field.h"
 #include "tests/simulator/noise_statistics.h"
 #include "tests/simulator/same_image.h"
 
@@ -56,7 +57,7 @@ TEST(Segmenter, OutlineMovesBySigmaWithItsLength) {
   double product = 0, products = 0;
   constexpr int kFrames = 40;
   for (int frame = 0; frame < kFrames; ++frame) {
-    const cv::Mat masks = segment(ids, noise, 5, frame);
+    const cv::Mat masks = segment(ids, noise, 5, frame, 30);
     const std::size_t first = shifts.size();
     for (int u = 0; u < ids.cols; ++u) shifts.push_back(cv::countNonZero(masks.col(u)) - 50.0);
     for (std::size_t i = first; i + 12 < shifts.size(); ++i)
@@ -74,9 +75,9 @@ TEST(Segmenter, WithoutNoiseMasksAreTheTruth) {
   cv::Mat ids = cv::Mat::zeros(120, 160, CV_16UC1);
   ids(cv::Rect(0, 10, 60, 40)) = 3;  // at the border
   ids(cv::Rect(50, 30, 60, 60)) = 40000;
-  EXPECT_TRUE(same(segment(ids, outline_only(0, 15), 1, 0), ids));
+  EXPECT_TRUE(same(segment(ids, outline_only(0, 15), 1, 0, 30), ids));
   const cv::Mat full(60, 60, CV_16UC1, cv::Scalar(5));  // no outline in view
-  EXPECT_TRUE(same(segment(full, outline_only(2, 15), 1, 0), full));
+  EXPECT_TRUE(same(segment(full, outline_only(2, 15), 1, 0, 30), full));
 }
 
 TEST(Segmenter, MissesAtItsRateAndLeavesSmallMasksOut) {
@@ -88,14 +89,14 @@ TEST(Segmenter, MissesAtItsRateAndLeavesSmallMasksOut) {
   constexpr int kFrames = 1000;
   int found = 0;
   for (int frame = 0; frame < kFrames; ++frame) {
-    const cv::Mat masks = segment(ids, noise, 2, frame);
+    const cv::Mat masks = segment(ids, noise, 2, frame, 30);
     found += masks.at<std::uint16_t>(15, 15) == 1;
     EXPECT_EQ(cv::countNonZero(masks == 2), 0);
   }
   EXPECT_NEAR(found, 0.8 * kFrames, kSigmas * std::sqrt(kFrames * 0.2 * 0.8));
   noise.min_pixels = 49;
   noise.miss_probability = 0;
-  EXPECT_GT(cv::countNonZero(segment(ids, noise, 2, 0) == 2), 0);
+  EXPECT_GT(cv::countNonZero(segment(ids, noise, 2, 0, 30) == 2), 0);
 }
 
 TEST(Segmenter, LooksAtEveryNthFrame) {
@@ -103,7 +104,7 @@ TEST(Segmenter, LooksAtEveryNthFrame) {
   noise.every_n_frames = 3;
   std::vector<int> seen;
   for (int frame = 0; frame < 8; ++frame)
-    if (is_segmented(noise, frame)) seen.push_back(frame);
+    if (is_segmented(noise, 1, frame, 30)) seen.push_back(frame);
   EXPECT_EQ(seen, (std::vector{0, 3, 6}));
 }
 
@@ -112,7 +113,8 @@ TEST(SmoothField, HasUnitVarianceWhateverTheLength) {
   for (const double length_px : {0.5, 3.0, 15.0, 40.0}) {
     std::vector<double> values;
     for (int frame = 0; frame < 30; ++frame) {
-      const cv::Mat field = smooth_field({301, 207}, length_px, 1, frame, 2);
+      const cv::Mat field =
+          smooth_field({301, 207}, length_px, {1, "segmenter_outline", static_cast<std::uint64_t>(frame), 2});
       ASSERT_EQ(field.size(), cv::Size(301, 207));
       values.insert(values.end(), field.begin<float>(), field.end<float>());
     }

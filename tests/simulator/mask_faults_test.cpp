@@ -1,0 +1,130 @@
+#include "simulator/noise/mask_faults.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "simulator/noise/segmenter.h"
+#include "tests/simulator/noise_statistics.h"
+#include "tests/simulator/same_image.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr int kPeriods = 400;
+
+// Two boxes side by side, and one apart.
+cv::Mat three_boxes() {
+  cv::Mat ids = cv::Mat::zeros(240, 320, CV_16UC1);
+  ids(cv::Rect(40, 60, 50, 80)).setTo(1);
+  ids(cv::Rect(90, 60, 50, 80)).setTo(2);
+  ids(cv::Rect(220, 60, 50, 80)).setTo(3);
+  return ids;
+}
+
+template <typename Is>
+double share_of_periods(const SegmenterNoise& noise, const Is& is) {
+  int count = 0;
+  for (int k = 0; k < kPeriods; ++k) count += is(mask_faults(three_boxes(), noise, 4, 0.5 * k + 0.1));
+  return count / static_cast<double>(kPeriods);
+}
+
+double slack(double probability) {
+  return kSigmas * std::sqrt(probability * (1 - probability) / kPeriods);
+}
+
+int area(const cv::Mat& ids, int id) {
+  return cv::countNonZero(ids == id);
+}
+
+TEST(MaskFaults, NoneLeavesTheIds) {
+  EXPECT_TRUE(same(mask_faults(three_boxes(), {}, 4, 1), three_boxes()));
+}
+
+TEST(MaskFaults, OnlyTouchingMasksMerge) {
+  SegmenterNoise noise;
+  noise.merge_probability = 0.3;
+  const double share = share_of_periods(noise, [](const cv::Mat& ids) {
+    EXPECT_EQ(area(ids, 3), 4000);
+    EXPECT_EQ(area(ids, 1) + area(ids, 2), 8000);
+    return area(ids, 2) == 0;
+  });
+  EXPECT_NEAR(share, 0.3, slack(0.3));
+}
+
+TEST(MaskFaults, SplitMasksFallIntoHalves) {
+  SegmenterNoise noise;
+  noise.split_probability = 0.3;
+  const double share = share_of_periods(noise, [](const cv::Mat& ids) {
+    const int rest = area(ids, 3);
+    EXPECT_TRUE(rest == 4000 || std::abs(rest - 2000) <= 100) << rest;
+    EXPECT_EQ(rest + area(ids, kFirstFalseId + 3), 4000);
+    return rest < 4000;
+  });
+  EXPECT_NEAR(share, 0.3, slack(0.3));
+}
+
+TEST(MaskFaults, LeaksRunOverTheBackgroundBelow) {
+  SegmenterNoise noise;
+  noise.leak_probability = 0.3;
+  noise.leak_px = 10;
+  const double share = share_of_periods(noise, [](const cv::Mat& ids) {
+    const bool leaks = area(ids, 3) == 4000 + 10 * 50;
+    EXPECT_TRUE(leaks || area(ids, 3) == 4000);
+    EXPECT_EQ(ids.at<std::uint16_t>(149, 230), leaks ? 3 : 0);
+    EXPECT_EQ(ids.at<std::uint16_t>(59, 230), 0);
+    return leaks;
+  });
+  EXPECT_NEAR(share, 0.3, slack(0.3));
+}
+
+TEST(MaskFaults, FalseMasksTakeBackgroundAlone) {
+  SegmenterNoise noise;
+  noise.false_probability = 0.3;
+  const double share = share_of_periods(noise, [](const cv::Mat& ids) {
+    EXPECT_EQ(area(ids, 1) + area(ids, 2) + area(ids, 3), 12000);
+    return cv::countNonZero(ids >= kFirstFalseId) > 0;
+  });
+  EXPECT_GT(share, 0.3 * 0.7);  // some lie behind the boxes
+  EXPECT_LT(share, 0.3 + slack(0.3));
+}
+
+TEST(MaskFaults, LastHalfASecond) {
+  SegmenterNoise noise;
+  noise.split_probability = 0.5;
+  for (int k = 0; k < 20; ++k)
+    EXPECT_TRUE(same(mask_faults(three_boxes(), noise, 4, 0.5 * k + 0.01),
+                     mask_faults(three_boxes(), noise, 4, 0.5 * k + 0.49)));
+}
+
+TEST(MaskFaults, OutagesTakeTheirShareOfTheTime) {
+  SegmenterNoise noise;
+  noise.outage_every_s = 8;
+  noise.outage_s = 2;
+  int missing = 0, outages = 0;
+  bool before = true;
+  for (std::int64_t frame = 0; frame < 30 * 80; ++frame) {
+    const bool is = is_segmented(noise, 6, frame, 30);
+    missing += !is;
+    outages += before && !is;
+    before = is;
+  }
+  EXPECT_EQ(outages, 10);
+  EXPECT_NEAR(missing, 10 * 60, 10);
+}
+
+TEST(MaskFaults, LatencyVariesAndIsNeverNegative) {
+  SegmenterNoise noise;
+  noise.latency_s = 0.1;
+  noise.latency_sigma_s = 0.02;
+  std::vector<double> late;
+  for (std::int64_t frame = 0; frame < 4000; ++frame) late.push_back(latency_s(noise, 2, frame));
+  EXPECT_NEAR(mean(late), 0.1, kSigmas * 0.02 / std::sqrt(4000.0));
+  EXPECT_NEAR(deviation(late) / 0.02, 1, kSigmas / std::sqrt(8000.0));
+  noise.latency_sigma_s = 1;
+  for (std::int64_t frame = 0; frame < 100; ++frame) EXPECT_GE(latency_s(noise, 2, frame), 0);
+}
+
+}  // namespace
+}  // namespace uniquadric
