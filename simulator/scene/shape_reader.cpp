@@ -125,6 +125,15 @@ std::vector<Mesh> build(const ConfigNode& node, const Shape& shape, const Materi
   if (name == "skateboard") return skateboard(size_m, material);
   if (name == "car") return car(size_m, material);
   if (name == "carriage") return carriage(size_m, material);
+  if (name == "mug") return mug(size_m, material);
+  if (name == "bowl") return bowl(size_m, material);
+  if (name == "angle") {
+    const double thickness = share(node, "thickness", 0.3);
+    if (thickness <= 0 || thickness >= 1) node.at("thickness").fail("expected more than 0, less than 1");
+    return angle(size_m, thickness, material);
+  }
+  if (name == "pedestrian") return pedestrian(size_m, material);
+  if (name == "cyclist") return cyclist(size_m, material);
   if (name == "plane") return plane(size_m.head<2>(), material);
   if (name == "street") return street(size_m, material);
   return room(size_m, integer(node, "furniture", 6, 0, kMaxFurniture), material);
@@ -134,10 +143,11 @@ std::vector<Mesh> build(const ConfigNode& node, const Shape& shape, const Materi
 
 Shape read_shape(const ConfigNode& node, std::uint64_t default_seed) {
   Shape shape;
-  shape.name = node.choice("primitive",
-                           {"box", "rounded_box", "ball", "ellipsoid", "cylinder", "skateboard", "car",
-                            "carriage", "plane", "room", "street", "track"},
-                           "");
+  shape.name =
+      node.choice("primitive",
+                  {"box", "rounded_box", "ball", "ellipsoid", "cylinder", "skateboard", "car", "carriage",
+                   "mug", "bowl", "angle", "pedestrian", "cyclist", "plane", "room", "street", "track"},
+                  "");
   if (shape.name.empty()) node.fail("missing key 'primitive' (or 'mesh')");
   const Material material = read_material(node, default_seed, shape.name);
   if (shape.name == "track") {

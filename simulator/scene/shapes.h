@@ -36,6 +36,21 @@ std::vector<Mesh> car(const Eigen::Vector3d& size_m, const Material& material);
 /// A subway carriage along x: body with recessed door bays, underframe, bogies, roof units; z up.
 std::vector<Mesh> carriage(const Eigen::Vector3d& size_m, const Material& material);
 
+/// A mug along z: its handle points to +x.
+std::vector<Mesh> mug(const Eigen::Vector3d& size_m, const Material& material);
+
+/// A bowl along z, wider above.
+std::vector<Mesh> bowl(const Eigen::Vector3d& size_m, const Material& material);
+
+/// An L in x and z, drawn out along y; `thickness` of its arms as a share of the extents, below 1.
+std::vector<Mesh> angle(const Eigen::Vector3d& size_m, double thickness, const Material& material);
+
+/// A walker along x, z up, in mid-stride: rigid.
+std::vector<Mesh> pedestrian(const Eigen::Vector3d& size_m, const Material& material);
+
+/// A cyclist along x, z up: two wheels, a frame, a rigid rider.
+std::vector<Mesh> cyclist(const Eigen::Vector3d& size_m, const Material& material);
+
 /// A flat sheet of size_m x, y facing +z (seen from one side only).
 std::vector<Mesh> plane(const Eigen::Vector2d& size_m, const Material& material);
 
