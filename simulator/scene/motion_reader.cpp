@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
 #include <optional>
 
 #include "core/base/config.h"
 #include "core/base/error.h"
+#include "simulator/scene/carried_motions.h"
 #include "simulator/scene/named_motions.h"
 #include "simulator/scene/pose_reader.h"
 #include "simulator/scene/spline.h"
@@ -128,6 +130,45 @@ Motion read_screw(const ConfigNode& node, Mover mover) {
   return screw_motion(options);
 }
 
+Motion read_tremor(const ConfigNode& node) {
+  TremorOptions options;
+  options.position_m = node.get<double>("position_m", options.position_m);
+  options.rotation_rad = radians(node.get<double>("rotation_deg", 0.2));
+  for (const char* key : {"position_m", "rotation_deg"})
+    if (node.get<double>(key, 0) < 0) node.at(key).fail("cannot be negative");
+  options.seed = node.get<std::uint64_t>("seed", 0);
+  return tremor_motion(options);
+}
+
+DriveLeg read_leg(const ConfigNode& item) {
+  constexpr double kMostSteer_deg = 80;
+  DriveLeg leg{item.positive("duration_s"), item.get<double>("acceleration_mps2", 0), 0};
+  const double steer_deg = item.get<double>("steer_deg", 0);
+  if (std::abs(steer_deg) > kMostSteer_deg)
+    item.at("steer_deg").fail(fmt::format("expected at most {} to each side", kMostSteer_deg));
+  leg.steer_rad = radians(steer_deg);
+  item.refuse_unknown_keys();
+  return leg;
+}
+
+Motion read_drive(const ConfigNode& node, Mover mover) {
+  DriveOptions options;
+  const auto start = node.get<std::vector<double>>("start_m");
+  if (start.size() != 2) node.at("start_m").fail(fmt::format("expected 2 numbers, found {}", start.size()));
+  options.start_m = {start[0], start[1]};
+  options.heading_rad = radians(node.get<double>("heading_deg", 0));
+  options.speed_mps = node.get<double>("speed_mps");
+  if (options.speed_mps < 0) node.at("speed_mps").fail("cannot be negative");
+  options.begins_s = node.get<double>("begins_s", 0);
+  options.wheelbase_m = node.positive("wheelbase_m", options.wheelbase_m);
+  options.ahead_m = node.get<double>("ahead_m", options.wheelbase_m / 2);
+  options.height_m = node.get<double>("height_m", 0);
+  options.optical = mover == Mover::camera;
+  if (const auto legs = node.find("legs"))
+    for (const ConfigNode& item : legs->items()) options.legs.push_back(read_leg(item));
+  return drive_motion(options);
+}
+
 Motion read_composed(const ConfigNode& node, Mover mover) {
   std::vector<Motion> parts;
   for (const ConfigNode& item : node.at("parts").items()) parts.push_back(read_motion(item, mover));
@@ -136,14 +177,16 @@ Motion read_composed(const ConfigNode& node, Mover mover) {
 }
 
 Motion read_kind(const ConfigNode& node, Mover mover) {
-  const std::string kind =
-      node.choice("kind", {"static", "line", "circle", "swing", "screw", "spline", "compose"}, "");
+  const std::string kind = node.choice(
+      "kind", {"static", "line", "circle", "swing", "screw", "spline", "tremor", "drive", "compose"}, "");
   if (kind == "static") return static_motion(read_pose(node, mover));
   if (kind == "line") return read_line(node, mover);
   if (kind == "circle") return read_circle(node, mover);
   if (kind == "swing") return read_swing(node, mover);
   if (kind == "screw") return read_screw(node, mover);
   if (kind == "spline") return read_spline(node, mover);
+  if (kind == "tremor") return read_tremor(node);
+  if (kind == "drive") return read_drive(node, mover);
   if (kind == "compose") return read_composed(node, mover);
   node.fail("missing key 'kind'");
 }

@@ -30,6 +30,8 @@ struct Weights {
 class Spline final : public Motion::Curve {
  public:
   explicit Spline(const std::vector<Waypoint>& waypoints);
+  /// Through the neighbourhood of poses at even times: they are the controls.
+  Spline(const std::vector<Pose>& controls, double begin_s, double step_s);
   Pose at(double time_s) const override;
   Kinematics kinematics(double time_s) const override;
 
@@ -55,6 +57,23 @@ Spline::Spline(const std::vector<Waypoint>& waypoints)
     knots_s_[i] = waypoints[std::clamp<Eigen::Index>(i - kDegree, 0, n - 1)].time_s;
   solve_positions(waypoints);
   solve_rotations(waypoints);
+}
+
+// The end poses stand once more outside, so that the curve runs as long as the poses.
+Spline::Spline(const std::vector<Pose>& controls, double begin_s, double step_s)
+    : begin_s_(begin_s), end_s_(begin_s + step_s * static_cast<double>(controls.size() - 1)) {
+  const auto n = static_cast<Eigen::Index>(controls.size()) + 2;
+  knots_s_.resize(n + kDegree + 1);
+  for (Eigen::Index i = 0; i < knots_s_.size(); ++i)
+    knots_s_[i] = begin_s + step_s * static_cast<double>(i - kDegree);
+  positions_m_.resize(n, 3);
+  turns_ = Eigen::Matrix3Xd::Zero(3, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Pose& pose = controls[static_cast<std::size_t>(std::clamp<Eigen::Index>(j - 1, 0, n - 3))];
+    positions_m_.row(j) = pose.translation.transpose();
+    rotations_.push_back(pose.rotation);
+    if (j > 0) turns_.col(j) = log_so3(rotations_[j - 1].conjugate() * rotations_[j]);
+  }
 }
 
 Weights Spline::weights(double time_s) const {
@@ -172,7 +191,40 @@ void check(const std::vector<Waypoint>& waypoints) {
   }
 }
 
+Pose between(const Waypoint& a, const Waypoint& b, double time_s) {
+  const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
+  const Pose &from = a.world_from_body, &to = b.world_from_body;
+  return {from.rotation.slerp(share, to.rotation),
+          from.translation + share * (to.translation - from.translation)};
+}
+
+double median_step_s(const std::vector<Waypoint>& record) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < record.size(); ++k) steps.push_back(record[k].time_s - record[k - 1].time_s);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
 }  // namespace
+
+Motion recorded_motion(std::vector<Waypoint> record) {
+  if (record.size() < 2) throw InputError("a recorded motion needs at least 2 poses");
+  for (std::size_t k = 1; k < record.size(); ++k)
+    if (!(record[k].time_s > record[k - 1].time_s))
+      throw InputError(fmt::format("pose {}: its time does not follow the one before", k));
+  const double begin_s = record.front().time_s, length_s = record.back().time_s - begin_s;
+  const auto steps = static_cast<std::size_t>(std::max(1.0, std::round(length_s / median_step_s(record))));
+  const double step_s = length_s / static_cast<double>(steps);
+  std::vector<Pose> controls;
+  std::size_t after = 1;
+  for (std::size_t i = 0; i <= steps; ++i) {
+    const double time_s = begin_s + step_s * static_cast<double>(i);
+    while (after + 1 < record.size() && record[after].time_s < time_s) ++after;
+    controls.push_back(between(record[after - 1], record[after], std::min(time_s, record.back().time_s)));
+  }
+  return Motion(std::make_shared<Spline>(controls, begin_s, step_s));
+}
 
 Motion spline_motion(const std::vector<Waypoint>& waypoints) {
   check(waypoints);

@@ -24,4 +24,10 @@ inline constexpr double kMaxWaypointTurn_rad = 2.6;
 /// fewer than two way-points, times do not increase, or neighbours turn by more than kMaxWaypointTurn_rad.
 Motion spline_motion(const std::vector<Waypoint>& waypoints);
 
+/// The uniform cumulative cubic B-spline whose control poses are recorded ones, resampled to their median
+/// step: twice differentiable, and smoother than the record by the kernel (1, 4, 1) / 6. Before and after the
+/// record the body rests at its ends. Throws InputError for fewer than two poses or times that do not
+/// increase.
+Motion recorded_motion(std::vector<Waypoint> record);
+
 }  // namespace uniquadric

@@ -1,0 +1,142 @@
+#include "simulator/scene/carried_motions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/random.h"
+#include "simulator/scene/curve.h"
+#include "simulator/scene/pose_reader.h"
+
+namespace uniquadric {
+namespace {
+
+using Eigen::Vector3d;
+
+// Of the sway: those of the tremor lie between 8 and 12 Hz.
+constexpr int kSways = 8, kTremors = 4;
+constexpr double kTremorVariance = 0.1;
+
+struct Wave {
+  double amplitude = 0, rate_radps = 0, phase_rad = 0;
+};
+using Waves = std::array<Wave, kSways + kTremors>;
+
+// Of unit root mean square: an amplitude a has the mean square a^2 / 2.
+Waves draw_waves(std::uint64_t seed, std::uint32_t axis) {
+  RandomStream random(seed, "tremor", 0, axis);
+  Waves waves;
+  double sway = 0;
+  for (int i = 0; i < kSways + kTremors; ++i) {
+    const bool is_sway = i < kSways;
+    const double hz = is_sway ? 0.3 * std::pow(20, (i + random.uniform()) / kSways) : random.uniform(8, 12);
+    waves[i] = {is_sway ? 1 / hz : std::sqrt(2 * kTremorVariance / kTremors), 2 * std::numbers::pi * hz,
+                random.uniform(0, 2 * std::numbers::pi)};
+    if (is_sway) sway += 0.5 / (hz * hz);
+  }
+  for (int i = 0; i < kSways; ++i) waves[i].amplitude *= std::sqrt((1 - kTremorVariance) / sway);
+  return waves;
+}
+
+Jet sum_of(const Waves& waves, double scale, const Jet& time_s) {
+  Jet sum;
+  for (const Wave& wave : waves)
+    sum = sum + scale * wave.amplitude * sin(wave.phase_rad + wave.rate_radps * time_s);
+  return sum;
+}
+
+class Tremor final : public Motion::Curve {
+ public:
+  explicit Tremor(const TremorOptions& options) : options_(options) {
+    for (std::uint32_t axis = 0; axis < 6; ++axis) waves_[axis] = draw_waves(options.seed, axis);
+  }
+  Kinematics kinematics(double time_s) const override {
+    const Jet time = time_jet(time_s);
+    Kinematics result;
+    for (int k = 0; k < 3; ++k)
+      result = result * shifting(Vector3d::Unit(k), sum_of(waves_[k], options_.position_m, time));
+    for (int k = 0; k < 3; ++k)
+      result = result * turning(Vector3d::Unit(k), sum_of(waves_[3 + k], options_.rotation_rad, time));
+    return result;
+  }
+
+ private:
+  TremorOptions options_;
+  std::array<Waves, 6> waves_;
+};
+
+// The way since the leg's start.
+Jet way_of(double speed_mps, double acceleration_mps2, double since_s) {
+  if (acceleration_mps2 < 0 && since_s > speed_mps / -acceleration_mps2)
+    return {speed_mps * speed_mps / (-2 * acceleration_mps2), 0, 0};
+  return {speed_mps * since_s + acceleration_mps2 * since_s * since_s / 2,
+          speed_mps + acceleration_mps2 * since_s, acceleration_mps2};
+}
+
+class Drive final : public Motion::Curve {
+ public:
+  explicit Drive(const DriveOptions& options) {
+    const Eigen::Vector3d origin(options.ahead_m, 0, options.height_m);
+    axle_from_body_ = {Eigen::Quaterniond::Identity(), origin};
+    if (options.optical) axle_from_body_.rotation = camera_from_body_axes().rotation.conjugate();
+    Leg leg{options.begins_s,
+            {exp_so3(options.heading_rad * Vector3d::UnitZ()), {options.start_m.x(), options.start_m.y(), 0}},
+            options.speed_mps,
+            0,
+            options.legs.empty() ? 0 : std::tan(options.legs.front().steer_rad) / options.wheelbase_m};
+    legs_.push_back(leg);  // before the first
+    for (const DriveLeg& next : options.legs) {
+      leg.acceleration_mps2 = next.acceleration_mps2;
+      leg.curvature_pm = std::tan(next.steer_rad) / options.wheelbase_m;
+      legs_.push_back(leg);
+      const double ends_s = leg.begins_s + next.duration_s;
+      const Jet way = way_of(leg.speed_mps, leg.acceleration_mps2, next.duration_s);
+      leg.world_from_axle = along(leg, way).pose;
+      leg.begins_s = ends_s;
+      leg.speed_mps = way.rate;
+    }
+    leg.acceleration_mps2 = 0;
+    legs_.push_back(leg);
+  }
+
+  Kinematics kinematics(double time_s) const override {
+    const auto next = std::upper_bound(legs_.begin() + 1, legs_.end(), time_s,
+                                       [](double time, const Leg& leg) { return time < leg.begins_s; });
+    const Leg& leg = *(next - 1);
+    const double since_s = time_s - leg.begins_s;
+    return along(leg, way_of(leg.speed_mps, leg.acceleration_mps2, since_s)) * at_rest(axle_from_body_);
+  }
+
+ private:
+  struct Leg {
+    double begins_s;
+    Pose world_from_axle;
+    double speed_mps, acceleration_mps2, curvature_pm;
+  };
+
+  static Kinematics along(const Leg& leg, const Jet& way) {
+    constexpr double kStraight_pm = 1e-9;
+    const Kinematics start = at_rest(leg.world_from_axle);
+    if (std::abs(leg.curvature_pm) < kStraight_pm) return start * shifting(Vector3d::UnitX(), way);
+    const Vector3d centre(0, 1 / leg.curvature_pm, 0);
+    return start * at_rest({Eigen::Quaterniond::Identity(), centre}) *
+           turning(Vector3d::UnitZ(), leg.curvature_pm * way) *
+           at_rest({Eigen::Quaterniond::Identity(), -centre});
+  }
+
+  Pose axle_from_body_;
+  std::vector<Leg> legs_;  // the first counts before its start, too
+};
+
+}  // namespace
+
+Motion tremor_motion(const TremorOptions& options) {
+  return Motion(std::make_shared<Tremor>(options));
+}
+
+Motion drive_motion(const DriveOptions& options) {
+  return Motion(std::make_shared<Drive>(options));
+}
+
+}  // namespace uniquadric
