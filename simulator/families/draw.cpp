@@ -26,13 +26,14 @@ std::string yaml_vector(const Eigen::Vector3d& value, int digits) {
 
 std::string drawn_material(RandomStream& random, double difficulty) {
   const auto color = [&] {
-    return Eigen::Vector3d(random.uniform(0.1, 0.9), random.uniform(0.1, 0.9), random.uniform(0.1, 0.9));
+    return Eigen::Vector3d{random.uniform(0.1, 0.9), random.uniform(0.1, 0.9), random.uniform(0.1, 0.9)};
   };
   const std::string style = one_of<std::string>(random, {"panels", "checks", "speckle", "strokes"});
   const double contrast = graded(difficulty, 0.6, 0.1) * random.uniform(0.7, 1.3);
   const double marks = graded(difficulty, 8, 1) * random.uniform(0.7, 1.3);
+  const Eigen::Vector3d base = color(), accent = color();
   return fmt::format("{{style: {}, color: {}, accent: {}, contrast: {}, marks: {}}}", style,
-                     yaml_vector(color(), 2), yaml_vector(color(), 2), yaml_number(contrast, 2),
+                     yaml_vector(base, 2), yaml_vector(accent, 2), yaml_number(contrast, 2),
                      std::max(1, static_cast<int>(std::lround(marks))));
 }
 

@@ -13,7 +13,10 @@ namespace uniquadric {
 struct FamilyOptions {
   double difficulty = 0.5;  ///< 0 to 1: of speed, number, occlusion, distance and texture
   std::int64_t frames = 300;
-  int count = 0;  ///< of objects; 0: drawn
+  int count = 0;       ///< of objects; 0: drawn
+  std::string meshes;  ///< a folder of scanned things to draw from; empty: primitives
+  std::string realism = "ideal";
+  std::string lidar;  ///< of streets: the scan pattern; empty: drawn
 };
 
 /// `easy` at difficulty 0, `hard` at 1.

@@ -14,6 +14,9 @@ namespace {
 
 using Draw = std::string (*)(RandomStream&, const FamilyOptions&);
 const std::vector<std::pair<std::string, Draw>> kFamilies = {{"tabletop", tabletop_scene},
+                                                             {"tossed", tossed_scene},
+                                                             {"handled", handled_scene},
+                                                             {"street", street_scene},
                                                              {"room", room_scene}};
 constexpr int kMostObjects = 100, kMostFrames = 100'000;
 
@@ -31,8 +34,18 @@ FamilyOptions read_options(const FamilyRequest& request, double drawn_difficulty
   if (!(options.difficulty >= 0 && options.difficulty <= 1)) node.at("difficulty").fail("expected 0 to 1");
   options.frames = whole(node, "frames", 300, 1, kMostFrames);
   options.count = whole(node, "count", 0, 0, kMostObjects);
+  if (request.family != "room" && request.family != "street")
+    options.meshes = node.get<std::string>("meshes", "");
+  if (request.family == "street")
+    options.lidar = node.choice("lidar", {"livox_avia", "livox_mid360", "hdl64e", "os1_64", "vlp16"}, "");
+  options.realism = node.choice("realism", {"ideal", "mild", "real", "harsh"}, "ideal");
   node.refuse_unknown_keys();
   return options;
+}
+
+// Marks that trackers like are rare outside of simulations.
+std::string texture_of(double difficulty) {
+  return difficulty < 0.2 ? "rich" : "sparse";
 }
 
 }  // namespace
@@ -55,7 +68,8 @@ std::string generate_scene(const FamilyRequest& request) {
   const FamilyOptions options = read_options(request, random.uniform());
   std::string text = fmt::format("# Family {}, seed {}, difficulty {}.\n", request.family, request.seed,
                                  yaml_number(options.difficulty, 3));
-  text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\n", request.family, request.seed, options.frames);
+  text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\nrealism: {}\ntexture: {}\n", request.family,
+                      request.seed, options.frames, options.realism, texture_of(options.difficulty));
   return text + family->second(random, options);
 }
 

@@ -18,9 +18,9 @@ std::string room_scene(RandomStream& random, const FamilyOptions& options) {
   for (int i = 0; i <= points; ++i) {
     const double share = (i - 0.5) / (points - 1);
     const double angle = (begin_deg + share * turn_deg) * std::numbers::pi / 180;
-    const Eigen::Vector3d at(0.15 * width_m * std::cos(angle) * random.uniform(0.8, 1.2),
+    const Eigen::Vector3d at{0.15 * width_m * std::cos(angle) * random.uniform(0.8, 1.2),
                              0.15 * depth_m * std::sin(angle) * random.uniform(0.8, 1.2),
-                             random.uniform(1.2, 1.6));
+                             random.uniform(1.2, 1.6)};
     const Eigen::Vector3d ahead(0.5 * width_m * std::cos(angle), 0.5 * depth_m * std::sin(angle),
                                 random.uniform(0.7, 1.3));
     text += fmt::format("      - {{time_s: {}, position_m: {}, look_at_m: {}}}\n",

@@ -58,13 +58,13 @@ void read_mesh_file(const ConfigNode& node, const ConfigNode& mesh, Body& body,
   if (!(body.semi_axes_m.minCoeff() > 0)) mesh.fail("is flat: an object needs an extent along every axis");
 }
 
-Body read_body(const ConfigNode& node, std::uint64_t default_seed, std::vector<fs::path>& files) {
+Body read_body(const ConfigNode& node, const MaterialDefaults& defaults, std::vector<fs::path>& files) {
   Body body;
   body.name = node.name("name");
   if (const auto mesh = node.find("mesh")) {
     read_mesh_file(node, *mesh, body, files);
   } else {
-    Shape shape = read_shape(node, default_seed);
+    Shape shape = read_shape(node, defaults);
     body.shape = std::move(shape.name);
     body.meshes = std::move(shape.meshes);
     body.semi_axes_m = shape.size_m / 2;
@@ -98,8 +98,9 @@ fs::path resolve_path(const ConfigNode& node) {
   return (folder / text).lexically_normal();
 }
 
-Body read_static_body(const ConfigNode& node, std::uint64_t default_seed, std::vector<fs::path>& files) {
-  Body body = read_body(node, default_seed, files);
+Body read_static_body(const ConfigNode& node, const MaterialDefaults& defaults,
+                      std::vector<fs::path>& files) {
+  Body body = read_body(node, defaults, files);
   Pose pose;
   if (const auto given = node.find("pose")) {
     pose = read_pose(*given, Mover::body);
@@ -112,10 +113,10 @@ Body read_static_body(const ConfigNode& node, std::uint64_t default_seed, std::v
   return body;
 }
 
-Body read_object(const ConfigNode& node, std::vector<fs::path>& files) {
+Body read_object(const ConfigNode& node, TextureAmount texture, std::vector<fs::path>& files) {
   const int id = node.get<int>("id");
   if (id < 1 || id > kMaxId) node.at("id").fail(fmt::format("expected 1 to {}, found {}", kMaxId, id));
-  Body body = read_body(node, static_cast<std::uint64_t>(id), files);
+  Body body = read_body(node, {static_cast<std::uint64_t>(id), texture}, files);
   body.id = id;
   if (body.shape == "room" || body.shape == "street" || body.shape == "track" || body.shape == "plane")
     node.at("primitive").fail("is for the world, not for objects");

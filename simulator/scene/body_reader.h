@@ -4,17 +4,18 @@
 #include <vector>
 
 #include "simulator/scene/scene.h"
+#include "simulator/scene/shape_reader.h"
 
 namespace uniquadric {
 
 class ConfigNode;
 
 /// Reads an item of `world:` (placed by `pose`, id 0) or of `objects:` (id, name, motion). Files that its
-/// mesh is made of are appended to `files`. `default_seed` is the material's unless it names one. Throws
-/// InputError with file and line.
-Body read_static_body(const ConfigNode& node, std::uint64_t default_seed,
+/// mesh is made of are appended to `files`. `defaults` are the material's unless it says otherwise (an
+/// object's seed is its id). Throws InputError with file and line.
+Body read_static_body(const ConfigNode& node, const MaterialDefaults& defaults,
                       std::vector<std::filesystem::path>& files);
-Body read_object(const ConfigNode& node, std::vector<std::filesystem::path>& files);
+Body read_object(const ConfigNode& node, TextureAmount texture, std::vector<std::filesystem::path>& files);
 
 /// A path named in a scene: ${VARIABLE} is replaced by the environment's value (UNIQUADRIC_DATA has a
 /// default,

@@ -91,9 +91,9 @@ void check_memory(const ConfigNode& item, const Scene& scene) {
     item.fail(fmt::format("meshes and textures up to here take more than {} MiB", kMostMeshBytes >> 20));
 }
 
-void read_world(const ConfigNode& list, Scene& scene, std::vector<fs::path>& files) {
+void read_world(const ConfigNode& list, TextureAmount texture, Scene& scene, std::vector<fs::path>& files) {
   for (const ConfigNode& item : list.items()) {
-    scene.world.push_back(read_static_body(item, kWorldSeed + scene.world.size(), files));
+    scene.world.push_back(read_static_body(item, {kWorldSeed + scene.world.size(), texture}, files));
     check_memory(item, scene);
     try {
       check_pose(scene.world.back().motion.at(0));
@@ -103,11 +103,11 @@ void read_world(const ConfigNode& list, Scene& scene, std::vector<fs::path>& fil
   }
 }
 
-void read_objects(const ConfigNode& list, Scene& scene, std::vector<fs::path>& files) {
+void read_objects(const ConfigNode& list, TextureAmount texture, Scene& scene, std::vector<fs::path>& files) {
   std::set<int> ids;
   std::set<std::string> names;
   for (const ConfigNode& item : list.items()) {
-    scene.objects.push_back(read_object(item, files));
+    scene.objects.push_back(read_object(item, texture, files));
     check_memory(item, scene);
     const Body& body = scene.objects.back();
     if (!ids.insert(body.id).second)
@@ -165,8 +165,9 @@ Scene parse_scene(const std::string& text, const fs::path& path,
   }
   if (scene.lidar)
     if (const auto csv = scene.lidar->find("csv")) files.push_back(resolve_path(*csv));
-  if (const auto world = root.find("world")) read_world(*world, scene, files);
-  if (const auto objects = root.find("objects")) read_objects(*objects, scene, files);
+  const TextureAmount texture = read_texture_amount(root, TextureAmount::rich);
+  if (const auto world = root.find("world")) read_world(*world, texture, scene, files);
+  if (const auto objects = root.find("objects")) read_objects(*objects, texture, scene, files);
   if (scene.world.empty() && scene.objects.empty())
     root.fail("has neither world nor objects: nothing to see");
   const double noise_scale = root.get<double>("noise_scale", 1);

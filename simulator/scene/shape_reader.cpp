@@ -38,9 +38,11 @@ Eigen::Vector3d color(const ConfigNode& node, const std::string& key, const Eige
   return value;
 }
 
-Material read_material(const ConfigNode& body, std::uint64_t default_seed, const std::string& primitive) {
+Material read_material(const ConfigNode& body, const MaterialDefaults& defaults,
+                       const std::string& primitive) {
   Material material;
-  material.seed = default_seed;
+  material.seed = defaults.seed;
+  material.amount = defaults.amount;
   if (primitive == "room" || primitive == "street" || primitive == "car" ||
       primitive == "carriage") {  // seen from nearer than their size
     material.size_px = 1024;
@@ -53,6 +55,7 @@ Material read_material(const ConfigNode& body, std::uint64_t default_seed, const
   material.style = static_cast<TextureStyle>(std::find(styles.begin(), styles.end(), style) - styles.begin());
   material.color = color(*node, "color", material.color);
   material.accent = color(*node, "accent", material.accent);
+  material.amount = read_texture_amount(*node, material.amount);
   material.contrast = share(*node, "contrast", material.contrast);
   material.seed = node->get<std::uint64_t>("seed", material.seed);
   material.size_px = integer(*node, "texture_px", material.size_px, kMinTexture_px, kMaxTexture_px);
@@ -141,7 +144,16 @@ std::vector<Mesh> build(const ConfigNode& node, const Shape& shape, const Materi
 
 }  // namespace
 
-Shape read_shape(const ConfigNode& node, std::uint64_t default_seed) {
+TextureAmount read_texture_amount(const ConfigNode& node, TextureAmount fallback) {
+  const auto value = node.find("texture");
+  if (!value) return fallback;
+  const std::string amount = node.choice("texture", {"rich", "sparse", "none"}, "");
+  return amount == "rich"     ? TextureAmount::rich
+         : amount == "sparse" ? TextureAmount::sparse
+                              : TextureAmount::none;
+}
+
+Shape read_shape(const ConfigNode& node, const MaterialDefaults& defaults) {
   Shape shape;
   shape.name =
       node.choice("primitive",
@@ -149,7 +161,7 @@ Shape read_shape(const ConfigNode& node, std::uint64_t default_seed) {
                    "mug", "bowl", "angle", "pedestrian", "cyclist", "plane", "room", "street", "track"},
                   "");
   if (shape.name.empty()) node.fail("missing key 'primitive' (or 'mesh')");
-  const Material material = read_material(node, default_seed, shape.name);
+  const Material material = read_material(node, defaults, shape.name);
   if (shape.name == "track") {
     shape.meshes = track(read_track(node), material);
     return shape;

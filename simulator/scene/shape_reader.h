@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulator/scene/mesh.h"
+#include "simulator/scene/texture.h"
 
 namespace uniquadric {
 
@@ -19,8 +20,17 @@ struct Shape {
   std::vector<Mesh> meshes;
 };
 
+/// What a scene's bodies have unless they say otherwise.
+struct MaterialDefaults {
+  std::uint64_t seed = 0;
+  TextureAmount amount = TextureAmount::rich;
+};
+
+/// `texture: rich | sparse | none` of a map.
+TextureAmount read_texture_amount(const ConfigNode& node, TextureAmount fallback);
+
 /// Reads `primitive`, `size_m`, the primitive's own keys and `material` of a body's map and builds the
 /// meshes. Leaves other keys to the caller's check. Throws InputError with file and line.
-Shape read_shape(const ConfigNode& node, std::uint64_t default_seed);
+Shape read_shape(const ConfigNode& node, const MaterialDefaults& defaults);
 
 }  // namespace uniquadric

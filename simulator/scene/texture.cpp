@@ -90,15 +90,16 @@ void add_strokes(Painter& p, double per_square_unit) {
 
 void add_style(Painter& p) {
   const cv::Rect whole({0, 0}, p.image.size());
+  const double share = p.material.amount == TextureAmount::rich ? 1 : 0.125;
   switch (p.material.style) {
     case TextureStyle::panels:
       return add_panels(p, whole);
     case TextureStyle::checks:
       return add_checks(p);
     case TextureStyle::speckle:
-      return add_speckle(p, 3);
+      return add_speckle(p, 3 * share);
     case TextureStyle::strokes:
-      return add_strokes(p, 1);
+      return add_strokes(p, share);
     case TextureStyle::planks:
       return add_courses(p, std::max(2, p.unit * 3 / 2), 4, 14);
     case TextureStyle::bricks:
@@ -120,10 +121,12 @@ cv::Mat paint_texture(const Material& material, std::uint32_t part, double width
   // Each part leans to its own tone, so that one side is told from another.
   const double gain = 1 + 0.35 * material.contrast * p.random.uniform(-1, 1);
   p.image = cv::Mat(side_px(height_m), side_px(width_m), CV_8UC3, p.shade(material.color, gain));
-  add_style(p);
-  add_strokes(p, 0.12);
-  add_speckle(p, 0.5);
-  add_value_noise(p, 5);
+  if (material.amount != TextureAmount::none) add_style(p);
+  if (material.amount == TextureAmount::rich) {
+    add_strokes(p, 0.12);
+    add_speckle(p, 0.5);
+  }
+  add_value_noise(p, material.amount == TextureAmount::none ? 2 : 5);
   return p.image;
 }
 

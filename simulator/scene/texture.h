@@ -14,7 +14,12 @@ enum class TextureStyle { panels, checks, speckle, strokes, planks, bricks };
 inline constexpr std::array<std::string_view, 6> kTextureStyleNames = {"panels",  "checks", "speckle",
                                                                        "strokes", "planks", "bricks"};
 
+/// How many marks with corners a surface carries: as many as its style has and more, an eighth of its own,
+/// or none at all, just its tone with a little of smooth brightness noise.
+enum class TextureAmount { rich, sparse, none };
+
 struct Material {
+  TextureAmount amount = TextureAmount::rich;
   TextureStyle style = TextureStyle::panels;
   Eigen::Vector3d color = {0.6, 0.55, 0.5};  ///< (red, green, blue) in [0, 1], the surface's mean tone
   Eigen::Vector3d accent = {0.2, 0.3, 0.5};  ///< second colour, of marks and every other field

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simulator/families/families.h"
+#include "simulator/families/table.h"
+
+namespace uniquadric {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kScreen_m[] = {0.45, 0.04, 0.4};  // hides what is put away behind it
+
+std::string carried(RandomStream& random, const std::string& waypoints, const FamilyOptions& options) {
+  return fmt::format(
+      "      kind: compose\n      parts:\n        - kind: spline\n          waypoints:\n{}        - {{kind: "
+      "tremor, position_m: {}, rotation_deg: {}, seed: {}}}\n",
+      waypoints, yaml_number(graded(options.difficulty, 0.0005, 0.003)),
+      yaml_number(graded(options.difficulty, 0.2, 1), 2), random.below(100'000));
+}
+
+std::string stop_text(double time_s, const Vector3d& at_m, const Vector3d& rpy_deg) {
+  return "    " + waypoint_text(time_s, at_m, rpy_deg).substr(2);
+}
+
+// Places that the object is carried to, one after the other: about its own part of the table, now and then
+// behind the screen or out of sight. It turns on all the way.
+std::string draw_motion(RandomStream& random, const Vector3d& home_m, const FamilyOptions& options) {
+  const double duration_s = static_cast<double>(options.frames) / 30;
+  const double leg_s = graded(options.difficulty, 2.2, 1.0);
+  const int stops = std::max(3, static_cast<int>(std::ceil(duration_s / leg_s)) + 2);
+  const double away = graded(options.difficulty, 0.1, 0.35), turn_deg = graded(options.difficulty, 20, 75);
+  std::string text;
+  Vector3d rpy_deg(0, 0, random.uniform(-180, 180));
+  for (int i = 0; i < stops; ++i) {
+    Vector3d at_m =
+        home_m + 0.12 * Vector3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 1)};
+    const double event = random.uniform();
+    if (event < away) at_m = {home_m.x(), 0.25, home_m.z() - 0.1};  // behind the screen
+    if (event > 1 - 0.5 * away) at_m = {home_m.x() < 0 ? -1.6 : 1.6, home_m.y(), home_m.z()};  // out of sight
+    text += stop_text((i - 0.5) * leg_s, at_m, rpy_deg);
+    rpy_deg +=
+        turn_deg * Vector3d{random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), random.uniform(-1, 1)};
+    rpy_deg.y() = std::clamp(rpy_deg.y(), -60.0, 60.0);  // clear of the gimbal's lock
+  }
+  return carried(random, text, options);
+}
+
+// In front of the table, at arm's length, hardly moving.
+std::string camera_before_table(RandomStream& random, const FamilyOptions& options) {
+  const double far_m = graded(options.difficulty, 1.1, 1.5), side_m = random.uniform(-0.3, 0.3);
+  const double end_m = side_m + random.uniform(-0.3, 0.3);
+  const double end_far_m = far_m * random.uniform(0.9, 1.1);
+  const double duration_s = static_cast<double>(options.frames) / 30;
+  return fmt::format(
+      "  motion:\n    kind: compose\n    parts:\n      - kind: spline\n        look_at_m: [0, 0, 0.95]\n"
+      "        waypoints:\n          - {{time_s: -1, position_m: {}}}\n          - {{time_s: {}, position_m: "
+      "{}}}\n      - {{kind: tremor, position_m: 0.001, rotation_deg: 0.15, seed: {}}}\n",
+      yaml_vector({side_m, -far_m, 1.25}), yaml_number(duration_s + 1, 2),
+      yaml_vector({end_m, -end_far_m, 1.3}), random.below(100'000));
+}
+
+}  // namespace
+
+std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
+  constexpr int kMostTries = 40, kMostObjects = 3;
+  const int drawn = 1 + static_cast<int>(graded(options.difficulty, 0.8, 3) * random.uniform());
+  const int count = options.count > 0 ? options.count : std::min(drawn, kMostObjects);
+  SceneDraft draft(options, camera_before_table(random, options), 0.01);
+  add_room_with_table(random, options, draft);
+  draft.add_world(fmt::format(
+      "  - {{name: screen, primitive: box, size_m: [{}, {}, {}], pose: {{position_m: [0, 0.12, {}]}}, "
+      "material: "
+      "{}}}\n",
+      kScreen_m[0] * count, kScreen_m[1], kScreen_m[2], yaml_number(kTable_m.z() + 0.5 * kScreen_m[2]),
+      drawn_material(random, options.difficulty)));
+  Thing thing;
+  for (int k = 0; k < count; ++k) {
+    const bool is_twin = k > 0 && random.uniform() < 0.5;  // of the one before
+    if (!is_twin) thing = draw_thing(random, options);
+    for (int i = 0; i < kMostTries; ++i) {
+      const double x_m = count > 1 ? -0.45 + 0.9 * k / (count - 1) : 0;
+      const Vector3d home_m(x_m, -0.3, kTable_m.z() + 0.5 * thing.size_m.norm() + 0.2);
+      if (draft.add(thing, draw_motion(random, home_m, options))) break;
+    }
+  }
+  return draft.text();
+}
+
+}  // namespace uniquadric

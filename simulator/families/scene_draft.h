@@ -1,0 +1,59 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "simulator/families/draw.h"
+#include "simulator/scene/scene.h"
+
+namespace uniquadric {
+
+/// An object before it has a place: its keys but for id and motion.
+struct Thing {
+  std::string name;
+  std::string keys;  ///< YAML lines below `- id:`, each ended and indented by four
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+
+  /// Of the circle that its foot stays within, however it turns about the vertical.
+  double reach_m() const { return 0.5 * size_m.head<2>().norm(); }
+};
+
+/// What stands about on tables: a box, can, book, block, bottle, mug, bowl or angle; or, with
+/// FamilyOptions::meshes, one of the folder's files. Throws InputError for a mesh that does not fit a hand
+/// (2 to 60 cm).
+Thing draw_thing(RandomStream& random, const FamilyOptions& options);
+
+/// A scene in the making. Objects are added one by one, and only those that never come nearer to another one
+/// than `clear_m` (boxes about them) and are looked at at some time.
+class SceneDraft {
+ public:
+  /// `camera` is the scene's section without its key, indented by two.
+  SceneDraft(const FamilyOptions& options, const std::string& camera, double clear_m);
+
+  void add_world(const std::string& line) { world_ += line; }
+  /// What objects keep clear of, though it is none: a box along the axes of a motion (as YAML in one line).
+  void keep_clear_of(const std::string& motion, const Eigen::Vector3d& size_m);
+  /// `motion` as YAML lines indented by six. Whether it was added.
+  bool add(const Thing& thing, const std::string& motion);
+  /// Adds what the others do not have to keep clear of, and need not be looked at.
+  void add_unchecked(const Thing& thing, const std::string& motion);
+
+  std::size_t count() const { return count_; }
+  std::string text() const;  ///< `camera`, `world` and `objects`
+
+ private:
+  std::string object_text(const Thing& thing, const std::string& motion) const;
+  bool meets_another(const Body& body) const;
+  bool is_looked_at(const Body& body) const;
+  double time_s(std::int64_t frame) const { return static_cast<double>(frame) / 30; }
+
+  FamilyOptions options_;
+  double clear_m_;
+  Scene sensors_;  // camera and its motion alone
+  std::string camera_, world_, objects_;
+  std::vector<Body> bodies_;
+  std::size_t count_ = 0;
+  int next_id_ = 1;
+};
+
+}  // namespace uniquadric

@@ -1,0 +1,203 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulator/families/families.h"
+#include "simulator/families/scene_draft.h"
+
+namespace uniquadric {
+namespace {
+
+using Eigen::Vector3d;
+
+// Lanes, y of their middles: the sensor car drives along +x.
+constexpr double kEgoLane_m = -2, kFastLane_m = 1.6, kOncomingLane_m = 5.4, kKerb_m = 8.7, kPavement_m = 11.2;
+constexpr double kCameraHeight_m = 1.65, kClear_m = 0.4, kBehind_m = 25;
+const Vector3d kEgoSize_m(4.5, 1.9, 1.6);
+
+// What a scene's actors are drawn about.
+struct Street {
+  double duration_s, speed_mps, start_m, length_m;  // the sensor car's; the street's from end to end
+  double difficulty;
+};
+
+Thing vehicle(RandomStream& random, const Street& street) {
+  const double kind = random.uniform();
+  const auto sized = [&](const Vector3d& least, const Vector3d& most) {
+    const double share = random.uniform();
+    return Vector3d(least + share * (most - least));
+  };
+  Thing thing;
+  std::string primitive = "rounded_box";
+  if (kind < 0.65) {
+    thing.name = primitive = "car";
+    thing.size_m = sized({3.9, 1.7, 1.4}, {4.9, 1.9, 1.65});
+  } else if (kind < 0.88) {
+    thing.name = "van";
+    thing.size_m = sized({4.8, 1.9, 1.9}, {6, 2.2, 2.6});
+  } else {
+    thing.name = "truck";
+    thing.size_m = sized({7, 2.4, 2.9}, {11, 2.55, 3.6});
+  }
+  const bool is_plain = random.uniform() < graded(street.difficulty, 0.3, 1);
+  const Vector3d paint{random.uniform(0.1, 0.85), random.uniform(0.1, 0.85), random.uniform(0.1, 0.85)};
+  thing.keys = fmt::format(
+      "    primitive: {}\n    size_m: {}\n{}    material: {{color: {}, contrast: {}, texture: {}}}\n",
+      primitive, yaml_vector(thing.size_m, 2), primitive == "car" ? "" : "    radius_m: 0.15\n",
+      yaml_vector(paint, 2), yaml_number(graded(street.difficulty, 0.4, 0.1), 2),
+      is_plain ? "none" : "sparse");
+  return thing;
+}
+
+Thing walker(RandomStream& random, bool on_wheels) {
+  Thing thing;
+  thing.name = on_wheels ? "cyclist" : "pedestrian";
+  const double height_m = random.uniform(1.55, 1.9);
+  thing.size_m = on_wheels ? Vector3d(1.8, 0.6, height_m) : Vector3d(0.7, 0.55, height_m);
+  const Vector3d coat{random.uniform(0.1, 0.8), random.uniform(0.1, 0.8), random.uniform(0.1, 0.8)};
+  thing.keys = fmt::format("    primitive: {}\n    size_m: {}\n    material: {{color: {}}}\n", thing.name,
+                           yaml_vector(thing.size_m, 2), yaml_vector(coat, 2));
+  return thing;
+}
+
+struct Legs {
+  double speed_mps;
+  std::string text;
+};
+
+// Speeds up and slows down now and then, or stops and goes.
+Legs draw_legs(RandomStream& random, double speed_mps, double duration_s) {
+  Legs legs{speed_mps, "["};
+  double speed = speed_mps;
+  for (double time_s = 0; time_s < duration_s;) {
+    const double lasts_s = random.uniform(1.2, 3);
+    const double least = std::max(-3.0, -speed / lasts_s),
+                 most = std::min(2.0, (1.4 * speed_mps - speed) / lasts_s);
+    const double acceleration = random.uniform(std::min(least, most), most);
+    speed = std::max(0.0, speed + acceleration * lasts_s);
+    legs.text += fmt::format("{}{{duration_s: {}, acceleration_mps2: {}}}", time_s > 0 ? ", " : "",
+                             yaml_number(lasts_s, 2), yaml_number(acceleration, 2));
+    time_s += lasts_s;
+  }
+  legs.text += "]";
+  return legs;
+}
+
+std::string drive_text(double x_m, double y_m, double heading_deg, const Legs& legs, double height_m) {
+  return fmt::format("kind: drive, start_m: [{}, {}], heading_deg: {}, speed_mps: {}, height_m: {}, legs: {}",
+                     yaml_number(x_m, 2), yaml_number(y_m, 2), yaml_number(heading_deg, 2),
+                     yaml_number(legs.speed_mps, 2), yaml_number(height_m, 3), legs.text);
+}
+
+std::string in_line(const std::string& motion) {
+  return "      {" + motion + "}\n";
+}
+
+// Along a lane, from `from_m` to `to_m` ahead of the sensor car at the start.
+std::string along_lane(RandomStream& random, const Street& street, const Thing& thing, double lane_m,
+                       double heading_deg, double relative_speed, double from_m, double to_m) {
+  const double x_m = street.start_m + random.uniform(from_m, to_m);
+  const double y_m = lane_m + random.uniform(-0.3, 0.3);
+  const double speed_mps = street.speed_mps * relative_speed * random.uniform(0.8, 1.2);
+  const Legs legs = draw_legs(random, speed_mps, street.duration_s);
+  return in_line(drive_text(x_m, y_m, heading_deg, legs, 0.5 * thing.size_m.z()));
+}
+
+std::string standing(RandomStream& random, const Street& street, const Thing& thing, double way_m) {
+  const double x_m = street.start_m + random.uniform(8, way_m + 20);
+  const double side = random.below(2) ? 1 : -1;
+  return fmt::format(
+      "      {{kind: static, position_m: {}, rpy_deg: [0, 0, {}]}}\n",
+      yaml_vector({x_m, side * (kKerb_m - 0.5 * thing.size_m.y() + 0.95), 0.5 * thing.size_m.z()}),
+      random.below(2) ? 0 : 180);
+}
+
+// Across the street ahead of where the sensor car will be, from kerb to kerb.
+std::string across(RandomStream& random, const Street& street, const Thing& thing, double way_m,
+                   double speed_mps) {
+  const double x_m = street.start_m + random.uniform(12, std::max(14.0, way_m + 15));
+  const double side = random.below(2) ? 1 : -1, reach_m = kPavement_m - 0.5 * thing.size_m.x() + 1;
+  const double takes_s = 2 * reach_m / (speed_mps * random.uniform(0.8, 1.2));
+  const double begins_s = random.uniform(-0.5 * takes_s, 0.7 * street.duration_s);
+  const auto point = [&](double time_s, double y_m) {
+    return fmt::format("        - {{time_s: {}, position_m: {}, rpy_deg: [0, 0, {}]}}\n",
+                       yaml_number(time_s, 2), yaml_vector({x_m, y_m, 0.5 * thing.size_m.z()}),
+                       side > 0 ? 90 : -90);
+  };
+  return "      kind: spline\n      waypoints:\n" + point(begins_s, -side * reach_m) +
+         point(begins_s + takes_s, side * reach_m);
+}
+
+bool add_actor(RandomStream& random, const Street& street, SceneDraft& draft) {
+  const double way_m = street.speed_mps * street.duration_s;
+  const double kind = random.uniform();
+  if (kind < 0.22) {
+    const Thing thing = vehicle(random, street);
+    return draft.add(thing, along_lane(random, street, thing, kEgoLane_m, 0, 1, 9, 30));
+  }
+  if (kind < 0.42) {
+    const Thing thing = vehicle(random, street);
+    return draft.add(thing, along_lane(random, street, thing, kFastLane_m, 0, 1.3, -20, 15));
+  }
+  if (kind < 0.6) {
+    const Thing thing = vehicle(random, street);
+    return draft.add(thing, along_lane(random, street, thing, kOncomingLane_m, 180, 1, 20, 2 * way_m + 20));
+  }
+  if (kind < 0.72) {
+    const Thing thing = vehicle(random, street);
+    return draft.add(thing, standing(random, street, thing, way_m));
+  }
+  if (kind < 0.8) {
+    const Thing thing = vehicle(random, street);
+    return draft.add(thing, across(random, street, thing, way_m, 6));
+  }
+  if (kind < 0.9) {
+    const Thing thing = walker(random, true);
+    return draft.add(thing, along_lane(random, street, thing, -5.6, 0, 0.5, 5, 30));
+  }
+  const Thing thing = walker(random, false);
+  return draft.add(thing, across(random, street, thing, way_m, 1.4));
+}
+
+std::string sensors(RandomStream& random, const FamilyOptions& options) {
+  const std::string pattern = options.lidar.empty()
+                                  ? one_of<std::string>(random, {"livox_avia", "hdl64e", "os1_64", "vlp16"})
+                                  : options.lidar;
+  return fmt::format(
+      "imu: {{rate_hz: 200, body_from_imu: {{position_m: [-0.05, 0.02, -0.08]}}}}\n"
+      "lidar: {{pattern: {}, rate_hz: 10, body_from_lidar: {{position_m: [-0.1, 0, 0.25]}}}}\n"
+      "light: {{sun_direction: [0.6, 0.35, -0.7], ambient: 0.6, sky_color: [0.62, 0.74, 0.88]}}\n"
+      "map: {{resolution_m: 0.2}}\n",
+      pattern);
+}
+
+}  // namespace
+
+std::string street_scene(RandomStream& random, const FamilyOptions& options) {
+  constexpr int kMostTries = 60;
+  Street street{static_cast<double>(options.frames) / 30, graded(options.difficulty, 3, 12), 0, 0,
+                options.difficulty};
+  const double way_m = street.speed_mps * street.duration_s;
+  street.length_m = std::max(110.0, 1.4 * way_m + 80);
+  street.start_m = -0.5 * street.length_m + kBehind_m;
+  const Legs legs = draw_legs(random, street.speed_mps, street.duration_s);
+  const auto ego = [&](double height_m) { return drive_text(street.start_m, kEgoLane_m, 0, legs, height_m); };
+  const std::string camera = fmt::format(
+      "  calibration: {{width: 640, height: 480, fx: 460, fy: 460, cx: 319.5, cy: 239.5}}\n  depth: false\n"
+      "  motion:\n    kind: compose\n    parts:\n      - {{{}}}\n      - {{kind: tremor, position_m: 0.004, "
+      "rotation_deg: 0.1, seed: {}}}\n",
+      ego(kCameraHeight_m), random.below(100'000));
+  SceneDraft draft(options, camera, kClear_m);
+  draft.keep_clear_of("{" + ego(0.5 * kEgoSize_m.z()) + "}", kEgoSize_m);
+  draft.add_world(
+      fmt::format("  - {{name: street, primitive: street, size_m: [{}, 46, 14], material: {{seed: {}, "
+                  "texture: sparse}}}}\n",
+                  yaml_number(street.length_m, 1), random.below(100'000)));
+  const int drawn = 1 + static_cast<int>(graded(options.difficulty, 3, 9.99) * random.uniform());
+  const auto count = static_cast<std::size_t>(options.count > 0 ? options.count : drawn);
+  for (int i = 0; i < kMostTries && draft.count() < count; ++i) add_actor(random, street, draft);
+  return sensors(random, options) + draft.text();
+}
+
+}  // namespace uniquadric
