@@ -45,9 +45,11 @@ namespace uniquadric {
   X(NamedBufferStorage, void, unsigned, std::ptrdiff_t, const void*, unsigned)                        \
   X(NamedFramebufferDrawBuffers, void, unsigned, int, const unsigned*)                                \
   X(NamedFramebufferRenderbuffer, void, unsigned, unsigned, unsigned, unsigned)                       \
+  X(NamedFramebufferTexture, void, unsigned, unsigned, unsigned, int)                                 \
   X(NamedRenderbufferStorage, void, unsigned, unsigned, int, int)                                     \
   X(NamedRenderbufferStorageMultisample, void, unsigned, int, unsigned, int, int)                     \
   X(PixelStorei, void, unsigned, int)                                                                 \
+  X(PolygonOffset, void, float, float)                                                                \
   X(ReadBuffer, void, unsigned)                                                                       \
   X(ReadPixels, void, int, int, int, int, unsigned, unsigned, void*)                                  \
   X(Scissor, void, int, int, int, int)                                                                \

@@ -23,4 +23,7 @@ struct Shape {
 /// meshes. Leaves other keys to the caller's check. Throws InputError with file and line.
 Shape read_shape(const ConfigNode& node, std::uint64_t default_seed);
 
+/// A number from 0 to 1. Throws InputError with file and line.
+double read_share(const ConfigNode& node, const std::string& key, double fallback);
+
 }  // namespace uniquadric
