@@ -44,8 +44,10 @@ void main() {
 )";
 
 // 1 / gl_FragCoord.w is clip w interpolated over the triangle with the right perspective: z in the camera
-// frame. A highlight is as wide as Blinn's exponent 32 makes it: ours, semi-gloss paint. What lies further
-// from the sun than a shadow map reaches is behind all that casts a shadow there: hence max(place.z, 0).
+// frame. A highlight is as wide as Blinn's exponent 32 makes it: ours, semi-gloss paint.
+// The map about the objects, half a layer wide, holds all that casts a shadow there: one lookup does, which
+// is what shadows cost. Its last pixels are left to the world's map, for lookups reach one pixel further.
+// What lies further from the sun than a map reaches is behind all that casts a shadow there: hence max(z, 0).
 const char* const kFragmentShader = R"(
 in vec3 normal_in_camera;
 in vec2 texture_uv;
@@ -57,14 +59,18 @@ layout(location = 6) uniform float gain;
 layout(location = 7) uniform float depth_return;
 layout(location = 8) uniform float shine;
 layout(binding = 0) uniform sampler2D surface;
-layout(binding = 1) uniform sampler2DShadow world_shadow;
-layout(binding = 2) uniform sampler2DShadow objects_shadow;
+layout(binding = 1) uniform sampler2DArrayShadow shadow_maps;
 #ifdef SHINE
 in vec3 position_in_camera;
 #endif
 #ifdef SHADOWS
 in vec3 place_in_world_shadow, place_in_objects_shadow;
-float sunlit(sampler2DShadow map, vec3 place) { return texture(map, vec3(place.xy, max(place.z, 0))); }
+float sunlit() {
+  vec2 from_middle = abs(place_in_objects_shadow.xy - 0.25);
+  bool near_objects = max(from_middle.x, from_middle.y) < 0.249;
+  vec3 place = near_objects ? place_in_objects_shadow : place_in_world_shadow;
+  return texture(shadow_maps, vec4(place.xy, near_objects ? 1 : 0, max(place.z, 0)));
+}
 #endif
 #ifdef COLOR
 layout(location = 0) out vec4 out_color;
@@ -83,7 +89,7 @@ void main() {
   highlight = sun > 0 ? shine * pow(max(0, dot(n, halfway)), 32) : 0;
 #endif
 #ifdef SHADOWS
-  float lit = min(sunlit(world_shadow, place_in_world_shadow), sunlit(objects_shadow, place_in_objects_shadow));
+  float lit = sunlit();
   sun *= lit;
   highlight *= lit;
 #endif

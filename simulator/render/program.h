@@ -15,8 +15,8 @@ enum Uniform : int {
   uniform_gain = 6,
   uniform_depth_return = 7,
   uniform_shine = 8,
-  uniform_world_shadow_from_camera = 9,     ///< to coordinates in the shadow map at texture unit 1
-  uniform_objects_shadow_from_camera = 10,  ///< the same, at texture unit 2
+  uniform_world_shadow_from_camera = 9,  ///< to coordinates in the shadow maps at texture unit 1, its layer 0
+  uniform_objects_shadow_from_camera = 10,  ///< the same, layer 1
 };
 
 /// What a program draws: colour to draw buffer 0, instance id and metric depth to 1 and 2; `none`: the depth

@@ -87,7 +87,7 @@ void Renderer::State::upload(const Scene& scene) {
   camera = scene.camera;
   sun_direction = scene.sun_direction.normalized();
   for (int k = 0; k < 3; ++k) sky[k] = static_cast<float>(scene.imaging.gain * scene.sky_color[k]);
-  if (scene.shadows) shadows = make_shadow_maps(gl, scene, world, world_from_static);
+  if (scene.shadows) shadows = make_shadow_maps(gl, scene, {world, world_from_static});
 }
 
 void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_object) const {
@@ -108,7 +108,7 @@ void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_obj
 // Where a program that draws colour shall find the shadows at these poses.
 void Renderer::State::cast_shadows(const ScenePoses& poses) {
   if (!shadows) return;
-  draw_object_shadows(gl, *shadows, objects, poses.world_from_object);
+  draw_object_shadows(gl, *shadows, {world, world_from_static}, {objects, poses.world_from_object});
   gl.Viewport(0, 0, targets.width, targets.height);
 }
 

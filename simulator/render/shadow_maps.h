@@ -9,29 +9,36 @@
 
 namespace uniquadric {
 
-/// How far some bodies reach towards the sun, seen along its light: what lies behind is in their shadow.
+/// How far surfaces reach towards the sun, seen along its light: what lies behind is in their shadow.
 struct ShadowMap {
   int size_px = 0;
-  unsigned texture = 0, framebuffer = 0;
-  /// To coordinates in [0, 1]^3 of the texture and its depth, which is 1 nearest to the sun.
+  unsigned framebuffer = 0;
+  /// To texture coordinates of its layer and depth, which is 1 nearest to the sun.
   Eigen::Matrix4d map_from_world = Eigen::Matrix4d::Identity();
 };
 
-/// The shadow maps of a scene: one of the world, drawn once, and one of the objects, drawn for each set of
-/// poses. Surfaces cast a shadow where their outer side faces the sun: it shines through the ceiling of a
-/// room, which is seen from inside alone. They live as long as their OpenGL context.
+/// Bodies and where they are.
+struct PlacedBodies {
+  const std::vector<GpuBody>& bodies;
+  const std::vector<Pose>& world_from_body;
+};
+
+/// The shadow maps of a scene, two layers of a texture: one of the world, drawn once, and a finer one of all
+/// that casts a shadow on the objects and beside them, drawn for each set of poses. Surfaces cast a shadow
+/// where their outer side faces the sun: it shines through the ceiling of a room, which is seen from inside
+/// alone. They live as long as their OpenGL context.
 struct ShadowMaps {
-  unsigned program = 0;
+  unsigned program = 0, texture = 0;
   Eigen::Quaterniond light_from_world;  ///< the light travels along -z
   ShadowMap world, objects;
 };
 
-/// Makes both maps and draws the world's. Leaves framebuffer, viewport and program changed, as do the others.
-ShadowMaps make_shadow_maps(const GlFunctions& gl, const Scene& scene, const std::vector<GpuBody>& world,
-                            const std::vector<Pose>& world_from_static);
+/// Makes both maps and draws the world's. Leaves framebuffer, viewport and program changed.
+ShadowMaps make_shadow_maps(const GlFunctions& gl, const Scene& scene, const PlacedBodies& world);
 
-void draw_object_shadows(const GlFunctions& gl, ShadowMaps& maps, const std::vector<GpuBody>& objects,
-                         const std::vector<Pose>& world_from_object);
+/// Draws the objects' map. Leaves framebuffer, viewport and program changed.
+void draw_object_shadows(const GlFunctions& gl, ShadowMaps& maps, const PlacedBodies& world,
+                         const PlacedBodies& objects);
 
 /// Lets the program in use look up both maps.
 void use_shadow_maps(const GlFunctions& gl, const ShadowMaps& maps, const Pose& world_from_camera);
