@@ -45,7 +45,7 @@ void main() {
 
 // 1 / gl_FragCoord.w is clip w interpolated over the triangle with the right perspective: z in the camera
 // frame. A highlight is as wide as Blinn's exponent 32 makes it: ours, semi-gloss paint.
-// The map about the objects, half a layer wide, holds all that casts a shadow there: one lookup does, which
+// The map about the objects, a quarter of a layer wide, holds all that casts a shadow there: one lookup does, which
 // is what shadows cost. Its last pixels are left to the world's map, for lookups reach one pixel further.
 // What lies further from the sun than a map reaches is behind all that casts a shadow there: hence max(z, 0).
 const char* const kFragmentShader = R"(
@@ -66,8 +66,8 @@ in vec3 position_in_camera;
 #ifdef SHADOWS
 in vec3 place_in_world_shadow, place_in_objects_shadow;
 float sunlit() {
-  vec2 from_middle = abs(place_in_objects_shadow.xy - 0.25);
-  bool near_objects = max(from_middle.x, from_middle.y) < 0.249;
+  vec2 from_middle = abs(place_in_objects_shadow.xy - 0.125);
+  bool near_objects = max(from_middle.x, from_middle.y) < 0.1245;
   vec3 place = near_objects ? place_in_objects_shadow : place_in_world_shadow;
   return texture(shadow_maps, vec4(place.xy, near_objects ? 1 : 0, max(place.z, 0)));
 }

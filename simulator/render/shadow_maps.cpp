@@ -11,7 +11,7 @@ namespace uniquadric {
 namespace {
 
 constexpr int kWorld_px = 2048;             // ours: 4 mm in a room of 6 m
-constexpr int kObjects_px = kWorld_px / 2;  // ours: 1 mm about a tabletop; the shader knows that it is half
+constexpr int kObjects_px = kWorld_px / 4;  // ours: 2 mm about a tabletop; the shader knows the share
 constexpr double kReach_m = 60;             // ours: of a street; what is further from the camera's way is lit
 constexpr double kMargin = 0.01;            // share of a map beyond what it is fitted to
 constexpr double kLeastMargin_m = 0.01;     // so that no map is flat
@@ -166,8 +166,8 @@ void draw_object_shadows(const GlFunctions& gl, ShadowMaps& maps, const PlacedBo
   }
   fit(maps.objects, maps, box);
   begin_map(gl, maps, maps.objects);
-  draw_into(gl, maps.objects, world);
   draw_into(gl, maps.objects, objects);
+  draw_into(gl, maps.objects, world);
   end_map(gl);
 }
 
