@@ -45,9 +45,10 @@ void main() {
 
 // 1 / gl_FragCoord.w is clip w interpolated over the triangle with the right perspective: z in the camera
 // frame. A highlight is as wide as Blinn's exponent 32 makes it: ours, semi-gloss paint.
-// The map about the objects, a quarter of a layer wide, holds all that casts a shadow there: one lookup does, which
-// is what shadows cost. Its last pixels are left to the world's map, for lookups reach one pixel further.
-// What lies further from the sun than a map reaches is behind all that casts a shadow there: hence max(z, 0).
+// The map about the objects, a quarter of a layer wide, holds all that casts a shadow there: one lookup does,
+// which is what shadows cost. Its last pixels are left to the world's map, for lookups reach one pixel
+// further. What lies further from the sun than a map reaches is behind all that casts a shadow there: hence
+// max(z, 0).
 const char* const kFragmentShader = R"(
 in vec3 normal_in_camera;
 in vec2 texture_uv;
