@@ -45,9 +45,11 @@ namespace uniquadric {
   X(NamedBufferStorage, void, unsigned, std::ptrdiff_t, const void*, unsigned)                        \
   X(NamedFramebufferDrawBuffers, void, unsigned, int, const unsigned*)                                \
   X(NamedFramebufferRenderbuffer, void, unsigned, unsigned, unsigned, unsigned)                       \
+  X(NamedFramebufferTextureLayer, void, unsigned, unsigned, unsigned, int, int)                       \
   X(NamedRenderbufferStorage, void, unsigned, unsigned, int, int)                                     \
   X(NamedRenderbufferStorageMultisample, void, unsigned, int, unsigned, int, int)                     \
   X(PixelStorei, void, unsigned, int)                                                                 \
+  X(PolygonOffset, void, float, float)                                                                \
   X(ReadBuffer, void, unsigned)                                                                       \
   X(ReadPixels, void, int, int, int, int, unsigned, unsigned, void*)                                  \
   X(Scissor, void, int, int, int, int)                                                                \
@@ -57,6 +59,7 @@ namespace uniquadric {
   X(StencilOp, void, unsigned, unsigned, unsigned)                                                    \
   X(TextureParameteri, void, unsigned, unsigned, int)                                                 \
   X(TextureStorage2D, void, unsigned, int, unsigned, int, int)                                        \
+  X(TextureStorage3D, void, unsigned, int, unsigned, int, int, int)                                   \
   X(TextureSubImage2D, void, unsigned, int, int, int, int, int, unsigned, unsigned, const void*)      \
   X(Uniform1f, void, int, float)                                                                      \
   X(Uniform1ui, void, int, unsigned)                                                                  \

@@ -65,8 +65,19 @@ GpuMesh upload_mesh(const GlFunctions& gl, const Mesh& mesh) {
   gpu.texture = upload_texture(gl, mesh.texture);
   gpu.index_count = static_cast<int>(3 * mesh.triangles.size());
   gpu.color = mesh.color;
+  gpu.shine = mesh.shine;
+  gpu.depth_return = mesh.depth_return;
   for (const Eigen::Vector3f& p : mesh.positions) gpu.box.extend(p);
   check_gl(gl, "copying a mesh");
+  return gpu;
+}
+
+GpuBody upload_body(const GlFunctions& gl, const Body& body) {
+  GpuBody gpu{static_cast<unsigned>(body.id), {}, {}};
+  for (const Mesh& mesh : body.meshes) {
+    gpu.meshes.push_back(upload_mesh(gl, mesh));
+    gpu.box.extend(gpu.meshes.back().box);
+  }
   return gpu;
 }
 

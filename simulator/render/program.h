@@ -13,12 +13,22 @@ enum Uniform : int {
   uniform_sun_direction = 4,  ///< in the camera frame
   uniform_ambient = 5,
   uniform_gain = 6,
+  uniform_depth_return = 7,
+  uniform_shine = 8,
+  uniform_world_shadow_from_camera = 9,  ///< to coordinates in the shadow maps at texture unit 1, its layer 0
+  uniform_objects_shadow_from_camera = 10,  ///< the same, layer 1
 };
 
-/// What a program draws: colour to draw buffer 0, instance id and metric depth to 1 and 2.
-enum class ProgramOutput { all, color, geometry };
+/// What a program draws: colour to draw buffer 0, instance id and metric depth to 1 and 2; `none`: the depth
+/// buffer alone.
+enum class ProgramOutput { all, color, geometry, none };
+
+/// What colour takes account of, beyond light and texture: what a scene does not need shall cost no time.
+struct ColorTerms {
+  bool shadows = false, shine = false;
+};
 
 /// Compiles a shader program; all have the same uniforms. Throws std::runtime_error with the compiler's log.
-unsigned make_program(const GlFunctions& gl, ProgramOutput output);
+unsigned make_program(const GlFunctions& gl, ProgramOutput output, const ColorTerms& terms);
 
 }  // namespace uniquadric

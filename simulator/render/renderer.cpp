@@ -2,12 +2,15 @@
 
 #include <GL/glcorearb.h>
 
+#include <algorithm>
 #include <array>
+#include <optional>
 
 #include "simulator/render/box_pixels.h"
 #include "simulator/render/gpu_mesh.h"
 #include "simulator/render/program.h"
 #include "simulator/render/render_targets.h"
+#include "simulator/render/shadow_maps.h"
 #include "simulator/render/silhouettes.h"
 
 namespace uniquadric {
@@ -15,21 +18,6 @@ namespace {
 
 constexpr float kNear_m =
     0.01f;  // ours: nearer than any sensor focuses; with reversed Z it costs no precision
-
-struct GpuBody {
-  unsigned id = 0;
-  std::vector<GpuMesh> meshes;
-  Eigen::AlignedBox3f box;  // that holds the meshes, in the object frame
-};
-
-GpuBody upload_body(const GlFunctions& gl, const Body& body) {
-  GpuBody gpu{static_cast<unsigned>(body.id), {}, {}};
-  for (const Mesh& mesh : body.meshes) {
-    gpu.meshes.push_back(upload_mesh(gl, mesh));
-    gpu.box.extend(gpu.meshes.back().box);
-  }
-  return gpu;
-}
 
 // Depth runs from 1 at kNear_m to 0 at infinity. OpenGL's row 0 is our top row, and pixel (u, v) lies at
 // (u + 0.5, v + 0.5) of its window: hence c + 0.5.
@@ -44,6 +32,13 @@ Eigen::Matrix4f clip_from_camera(const Camera& camera) {
   return clip.cast<float>();
 }
 
+bool has_shine(const Scene& scene) {
+  const auto shines = [](const Body& body) {
+    return std::ranges::any_of(body.meshes, [](const Mesh& mesh) { return mesh.shine > 0; });
+  };
+  return std::ranges::any_of(scene.world, shines) || std::ranges::any_of(scene.objects, shines);
+}
+
 }  // namespace
 
 struct Renderer::State {
@@ -54,6 +49,7 @@ struct Renderer::State {
   bool one_pass = true;  // colour, ids and depth at once, else ids and depth, then colour
   std::vector<GpuBody> world, objects;
   std::vector<Pose> world_from_static;  // one a body of the world
+  std::optional<ShadowMaps> shadows;
   Camera camera;
   Eigen::Vector3d sun_direction;
   std::array<float, 4> sky{};
@@ -66,13 +62,14 @@ struct Renderer::State {
   void draw_image(const ScenePoses& poses, bool silhouettes);
   void draw_color(const ScenePoses& poses, RowRange rows);
   void draw_bodies(const ScenePoses& poses, bool silhouettes) const;
+  void cast_shadows(const ScenePoses& poses);
   void draw_body(const GpuBody& body, const Pose& camera_from_object) const;
   void expose(const std::vector<ColorStep>& steps);
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
 };
 
 unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput output) const {
-  const unsigned program = make_program(gl, output);
+  const unsigned program = make_program(gl, output, {scene.shadows, has_shine(scene)});
   gl.UseProgram(program);
   const Eigen::Matrix4f clip = clip_from_camera(scene.camera);
   gl.UniformMatrix4fv(uniform_clip_from_camera, 1, GL_FALSE, clip.data());
@@ -90,6 +87,7 @@ void Renderer::State::upload(const Scene& scene) {
   camera = scene.camera;
   sun_direction = scene.sun_direction.normalized();
   for (int k = 0; k < 3; ++k) sky[k] = static_cast<float>(scene.imaging.gain * scene.sky_color[k]);
+  if (scene.shadows) shadows = make_shadow_maps(gl, scene, {world, world_from_static});
 }
 
 void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_object) const {
@@ -99,16 +97,26 @@ void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_obj
   for (const GpuMesh& mesh : body.meshes) {
     if (pixels_of_box(mesh.box, camera_from_object, camera, kNear_m).empty()) continue;  // most of a street
     gl.Uniform3fv(uniform_color, 1, mesh.color.data());
+    gl.Uniform1f(uniform_shine, mesh.shine);
+    gl.Uniform1f(uniform_depth_return, mesh.depth_return);
     gl.BindTextureUnit(0, mesh.texture);
     gl.BindVertexArray(mesh.vertex_array);
     gl.DrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
   }
 }
 
+// Where a program that draws colour shall find the shadows at these poses.
+void Renderer::State::cast_shadows(const ScenePoses& poses) {
+  if (!shadows) return;
+  draw_object_shadows(gl, *shadows, {world, world_from_static}, {objects, poses.world_from_object});
+  gl.Viewport(0, 0, targets.width, targets.height);
+}
+
 void Renderer::State::draw_bodies(const ScenePoses& poses, bool silhouettes) const {
   const Pose camera_from_world = poses.world_from_camera.inverse();
   const Eigen::Vector3f sun = (camera_from_world.rotation * sun_direction).cast<float>();
   gl.Uniform3fv(uniform_sun_direction, 1, sun.data());
+  if (shadows) use_shadow_maps(gl, *shadows, poses.world_from_camera);
   gl.Enable(GL_DEPTH_TEST);
   if (silhouettes) begin_silhouettes(gl);
   for (std::size_t i = 0; i < objects.size(); ++i) {  // first, so that they hide some of the world's pixels
@@ -124,6 +132,7 @@ void Renderer::State::draw_bodies(const ScenePoses& poses, bool silhouettes) con
 void Renderer::State::draw_image(const ScenePoses& poses, bool silhouettes) {
   constexpr float kNothing[4] = {0, 0, 0, 0};
   constexpr unsigned kNoId[4] = {0, 0, 0, 0};
+  if (one_pass) cast_shadows(poses);
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.image);
   if (one_pass) gl.ClearBufferfv(GL_COLOR, 0, sky.data());
   gl.ClearBufferuiv(GL_COLOR, 1, kNoId);
@@ -137,6 +146,7 @@ void Renderer::State::draw_image(const ScenePoses& poses, bool silhouettes) {
 // Colour alone in some rows, each pixel the mean of its samples.
 void Renderer::State::draw_color(const ScenePoses& poses, RowRange rows) {
   constexpr float kFarthest = 0;
+  cast_shadows(poses);
   if (rows.count < targets.height) gl.Enable(GL_SCISSOR_TEST);
   gl.Scissor(0, rows.first, targets.width, rows.count);
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.samples);
@@ -198,8 +208,8 @@ Renderer::Renderer(const Scene& scene, GlLibrary library) : state_(std::make_uni
   s.gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   s.gl.DepthFunc(GL_GREATER);
   s.gl.FrontFace(GL_CW);  // rows run down here, up in OpenGL: what is counter-clockwise turns
-  s.gl.Viewport(0, 0, s.targets.width, s.targets.height);
   s.upload(scene);
+  s.gl.Viewport(0, 0, s.targets.width, s.targets.height);
   check_gl(s.gl, "preparing to draw");
 }
 

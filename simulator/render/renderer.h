@@ -32,8 +32,9 @@ struct ObjectView {
 };
 
 struct RenderedFrame {
-  cv::Mat rgba;                     ///< 8UC4, the fourth channel without meaning; made as scene.imaging says
-  cv::Mat ids;                      ///< 16UC1: the object's id, 0 for the world and where nothing is
+  cv::Mat rgba;  ///< 8UC4, made as scene.imaging says. Fourth channel: share of a depth sensor's light that
+                 ///< returns, 255 all; 0 where nothing is
+  cv::Mat ids;   ///< 16UC1: the object's id, 0 for the world and where nothing is
   cv::Mat depth_m;                  ///< 32FC1: z along the optical axis [m], 0 where nothing is
   std::vector<ObjectView> objects;  ///< in the scene's order
 };

@@ -46,6 +46,8 @@ void read_mesh_file(const ConfigNode& node, const ConfigNode& mesh, Body& body,
   body.shape = "mesh";
   body.mesh_file = mesh.as<std::string>();
   body.meshes = std::move(imported.meshes);
+  for (Mesh& part : body.meshes)
+    part.depth_return = static_cast<float>(read_share(node, "depth_return", part.depth_return));
   const double scale = node.positive("scale", 1);
   const Eigen::Vector3d size_m = tight_box(body.meshes).sizes() * scale;
   if (!(size_m.maxCoeff() <= kLargestBody_m))

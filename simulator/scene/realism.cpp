@@ -34,6 +34,7 @@ const std::vector<RealismRow>& realism_rows() {
   constexpr std::string_view kPlanes = "measured: planes of 20 x 20 px in visp_cube 0.06-0.10, TUM fr3 0.064";
   constexpr std::string_view kOurs = "ours";
   static const std::vector<RealismRow> rows = {
+      {"light.shadows", "true", "true", "true", false, "every lit scene"},
 
       {"image.rolling_shutter_s", "0.15", "0.45", "0.9", true,
        "Ringaby and Forssen, IJCV 2012: 30.6 ms of 33.3 ms for a Kinect"},

@@ -127,6 +127,7 @@ struct Scene {
   std::vector<Body> objects;
   Eigen::Vector3d sun_direction = {0.3, 0.4, -0.85};    ///< direction the light travels in, world frame
   double ambient = 0.55;                                ///< share of light that comes from everywhere
+  bool shadows = false;                                 ///< whether what stands in the sun casts a shadow
   Eigen::Vector3d sky_color = Eigen::Vector3d::Zero();  ///< (red, green, blue) where no surface is
   bool depth = true;                                    ///< whether the camera measures depth
   DepthNoise depth_noise;

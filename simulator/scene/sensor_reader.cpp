@@ -27,6 +27,7 @@ void read_light(const ConfigNode& node, Scene& scene) {
   if (scene.sky_color.minCoeff() < 0 || scene.sky_color.maxCoeff() > 1)
     node.at("sky_color").fail("expected red, green, blue from 0 to 1");
   scene.ambient = probability(node, "ambient", scene.ambient);
+  scene.shadows = node.get<bool>("shadows", scene.shadows);
 }
 
 // Two numbers, (u, v); none: zero.

@@ -18,12 +18,6 @@ constexpr double kLeastStreet_m[] = {40, 28, 5};  // room for its houses, paveme
 constexpr int kMaxSegments = 512, kMaxFurniture = 100, kMinTexture_px = 16, kMaxTexture_px = 4096,
               kMaxMarks = 200;
 
-double share(const ConfigNode& node, const std::string& key, double fallback) {
-  const double value = node.get<double>(key, fallback);
-  if (value < 0 || value > 1) node.at(key).fail(fmt::format("expected 0 to 1, found {}", value));
-  return value;
-}
-
 int integer(const ConfigNode& node, const std::string& key, int fallback, int low, int high) {
   const int value = node.get<int>(key, fallback);
   if (value < low || value > high)
@@ -56,10 +50,12 @@ Material read_material(const ConfigNode& body, const MaterialDefaults& defaults,
   material.color = color(*node, "color", material.color);
   material.accent = color(*node, "accent", material.accent);
   material.amount = read_texture_amount(*node, material.amount);
-  material.contrast = share(*node, "contrast", material.contrast);
+  material.contrast = read_share(*node, "contrast", material.contrast);
   material.seed = node->get<std::uint64_t>("seed", material.seed);
   material.size_px = integer(*node, "texture_px", material.size_px, kMinTexture_px, kMaxTexture_px);
   material.marks = integer(*node, "marks", material.marks, 1, kMaxMarks);
+  material.shine = read_share(*node, "shine", material.shine);
+  material.depth_return = read_share(*node, "depth_return", material.depth_return);
   node->refuse_unknown_keys();
   return material;
 }
@@ -90,7 +86,7 @@ RoundedBoxOptions read_rounding(const ConfigNode& node, const Eigen::Vector3d& s
   options.recess_depth_m = node.get<double>("recess_depth_m", 0);
   if (options.recess_depth_m < 0 || options.recess_depth_m >= least / 2)
     node.at("recess_depth_m").fail(fmt::format("expected 0 to below half the least extent, {}", least / 2));
-  options.recess_share = share(node, "recess_share", options.recess_share);
+  options.recess_share = read_share(node, "recess_share", options.recess_share);
   options.segments = integer(node, "segments", options.segments, 1, kMaxSegments);
   return options;
 }
@@ -131,7 +127,7 @@ std::vector<Mesh> build(const ConfigNode& node, const Shape& shape, const Materi
   if (name == "mug") return mug(size_m, material);
   if (name == "bowl") return bowl(size_m, material);
   if (name == "angle") {
-    const double thickness = share(node, "thickness", 0.3);
+    const double thickness = read_share(node, "thickness", 0.3);
     if (thickness <= 0 || thickness >= 1) node.at("thickness").fail("expected more than 0, less than 1");
     return angle(size_m, thickness, material);
   }
@@ -153,6 +149,12 @@ TextureAmount read_texture_amount(const ConfigNode& node, TextureAmount fallback
                               : TextureAmount::none;
 }
 
+double read_share(const ConfigNode& node, const std::string& key, double fallback) {
+  const double value = node.get<double>(key, fallback);
+  if (value < 0 || value > 1) node.at(key).fail(fmt::format("expected 0 to 1, found {}", value));
+  return value;
+}
+
 Shape read_shape(const ConfigNode& node, const MaterialDefaults& defaults) {
   Shape shape;
   shape.name =
@@ -162,12 +164,12 @@ Shape read_shape(const ConfigNode& node, const MaterialDefaults& defaults) {
                   "");
   if (shape.name.empty()) node.fail("missing key 'primitive' (or 'mesh')");
   const Material material = read_material(node, defaults, shape.name);
-  if (shape.name == "track") {
-    shape.meshes = track(read_track(node), material);
-    return shape;
+  if (shape.name != "track") shape.size_m = read_size(node, shape.name);
+  shape.meshes = shape.name == "track" ? track(read_track(node), material) : build(node, shape, material);
+  for (Mesh& mesh : shape.meshes) {
+    mesh.shine = static_cast<float>(material.shine);
+    mesh.depth_return = static_cast<float>(material.depth_return);
   }
-  shape.size_m = read_size(node, shape.name);
-  shape.meshes = build(node, shape, material);
   return shape;
 }
 

@@ -33,4 +33,7 @@ TextureAmount read_texture_amount(const ConfigNode& node, TextureAmount fallback
 /// meshes. Leaves other keys to the caller's check. Throws InputError with file and line.
 Shape read_shape(const ConfigNode& node, const MaterialDefaults& defaults);
 
+/// A number from 0 to 1. Throws InputError with file and line.
+double read_share(const ConfigNode& node, const std::string& key, double fallback);
+
 }  // namespace uniquadric

@@ -23,10 +23,12 @@ struct Material {
   TextureStyle style = TextureStyle::panels;
   Eigen::Vector3d color = {0.6, 0.55, 0.5};  ///< (red, green, blue) in [0, 1], the surface's mean tone
   Eigen::Vector3d accent = {0.2, 0.3, 0.5};  ///< second colour, of marks and every other field
-  double contrast = 0.6;   ///< in [0, 1]: spread of the tones; seams and marks in the accent remain at 0
-  std::uint64_t seed = 0;  ///< other seeds, other marks
-  int size_px = 512;       ///< longer side of a texture
-  int marks = 10;          ///< medium marks along the longer side; small ones are a tenth, large ones twice
+  double contrast = 0.6;    ///< in [0, 1]: spread of the tones; seams and marks in the accent remain at 0
+  std::uint64_t seed = 0;   ///< other seeds, other marks
+  int size_px = 512;        ///< longer side of a texture
+  int marks = 10;           ///< medium marks along the longer side; small ones are a tenth, large ones twice
+  double shine = 0;         ///< as Mesh has it
+  double depth_return = 1;  ///< as Mesh has it
 };
 
 /// Paints the texture of one part (face, wall) of a body, CV_8UC3 (blue, green, red); the shorter side

@@ -58,5 +58,32 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
   EXPECT_EQ(cases.size(), 13u);
 }
 
+TEST(ReadAppearance, TakesEveryKey) {
+  const Scene scene = read_with(
+      "  - {name: glass, primitive: box, size_m: [1, 1, 1], material: {shine: 0.4, depth_return: 0.1}}\n"
+      "light: {shadows: true}\n");
+  EXPECT_TRUE(scene.shadows);
+  for (const Mesh& mesh : scene.world.at(1).meshes) {
+    EXPECT_EQ(mesh.shine, 0.4f);
+    EXPECT_EQ(mesh.depth_return, 0.1f);
+  }
+  for (const Mesh& mesh : scene.world.at(0).meshes) {
+    EXPECT_EQ(mesh.shine, 0);
+    EXPECT_EQ(mesh.depth_return, 1);
+  }
+  EXPECT_FALSE(read_with("").shadows);
+}
+
+TEST(ReadAppearance, RefusesSharesBeyondOne) {
+  for (const char* key : {"shine", "depth_return"}) {
+    const std::string message = input_error([&] {
+      read_with(
+          fmt::format("  - {{name: b, primitive: box, size_m: [1, 1, 1], material: {{{}: 1.5}}}}\n", key));
+    });
+    EXPECT_NE(message.find("scene.yaml:5"), std::string::npos) << message;
+    EXPECT_NE(message.find("expected 0 to 1, found 1.5"), std::string::npos) << message;
+  }
+}
+
 }  // namespace
 }  // namespace uniquadric
