@@ -24,17 +24,25 @@ std::string yaml_vector(const Eigen::Vector3d& value, int digits) {
                      yaml_number(value.z(), digits));
 }
 
+Eigen::Vector3d drawn_color(RandomStream& random) {
+  constexpr double kChroma = 0.18;  // ours: as things about a house, not as a box of crayons
+  const double tone = random.uniform(0.2, 0.75);
+  const Eigen::Vector3d tint{random.uniform(-kChroma, kChroma), random.uniform(-kChroma, kChroma),
+                             random.uniform(-kChroma, kChroma)};
+  return (tint.array() + tone).cwiseMax(0.05).cwiseMin(0.95);
+}
+
 std::string drawn_material(RandomStream& random, double difficulty) {
-  const auto color = [&] {
-    return Eigen::Vector3d{random.uniform(0.1, 0.9), random.uniform(0.1, 0.9), random.uniform(0.1, 0.9)};
-  };
   const std::string style = one_of<std::string>(random, {"panels", "checks", "speckle", "strokes"});
   const double contrast = graded(difficulty, 0.6, 0.1) * random.uniform(0.7, 1.3);
   const double marks = graded(difficulty, 8, 1) * random.uniform(0.7, 1.3);
-  const Eigen::Vector3d base = color(), accent = color();
-  return fmt::format("{{style: {}, color: {}, accent: {}, contrast: {}, marks: {}}}", style,
-                     yaml_vector(base, 2), yaml_vector(accent, 2), yaml_number(contrast, 2),
-                     std::max(1, static_cast<int>(std::lround(marks))));
+  const bool is_plain = random.uniform() < graded(difficulty, 0, 0.5);
+  const Eigen::Vector3d color = drawn_color(random), accent = drawn_color(random);
+  const double shine = random.uniform() < 0.3 ? random.uniform(0.2, 0.8) : 0;
+  return fmt::format("{{style: {}, color: {}, accent: {}, contrast: {}, marks: {}, shine: {}{}}}", style,
+                     yaml_vector(color, 2), yaml_vector(accent, 2), yaml_number(contrast, 2),
+                     std::max(1, static_cast<int>(std::lround(marks))), yaml_number(shine, 2),
+                     is_plain ? ", texture: none" : "");
 }
 
 }  // namespace uniquadric

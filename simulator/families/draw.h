@@ -32,7 +32,11 @@ const T& one_of(RandomStream& random, const std::vector<T>& values) {
 std::string yaml_number(double value, int digits = 4);
 std::string yaml_vector(const Eigen::Vector3d& value, int digits = 4);
 
-/// `material:` of a body: fewer marks and less contrast the harder the scene.
+/// Red, green, blue from 0 to 1: muted.
+Eigen::Vector3d drawn_color(RandomStream& random);
+
+/// `material:` of a body: fewer marks and less contrast the harder the scene, up to half without any; three
+/// in ten shine.
 std::string drawn_material(RandomStream& random, double difficulty);
 
 }  // namespace uniquadric

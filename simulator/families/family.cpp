@@ -43,11 +43,6 @@ FamilyOptions read_options(const FamilyRequest& request, double drawn_difficulty
   return options;
 }
 
-// Marks that trackers like are rare outside of simulations.
-std::string texture_of(double difficulty) {
-  return difficulty < 0.2 ? "rich" : "sparse";
-}
-
 }  // namespace
 
 const std::vector<std::string>& family_names() {
@@ -68,8 +63,8 @@ std::string generate_scene(const FamilyRequest& request) {
   const FamilyOptions options = read_options(request, random.uniform());
   std::string text = fmt::format("# Family {}, seed {}, difficulty {}.\n", request.family, request.seed,
                                  yaml_number(options.difficulty, 3));
-  text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\nrealism: {}\ntexture: {}\n", request.family,
-                      request.seed, options.frames, options.realism, texture_of(options.difficulty));
+  text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\nrealism: {}\ntexture: sparse\n", request.family,
+                      request.seed, options.frames, options.realism);
   return text + family->second(random, options);
 }
 

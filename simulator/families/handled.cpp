@@ -26,27 +26,49 @@ std::string stop_text(double time_s, const Vector3d& at_m, const Vector3d& rpy_d
   return "    " + waypoint_text(time_s, at_m, rpy_deg).substr(2);
 }
 
-// Places that the object is carried to, one after the other: about its own part of the table, now and then
-// behind the screen or out of sight. It turns on all the way.
-std::string draw_motion(RandomStream& random, const Vector3d& home_m, const FamilyOptions& options) {
+// Where an object is carried, and how long that takes.
+struct Stop {
+  Vector3d at_m;
+  double takes = 1;  // legs
+};
+
+// About its own part of the table; now and then behind the screen, over its upper edge, or out of sight.
+std::vector<Stop> draw_stops(RandomStream& random, const Thing& thing, const Vector3d& home_m,
+                             const FamilyOptions& options) {
+  const double away = graded(options.difficulty, 0.1, 0.35), half_m = 0.5 * thing.size_m.norm();
+  const double over_m = kTable_m.z() + kScreen_m[2] + half_m + 0.06;
+  const Vector3d near{random.uniform(-0.12, 0.12), random.uniform(-0.12, 0.12), random.uniform(0, 0.12)};
+  const double event = random.uniform();
+  if (event < away) {
+    const Vector3d over(home_m.x(), 0.12, over_m), behind(home_m.x(), 0.2 + half_m, home_m.z());
+    return {{over, 0.7}, {behind, 0.7}, {over, 0.7}, {home_m + near, 0.7}};
+  }
+  const double side_m = home_m.x() < 0 ? -1.6 : 1.6;
+  if (event > 1 - 0.5 * away) return {{{side_m, home_m.y(), home_m.z()}, 1.3}, {home_m + near, 1.3}};
+  return {{home_m + near, 1}};
+}
+
+// It turns on all the way.
+std::string draw_motion(RandomStream& random, const Thing& thing, const Vector3d& home_m,
+                        const FamilyOptions& options) {
   const double duration_s = static_cast<double>(options.frames) / 30;
-  const double leg_s = graded(options.difficulty, 2.2, 1.0);
-  const int stops = std::max(3, static_cast<int>(std::ceil(duration_s / leg_s)) + 2);
-  const double away = graded(options.difficulty, 0.1, 0.35), turn_deg = graded(options.difficulty, 20, 75);
+  const double leg_s = graded(options.difficulty, 2.2, 1.0), turn_deg = graded(options.difficulty, 20, 75);
   std::string text;
   Vector3d rpy_deg(0, 0, random.uniform(-180, 180));
-  for (int i = 0; i < stops; ++i) {
-    Vector3d at_m =
-        home_m + 0.12 * Vector3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 1)};
-    const double event = random.uniform();
-    if (event < away) at_m = {home_m.x(), 0.25, home_m.z() - 0.1};  // behind the screen
-    if (event > 1 - 0.5 * away) at_m = {home_m.x() < 0 ? -1.6 : 1.6, home_m.y(), home_m.z()};  // out of sight
-    text += stop_text((i - 0.5) * leg_s, at_m, rpy_deg);
-    rpy_deg +=
-        turn_deg * Vector3d{random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), random.uniform(-1, 1)};
-    rpy_deg.y() = std::clamp(rpy_deg.y(), -60.0, 60.0);  // clear of the gimbal's lock
-  }
+  double time_s = -0.5 * leg_s;
+  while (time_s < duration_s + leg_s)
+    for (const Stop& stop : draw_stops(random, thing, home_m, options)) {
+      text += stop_text(time_s, stop.at_m, rpy_deg);
+      time_s += stop.takes * leg_s;
+      rpy_deg +=
+          turn_deg * Vector3d{random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), random.uniform(-1, 1)};
+      rpy_deg.y() = std::clamp(rpy_deg.y(), -60.0, 60.0);  // clear of the gimbal's lock
+    }
   return carried(random, text, options);
+}
+
+std::string box_at(const Vector3d& at_m) {
+  return fmt::format("{{kind: static, position_m: {}}}", yaml_vector(at_m));
 }
 
 // In front of the table, at arm's length, hardly moving.
@@ -71,12 +93,13 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
   const int count = options.count > 0 ? options.count : std::min(drawn, kMostObjects);
   SceneDraft draft(options, camera_before_table(random, options), 0.01);
   add_room_with_table(random, options, draft);
+  const Vector3d screen_m(kScreen_m[0] * count, kScreen_m[1], kScreen_m[2]);
+  const Vector3d screen_at_m(0, 0.12, kTable_m.z() + 0.5 * screen_m.z());
   draft.add_world(fmt::format(
-      "  - {{name: screen, primitive: box, size_m: [{}, {}, {}], pose: {{position_m: [0, 0.12, {}]}}, "
-      "material: "
-      "{}}}\n",
-      kScreen_m[0] * count, kScreen_m[1], kScreen_m[2], yaml_number(kTable_m.z() + 0.5 * kScreen_m[2]),
-      drawn_material(random, options.difficulty)));
+      "  - {{name: screen, primitive: box, size_m: {}, pose: {{position_m: {}}}, material: {}}}\n",
+      yaml_vector(screen_m), yaml_vector(screen_at_m), drawn_material(random, options.difficulty)));
+  draft.keep_clear_of(box_at(screen_at_m), screen_m);
+  draft.keep_clear_of(box_at({0, 0, 0.5 * kTable_m.z()}), kTable_m);
   Thing thing;
   for (int k = 0; k < count; ++k) {
     const bool is_twin = k > 0 && random.uniform() < 0.5;  // of the one before
@@ -84,7 +107,7 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
     for (int i = 0; i < kMostTries; ++i) {
       const double x_m = count > 1 ? -0.45 + 0.9 * k / (count - 1) : 0;
       const Vector3d home_m(x_m, -0.3, kTable_m.z() + 0.5 * thing.size_m.norm() + 0.2);
-      if (draft.add(thing, draw_motion(random, home_m, options))) break;
+      if (draft.add(thing, draw_motion(random, thing, home_m, options))) break;
     }
   }
   return draft.text();

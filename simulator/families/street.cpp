@@ -41,7 +41,7 @@ Thing vehicle(RandomStream& random, const Street& street) {
     thing.size_m = sized({7, 2.4, 2.9}, {11, 2.55, 3.6});
   }
   const bool is_plain = random.uniform() < graded(street.difficulty, 0.3, 1);
-  const Vector3d paint{random.uniform(0.1, 0.85), random.uniform(0.1, 0.85), random.uniform(0.1, 0.85)};
+  const Vector3d paint = drawn_color(random);
   thing.keys = fmt::format(
       "    primitive: {}\n    size_m: {}\n{}    material: {{color: {}, contrast: {}, texture: {}}}\n",
       primitive, yaml_vector(thing.size_m, 2), primitive == "car" ? "" : "    radius_m: 0.15\n",
@@ -55,7 +55,7 @@ Thing walker(RandomStream& random, bool on_wheels) {
   thing.name = on_wheels ? "cyclist" : "pedestrian";
   const double height_m = random.uniform(1.55, 1.9);
   thing.size_m = on_wheels ? Vector3d(1.8, 0.6, height_m) : Vector3d(0.7, 0.55, height_m);
-  const Vector3d coat{random.uniform(0.1, 0.8), random.uniform(0.1, 0.8), random.uniform(0.1, 0.8)};
+  const Vector3d coat = drawn_color(random);
   thing.keys = fmt::format("    primitive: {}\n    size_m: {}\n    material: {{color: {}}}\n", thing.name,
                            yaml_vector(thing.size_m, 2), yaml_vector(coat, 2));
   return thing;
