@@ -86,9 +86,9 @@ bool is_there(const BenchScene& item) {
   return !item.generated.empty() || fs::exists(item.path);
 }
 
-std::vector<ConfigOverride> read_set(const ConfigNode& node) {
+std::vector<ConfigOverride> read_set(const ConfigNode& node, const std::string& key = "set") {
   std::vector<ConfigOverride> overrides;
-  if (const auto set = node.find("set")) {
+  if (const auto set = node.find(key)) {
     for (const auto& [key, value] : set->entries()) overrides.push_back({key, value.yaml()});
     set->refuse_unknown_keys();  // that stand twice
   }
@@ -115,6 +115,7 @@ std::vector<BenchScene> read_family(const ConfigNode& node, const std::vector<st
   const std::string name = node.name("name", request.family);
   BenchScene common;
   common.seeds = seeds;
+  common.set = read_set(node, "scene_set");
   read_common(node, common);
   node.refuse_unknown_keys();
   std::vector<BenchScene> scenes(static_cast<std::size_t>(count), common);
