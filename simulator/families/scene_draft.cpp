@@ -41,12 +41,14 @@ bool boxes_meet(const Pose& a_from_b, const Vector3d& a, const Vector3d& b) {
 SceneDraft::SceneDraft(const FamilyOptions& options, const std::string& camera, double clear_m)
     : options_(options), clear_m_(clear_m), camera_(camera) {
   const ConfigNode node = ConfigNode::parse("camera:\n" + camera, "family");
-  sensors_.camera_motion = read_motion(node.at("camera").at("motion"), Mover::camera);
+  std::vector<std::filesystem::path> files;  // remains empty: nothing recorded is drawn
+  sensors_.camera_motion = read_motion(node.at("camera").at("motion"), {Mover::camera, files});
 }
 
 void SceneDraft::keep_clear_of(const std::string& motion, const Vector3d& size_m) {
   Body body;
-  body.motion = read_motion(ConfigNode::parse(motion, "family"), Mover::body);
+  std::vector<std::filesystem::path> files;
+  body.motion = read_motion(ConfigNode::parse(motion, "family"), {Mover::body, files});
   body.semi_axes_m = size_m / 2;
   bodies_.push_back(body);
 }

@@ -6,7 +6,7 @@
 
 #include "core/base/config.h"
 #include "core/base/error.h"
-#include "simulator/scene/body_reader.h"
+#include "simulator/scene/path_reader.h"
 #include "simulator/scene/pose_reader.h"
 
 namespace uniquadric {

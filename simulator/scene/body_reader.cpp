@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <string>
 
 #include "core/base/config.h"
@@ -12,6 +11,7 @@
 #include "simulator/scene/mesh_import.h"
 #include "simulator/scene/motion_reader.h"
 #include "simulator/scene/named_motions.h"
+#include "simulator/scene/path_reader.h"
 #include "simulator/scene/shape_reader.h"
 
 namespace uniquadric {
@@ -33,15 +33,7 @@ void read_mesh_file(const ConfigNode& node, const ConfigNode& mesh, Body& body,
   for (const char* key : {"primitive", "size_m", "material"})
     if (const auto other = node.find(key))
       other->fail("does not go with 'mesh', which has its own; a mesh is sized by 'scale'");
-  const fs::path path = resolve_path(mesh);
-  std::error_code too_long;
-  if (!fs::is_regular_file(path, too_long)) {
-    const bool by_default =
-        mesh.as<std::string>().starts_with("${UNIQUADRIC_DATA}") && !std::getenv("UNIQUADRIC_DATA");
-    mesh.fail(fmt::format("no such file: {}{}", path.string(),
-                          by_default ? " (set UNIQUADRIC_DATA to the folder that holds the data)" : ""));
-  }
-  ImportedMesh imported = import_mesh(path);
+  ImportedMesh imported = import_mesh(find_file(mesh));
   files.insert(files.end(), imported.files.begin(), imported.files.end());
   body.shape = "mesh";
   body.mesh_file = mesh.as<std::string>();
@@ -85,21 +77,6 @@ std::optional<BodySymmetry> read_symmetry(const ConfigNode& object, const Eigen:
 
 }  // namespace
 
-fs::path resolve_path(const ConfigNode& node) {
-  auto text = node.as<std::string>();
-  const fs::path folder = node.file().parent_path();
-  if (const auto begin = text.find("${"); begin != text.npos) {
-    const auto end = text.find('}', begin);
-    if (end == text.npos) node.fail("'${' without '}'");
-    const std::string variable = text.substr(begin + 2, end - begin - 2);
-    const char* value = std::getenv(variable.c_str());
-    if (!value && variable != "UNIQUADRIC_DATA")
-      node.fail(fmt::format("environment variable {} is not set", variable));
-    text.replace(begin, end + 1 - begin, value ? value : "../../shared/data");
-  }
-  return (folder / text).lexically_normal();
-}
-
 Body read_static_body(const ConfigNode& node, const MaterialDefaults& defaults,
                       std::vector<fs::path>& files) {
   Body body = read_body(node, defaults, files);
@@ -123,7 +100,7 @@ Body read_object(const ConfigNode& node, TextureAmount texture, std::vector<fs::
   if (body.shape == "room" || body.shape == "street" || body.shape == "track" || body.shape == "plane")
     node.at("primitive").fail("is for the world, not for objects");
   body.symmetry = read_symmetry(node, body.semi_axes_m);
-  body.motion = read_motion(node.at("motion"), Mover::body);
+  body.motion = read_motion(node.at("motion"), {Mover::body, files, body.meshes});
   node.refuse_unknown_keys();
   return body;
 }

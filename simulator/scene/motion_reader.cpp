@@ -3,25 +3,22 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "core/base/config.h"
 #include "core/base/error.h"
 #include "simulator/scene/carried_motions.h"
+#include "simulator/scene/contact.h"
 #include "simulator/scene/named_motions.h"
 #include "simulator/scene/pose_reader.h"
-#include "simulator/scene/spline.h"
+#include "simulator/scene/spline_reader.h"
+#include "simulator/scene/toss.h"
 
 namespace uniquadric {
 namespace {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-double radians(double degrees) {
-  return degrees * std::numbers::pi / 180;
-}
 
 Vector3d read_direction(const ConfigNode& node, const std::string& key, const Vector3d& fallback) {
   const auto value = node.find(key);
@@ -43,36 +40,6 @@ Pose read_start(const ConfigNode& node, Mover mover) {
   const Pose pose = read_pose(*start, mover);
   start->refuse_unknown_keys();
   return pose;
-}
-
-Motion read_spline(const ConfigNode& node, Mover mover) {
-  std::vector<std::vector<Waypoint>> stretches(1);  // from rest to rest
-  const auto target = node.find("look_at_m");
-  for (const ConfigNode& item : node.at("waypoints").items()) {
-    const auto position = item.get<Vector3d>("position_m");
-    const double time_s = item.get<double>("time_s");
-    if (const auto& stretch = stretches.back(); !stretch.empty() && time_s <= stretch.back().time_s)
-      item.fail(fmt::format("time_s {} does not follow {}", time_s, stretch.back().time_s));
-    const Pose pose{read_orientation(item, mover, position, target), position};
-    stretches.back().push_back({time_s, pose});
-    if (item.has("hold_s")) {
-      if (stretches.back().size() == 1) stretches.pop_back();  // it begins with a rest
-      stretches.push_back({{time_s + item.positive("hold_s"), pose}});
-    }
-    item.refuse_unknown_keys();
-  }
-  if (stretches.size() > 1 && stretches.back().size() == 1) stretches.pop_back();  // it ends with a rest
-  try {
-    std::vector<Motion> parts;
-    std::vector<double> starts_s;
-    for (const std::vector<Waypoint>& stretch : stretches) {
-      parts.push_back(spline_motion(stretch));
-      starts_s.push_back(stretch.front().time_s);
-    }
-    return parts.size() == 1 ? parts.front() : successive_motion(std::move(parts), std::move(starts_s));
-  } catch (const InputError& error) {
-    node.fail(error.what());
-  }
 }
 
 Motion read_line(const ConfigNode& node, Mover mover) {
@@ -169,32 +136,60 @@ Motion read_drive(const ConfigNode& node, Mover mover) {
   return drive_motion(options);
 }
 
-Motion read_composed(const ConfigNode& node, Mover mover) {
+Motion read_toss(const ConfigNode& node, const MotionScope& scope) {
+  if (scope.mover == Mover::camera)
+    node.at("kind").fail("toss is for bodies: a camera has no shape that hits a floor");
+  TossOptions options;
+  options.start = read_start(node, scope.mover);
+  options.velocity_mps = node.get<Vector3d>("velocity_mps", options.velocity_mps);
+  options.angular_velocity_radps =
+      radians(1) * node.get<Vector3d>("angular_velocity_degps", options.angular_velocity_radps);
+  options.begins_s = node.get<double>("begins_s", options.begins_s);
+  options.floor_m = node.get<double>("floor_m", options.floor_m);
+  options.restitution = node.get<double>("restitution", options.restitution);
+  if (!(options.restitution >= 0 && options.restitution <= 1))
+    node.at("restitution").fail(fmt::format("expected 0 to 1, found {}", options.restitution));
+  options.friction = node.get<double>("friction", options.friction);
+  if (options.friction < 0) node.at("friction").fail("cannot be negative");
+  options.gravity_mps2 = node.positive("gravity_mps2", options.gravity_mps2);
+  try {
+    return toss_motion(options, contact_points(scope.meshes));
+  } catch (const InputError& error) {
+    node.fail(error.what());
+  }
+}
+
+Motion read_composed(const ConfigNode& node, const MotionScope& scope) {
   std::vector<Motion> parts;
-  for (const ConfigNode& item : node.at("parts").items()) parts.push_back(read_motion(item, mover));
+  for (const ConfigNode& item : node.at("parts").items()) parts.push_back(read_motion(item, scope));
   if (parts.empty()) node.at("parts").fail("expected at least one motion");
   return composed_motion(std::move(parts));
 }
 
-Motion read_kind(const ConfigNode& node, Mover mover) {
-  const std::string kind = node.choice(
-      "kind", {"static", "line", "circle", "swing", "screw", "spline", "tremor", "drive", "compose"}, "");
+Motion read_kind(const ConfigNode& node, const MotionScope& scope) {
+  const Mover mover = scope.mover;
+  const std::string kind = node.choice("kind",
+                                       {"static", "line", "circle", "swing", "screw", "spline", "recorded",
+                                        "toss", "tremor", "drive", "compose"},
+                                       "");
   if (kind == "static") return static_motion(read_pose(node, mover));
   if (kind == "line") return read_line(node, mover);
   if (kind == "circle") return read_circle(node, mover);
   if (kind == "swing") return read_swing(node, mover);
   if (kind == "screw") return read_screw(node, mover);
   if (kind == "spline") return read_spline(node, mover);
+  if (kind == "recorded") return read_recorded(node, scope.files);
+  if (kind == "toss") return read_toss(node, scope);
   if (kind == "tremor") return read_tremor(node);
   if (kind == "drive") return read_drive(node, mover);
-  if (kind == "compose") return read_composed(node, mover);
+  if (kind == "compose") return read_composed(node, scope);
   node.fail("missing key 'kind'");
 }
 
 }  // namespace
 
-Motion read_motion(const ConfigNode& node, Mover mover) {
-  const Motion motion = read_kind(node, mover);
+Motion read_motion(const ConfigNode& node, const MotionScope& scope) {
+  const Motion motion = read_kind(node, scope);
   node.refuse_unknown_keys();
   return motion;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 
@@ -10,6 +11,10 @@ namespace uniquadric {
 
 /// What moves: a camera's poses are those of its optical frame, and only a camera may look at a point.
 enum class Mover { body, camera };
+
+inline double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
 
 /// These read their keys of a map, leave other keys to the caller's check and throw InputError with file and
 /// line.

@@ -13,6 +13,7 @@
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
 #include "simulator/scene/noise_scale.h"
+#include "simulator/scene/path_reader.h"
 #include "simulator/scene/realism.h"
 #include "simulator/scene/sensor_reader.h"
 
@@ -57,7 +58,7 @@ void check_motion(const ConfigNode& node, const Motion& motion, const Scene& sce
     }
 }
 
-void read_camera_section(const ConfigNode& node, Scene& scene) {
+void read_camera_section(const ConfigNode& node, Scene& scene, std::vector<fs::path>& files) {
   if (const auto calibration = node.find("calibration")) {
     scene.camera = read_camera(*calibration);
     calibration->refuse_unknown_keys();
@@ -68,7 +69,7 @@ void read_camera_section(const ConfigNode& node, Scene& scene) {
   }
   scene.given_camera = node.get<bool>("given", scene.given_camera);
   scene.depth = node.get<bool>("depth", scene.depth);
-  scene.camera_motion = read_motion(node.at("motion"), Mover::camera);
+  scene.camera_motion = read_motion(node.at("motion"), {Mover::camera, files});
   check_motion(node.at("motion"), scene.camera_motion, scene);
   node.refuse_unknown_keys();
 }
@@ -157,7 +158,7 @@ Scene parse_scene(const std::string& text, const fs::path& path,
   scene.name = root.name("name", path.stem().string());
   root.find("realism");  // realism_of() has read it
   read_clock(root, scene);
-  read_camera_section(root.at("camera"), scene);
+  read_camera_section(root.at("camera"), scene, files);
   read_sensor_models(root, scene);
   if (const auto map = root.find("map")) {
     scene.map_resolution_m = map->positive("resolution_m", scene.map_resolution_m);

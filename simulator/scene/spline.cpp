@@ -21,6 +21,8 @@ constexpr double kSolved_rad = 1e-10;  // what then must be left of the way-poin
 
 constexpr std::size_t kMostWaypoints = 500;  // ours: all legs' turns are solved for at once
 
+constexpr std::size_t kMostRecordedSteps = 1'000'000;  // ours: 100 MiB; a gap may make many
+
 /// The four basis functions that are not zero at one time, the first belonging to control pose `first`.
 struct Weights {
   Eigen::Index first;
@@ -215,6 +217,9 @@ Motion recorded_motion(std::vector<Waypoint> record) {
       throw InputError(fmt::format("pose {}: its time does not follow the one before", k));
   const double begin_s = record.front().time_s, length_s = record.back().time_s - begin_s;
   const auto steps = static_cast<std::size_t>(std::max(1.0, std::round(length_s / median_step_s(record))));
+  if (steps > kMostRecordedSteps)
+    throw InputError(fmt::format("a recorded motion has {} steps of the median length, at most {}", steps,
+                                 kMostRecordedSteps));
   const double step_s = length_s / static_cast<double>(steps);
   std::vector<Pose> controls;
   std::size_t after = 1;

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -11,6 +10,7 @@
 #include "simulator/scene/motion_reader.h"
 #include "simulator/scene/named_motions.h"
 #include "simulator/scene/spline.h"
+#include "tests/simulator/motion_differences.h"
 
 namespace uniquadric {
 namespace {
@@ -132,7 +132,8 @@ TEST(SplineMotion, RefusesBadWaypoints) {
 }
 
 Motion read(const std::string& yaml) {
-  return read_motion(ConfigNode::parse(yaml, "motion.yaml"), Mover::body);
+  std::vector<std::filesystem::path> files;
+  return read_motion(ConfigNode::parse(yaml, "motion.yaml"), {Mover::body, files});
 }
 
 TEST(SplineMotion, RestsWhereItHolds) {
@@ -305,16 +306,6 @@ std::vector<NamedMotion> every_motion() {
   return list;
 }
 
-// Derivatives at the middle of five values h apart, of fourth order.
-Vector3d rate(const std::array<Vector3d, 5>& f, double h) {
-  return (f[0] - 8 * f[1] + 8 * f[3] - f[4]) / (12 * h);
-}
-Vector3d second_rate(const std::array<Vector3d, 5>& f, double h) {
-  return (-f[0] + 16 * f[1] - 30 * f[2] + 16 * f[3] - f[4]) / (12 * h * h);
-}
-
-// Rotations are compared as rotation vectors relative to the middle one, whose first two derivatives there
-// are angular velocity and acceleration in the body frame.
 TEST(Kinematics, EveryMotionMatchesDifferencesOfItsPoses) {
   // Truncation is h^4 / 30 of the fifth and h^4 / 90 of the sixth derivative (1e5 and 1e6 in these units: the
   // ball rolls at 9 rad/s, and the composition swings it about); rounding is 1e-16 / h and 1e-16 / h^2.
@@ -323,19 +314,7 @@ TEST(Kinematics, EveryMotionMatchesDifferencesOfItsPoses) {
   for (const auto& [name, motion] : every_motion())
     for (const double t : {-0.7, 0.0, 0.23, 0.81, 1.9, 3.21, 5.6}) {
       SCOPED_TRACE(name + " at " + std::to_string(t) + " s");
-      const Kinematics found = motion.kinematics(t);
-      std::array<Vector3d, 5> places, turns;
-      for (int k = 0; k < 5; ++k) {
-        const Pose pose = motion.at(t + (k - 2) * kWide_s);
-        places[k] = pose.translation;
-        turns[k] = log_so3(found.pose.rotation.conjugate() * pose.rotation);
-      }
-      EXPECT_LT((found.pose.translation - places[2]).norm(), kRounding);
-      EXPECT_LT(turns[2].norm(), kRounding);
-      EXPECT_LT((found.velocity_mps - rate(places, kWide_s)).norm(), kRate);
-      EXPECT_LT((found.acceleration_mps2 - second_rate(places, kWide_s)).norm(), kAcceleration);
-      EXPECT_LT((found.angular_velocity_radps - rate(turns, kWide_s)).norm(), kRate);
-      EXPECT_LT((found.angular_acceleration_radps2 - second_rate(turns, kWide_s)).norm(), kAcceleration);
+      scene_test::expect_derivatives(motion, t, kWide_s, kRate, kAcceleration);
       ++compared;
     }
   EXPECT_EQ(compared, 13 * 7);
