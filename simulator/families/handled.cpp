@@ -12,11 +12,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kScreen_m[] = {0.45, 0.04, 0.4};  // hides what is put away behind it
+constexpr double kUsualWay_m = 0.4, kScreen_m[] = {0.45, 0.04, 0.4};  // hides what is put away behind it
 
 std::string carried(RandomStream& random, const std::string& waypoints, const FamilyOptions& options) {
   return fmt::format(
-      "      kind: compose\n      parts:\n        - kind: spline\n          waypoints:\n{}        - {{kind: "
+      "      kind: compose\n      parts:\n        - kind: spline\n          may_overshoot: true\n          "
+      "waypoints:\n{}        - {{kind: "
       "tremor, position_m: {}, rotation_deg: {}, seed: {}}}\n",
       waypoints, yaml_number(graded(options.difficulty, 0.0005, 0.003)),
       yaml_number(graded(options.difficulty, 0.2, 1), 2), random.below(100'000));
@@ -26,26 +27,20 @@ std::string stop_text(double time_s, const Vector3d& at_m, const Vector3d& rpy_d
   return "    " + waypoint_text(time_s, at_m, rpy_deg).substr(2);
 }
 
-// Where an object is carried, and how long that takes.
-struct Stop {
-  Vector3d at_m;
-  double takes = 1;  // legs
-};
-
 // About its own part of the table; now and then behind the screen, over its upper edge, or out of sight.
-std::vector<Stop> draw_stops(RandomStream& random, const Thing& thing, const Vector3d& home_m,
-                             const FamilyOptions& options) {
+std::vector<Vector3d> draw_stops(RandomStream& random, const Thing& thing, const Vector3d& home_m,
+                                 const FamilyOptions& options) {
   const double away = graded(options.difficulty, 0.1, 0.35), half_m = 0.5 * thing.size_m.norm();
   const double over_m = kTable_m.z() + kScreen_m[2] + half_m + 0.06;
   const Vector3d near{random.uniform(-0.12, 0.12), random.uniform(-0.12, 0.12), random.uniform(0, 0.12)};
   const double event = random.uniform();
   if (event < away) {
     const Vector3d over(home_m.x(), 0.12, over_m), behind(home_m.x(), 0.2 + half_m, home_m.z());
-    return {{over, 0.7}, {behind, 0.7}, {over, 0.7}, {home_m + near, 0.7}};
+    return {over, behind, over, home_m + near};
   }
   const double side_m = home_m.x() < 0 ? -1.6 : 1.6;
-  if (event > 1 - 0.5 * away) return {{{side_m, home_m.y(), home_m.z()}, 1.3}, {home_m + near, 1.3}};
-  return {{home_m + near, 1}};
+  if (event > 1 - 0.5 * away) return {{side_m, home_m.y(), home_m.z()}, home_m + near};
+  return {home_m + near};
 }
 
 // It turns on all the way.
@@ -55,11 +50,13 @@ std::string draw_motion(RandomStream& random, const Thing& thing, const Vector3d
   const double leg_s = graded(options.difficulty, 2.2, 1.0), turn_deg = graded(options.difficulty, 20, 75);
   std::string text;
   Vector3d rpy_deg(0, 0, random.uniform(-180, 180));
-  double time_s = -0.5 * leg_s;
+  Vector3d at_m = home_m;
+  double time_s = -1.5 * leg_s;
   while (time_s < duration_s + leg_s)
-    for (const Stop& stop : draw_stops(random, thing, home_m, options)) {
-      text += stop_text(time_s, stop.at_m, rpy_deg);
-      time_s += stop.takes * leg_s;
+    for (const Vector3d& stop_m : draw_stops(random, thing, home_m, options)) {
+      time_s += leg_s * (0.5 + (stop_m - at_m).norm() / kUsualWay_m);  // far ways take longer
+      at_m = stop_m;
+      text += stop_text(time_s, at_m, rpy_deg);
       rpy_deg +=
           turn_deg * Vector3d{random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), random.uniform(-1, 1)};
       rpy_deg.y() = std::clamp(rpy_deg.y(), -60.0, 60.0);  // clear of the gimbal's lock

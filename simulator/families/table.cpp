@@ -45,7 +45,8 @@ std::string hand_held_camera(RandomStream& random, const FamilyOptions& options,
   const double duration_s = static_cast<double>(options.frames) / 30;
   const double begin_deg = random.uniform(-180, 180), signed_deg = arc_deg * (random.below(2) ? 1 : -1);
   std::string text =
-      "  motion:\n    kind: compose\n    parts:\n      - kind: spline\n        look_at_m: [0, 0, 0.78]\n"
+      "  motion:\n    kind: compose\n    parts:\n      - kind: spline\n        look_at_m: [0, 0, 0.78]\n     "
+      "   may_overshoot: true\n"
       "        waypoints:\n";
   for (int i = 0; i <= kPoints; ++i) {
     const double share = (i - 0.5) / (kPoints - 1);

@@ -39,7 +39,8 @@ std::string camera_of(RandomStream& random, const FamilyOptions& options) {
   const double far_m = graded(options.difficulty, 1.6, 2.4), begin = random.uniform(-180, 180);
   const double arc_deg = random.below(2) ? random.uniform(10, 60) : 0;  // every other camera stands still
   const double duration_s = static_cast<double>(options.frames) / 30;
-  std::string text = "  motion:\n    kind: spline\n    look_at_m: [0, 0, 0.3]\n    waypoints:\n";
+  std::string text =
+      "  motion:\n    kind: spline\n    look_at_m: [0, 0, 0.3]\n    may_overshoot: true\n    waypoints:\n";
   const double above_m = random.uniform(1, 1.5);
   for (int i = 0; i <= 4; ++i) {
     const double share = (i - 0.5) / 3, angle = (begin + share * arc_deg) * std::numbers::pi / 180;

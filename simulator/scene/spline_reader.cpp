@@ -104,7 +104,7 @@ Motion read_spline(const ConfigNode& node, Mover mover) {
   } catch (const InputError& error) {
     node.fail(error.what());
   }
-  warn_of_overshoot(node, stretches, parts);
+  if (!node.get<bool>("may_overshoot", false)) warn_of_overshoot(node, stretches, parts);
   return parts.size() == 1 ? parts.front() : successive_motion(std::move(parts), std::move(starts_s));
 }
 
