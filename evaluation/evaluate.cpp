@@ -82,7 +82,50 @@ struct Truth {
     if (is_new) known->second = true_solid(folder, described->second, seed);
     return known->second.get();
   }
+  bool is_scored(const ObjectTrack& object) const {
+    const auto described = descriptions.find(object.id);
+    return described == descriptions.end() || described->second.is_scored;
+  }
 };
+
+// Which track belongs to which object, and what of both is judged.
+struct Association {
+  ObjectOverlaps overlaps;
+  std::vector<std::optional<std::size_t>> matches;  // the track of each object
+  std::vector<bool> scored;                         // [object]
+  std::vector<bool> left_out;  // [track]: it belongs to an object that is not to be scored
+};
+
+Association associate_objects(const Truth& reference, const Tracks& estimate, const ObjectChoice& choice) {
+  const std::vector<ObjectTrack>& objects = reference.tracks.objects;
+  Association result{overlap_objects(reference.tracks, estimate, kMaxDifferenceNs), {}, {}, {}};
+  result.matches = match_objects(result.overlaps);
+  result.scored = scored_objects(objects, choice);
+  std::vector<bool> unscored;
+  for (const ObjectTrack& object : objects) unscored.push_back(!reference.is_scored(object));
+  result.left_out = tracks_of(unscored, result.matches, result.overlaps);
+  for (std::size_t g = 0; g < objects.size(); ++g) result.scored[g] = result.scored[g] && !unscored[g];
+  return result;
+}
+
+// The tracks that are matched to no object and left out for none.
+std::vector<int> unmatched_tracks(const Association& association, const Tracks& estimate) {
+  std::vector<bool> used = association.left_out;
+  for (const auto& track : association.matches)
+    if (track) used[*track] = true;
+  std::vector<int> ids;
+  for (std::size_t e = 0; e < used.size(); ++e)
+    if (!used[e]) ids.push_back(estimate.objects[e].id);
+  return ids;
+}
+
+// What an estimate says of sizes needs no truth; tracks that a truth leaves out are left out here too.
+std::vector<SizeSteadiness> judged_sizes(const Association& association, const Tracks& estimate) {
+  std::vector<ObjectTrack> judged;
+  for (std::size_t e = 0; e < estimate.objects.size(); ++e)
+    if (!association.left_out[e]) judged.push_back(estimate.objects[e]);
+  return size_steadiness(judged);
+}
 
 // For each truth state the track's state in the same frame.
 std::vector<std::optional<MatchedState>> states_of_match(const ObjectOverlaps& overlaps, std::size_t object,
@@ -127,16 +170,15 @@ std::vector<std::vector<bool>> hidden_frames(const Tracks& truth, const ObjectOv
 }
 
 // What counts in the scores over all objects.
-ObjectOverlaps counted_overlaps(const Tracks& truth, const ObjectOverlaps& overlaps,
-                                const std::vector<std::optional<std::size_t>>& matches,
-                                const VisibilityTable& visibility, const std::vector<bool>& scored,
-                                Unlabelled unlabelled, bool labels_are_partial) {
+ObjectOverlaps counted_overlaps(const Truth& reference, const Association& association,
+                                Unlabelled unlabelled) {
+  const auto& [overlaps, matches, scored, left_out] = association;
   ObjectOverlaps counted = overlaps;
-  auto hidden = hidden_frames(truth, overlaps, visibility);
+  auto hidden = hidden_frames(reference.tracks, overlaps, reference.visibility);
   for (std::size_t g = 0; g < hidden.size(); ++g)
     if (!scored[g]) hidden[g].assign(hidden[g].size(), true);
-  drop_unlabelled(unlabelled, labels_are_partial, matches, counted);
-  drop_hidden(hidden, matches, counted);
+  drop_unlabelled(unlabelled, reference.notes.is_partial, matches, counted);
+  drop_hidden(hidden, matches, left_out, counted);
   return counted;
 }
 
@@ -160,36 +202,35 @@ Truth read_truth(const fs::path& folder, const std::string& scene, const Evaluat
 Evaluation compare(const Truth& reference, const Tracks& estimate, const EvaluateOptions& options) {
   const auto& [truth, visibility, descriptions] =
       std::tie(reference.tracks, reference.visibility, reference.descriptions);
-  const bool labels_are_partial = reference.notes.is_partial;
-  const Unlabelled unlabelled =
-      options.unlabelled.value_or(labels_are_partial ? Unlabelled::ignored : Unlabelled::counted_false);
+  const Unlabelled unlabelled = options.unlabelled.value_or(
+      reference.notes.is_partial ? Unlabelled::ignored : Unlabelled::counted_false);
   Evaluation result;
   result.unlabelled = unlabelled;
   result.camera = evaluate_camera(truth.camera, estimate.camera, kMaxDifferenceNs);
   const ObjectContext context{truth.camera, estimate.camera,  truth.calibration, &reference.samples,
                               visibility,   kMaxDifferenceNs, options.body_frame};
-  const std::vector<bool> scored = scored_objects(truth.objects, options.objects);
-  const ObjectOverlaps overlaps = overlap_objects(truth, estimate, kMaxDifferenceNs);
-  const auto matches = match_objects(overlaps);
-  const ObjectOverlaps counted =
-      counted_overlaps(truth, overlaps, matches, visibility, scored, unlabelled, labels_are_partial);
+  const Association association = associate_objects(reference, estimate, options.objects);
+  const auto& [overlaps, matches, scored, left_out] = association;
+  const ObjectOverlaps counted = counted_overlaps(reference, association, unlabelled);
   const std::vector<int> switches = identity_switches(counted, kAnyOverlap);
-  std::vector<bool> used(estimate.objects.size());
   for (std::size_t g = 0; g < truth.objects.size(); ++g) {
+    if (!scored[g]) continue;
     const ObjectTrack& object = truth.objects[g];
     const ObjectTrack* track = matches[g] ? &estimate.objects[*matches[g]] : nullptr;
-    if (matches[g]) used[*matches[g]] = true;
-    if (!scored[g]) continue;
     const auto description = descriptions.find(object.id);
     result.objects.push_back(
         evaluate_object(object, description == descriptions.end() ? ObjectDescription{} : description->second,
                         track, states_of_match(overlaps, g, object.states.size(), matches[g]), context));
     result.objects.back().id_switches = switches[g];
   }
-  for (std::size_t e = 0; e < used.size() && unlabelled == Unlabelled::counted_false; ++e)
-    if (!used[e]) result.unmatched_ids.push_back(estimate.objects[e].id);
+  if (unlabelled == Unlabelled::counted_false) result.unmatched_ids = unmatched_tracks(association, estimate);
+  result.sizes = judged_sizes(association, estimate);
   result.tracking = tracking_scores(counted);
   return result;
+}
+
+const ObjectTrack& track_of(const Tracks& tracks, int id) {
+  return *std::ranges::find(tracks.objects, id, &ObjectTrack::id);
 }
 
 // What hangs on the true surfaces: the points that are kept of them, and the depth of features. The frames of
@@ -199,8 +240,7 @@ void compare_surfaces(const Truth& reference, const fs::path& estimate, double s
                       Evaluation& evaluation) {
   const auto& [truth, descriptions] = std::tie(reference.tracks, reference.descriptions);
   const auto features = read_features(estimate);
-  for (std::size_t g = 0; g < evaluation.objects.size(); ++g) {
-    ObjectEvaluation& object = evaluation.objects[g];
+  for (ObjectEvaluation& object : evaluation.objects) {
     const auto described = descriptions.find(object.id);
     if (described == descriptions.end() || !object.matched_id) continue;
     const auto points = kept_points(estimate, object);
@@ -210,8 +250,8 @@ void compare_surfaces(const Truth& reference, const fs::path& estimate, double s
     if (!surface) continue;
     if (points) object.surface = surface_error(*surface, *points, *object.truth_from_body, scale);
     if (seen != features.end() && truth.calibration)
-      object.feature_depth = feature_depth_error(seen->second, *surface, truth.objects[g], truth.camera,
-                                                 *truth.calibration, kMaxDifferenceNs);
+      object.feature_depth = feature_depth_error(seen->second, *surface, track_of(truth, object.id),
+                                                 truth.camera, *truth.calibration, kMaxDifferenceNs);
   }
 }
 
@@ -219,9 +259,6 @@ void compare_surfaces(const Truth& reference, const fs::path& estimate, double s
 void compare_bodies(Truth& reference, const fs::path& folder, const Tracks& estimate, std::uint64_t seed,
                     Evaluation& evaluation) {
   const double scale = evaluation.alignment.truth_from_estimate.scale;
-  const auto track_of = [](const Tracks& tracks, int id) -> const ObjectTrack& {
-    return *std::ranges::find(tracks.objects, id, &ObjectTrack::id);
-  };
   for (ObjectEvaluation& object : evaluation.objects) {
     const TrueSolid* body = object.matched_id ? reference.body(object.id, seed) : nullptr;
     if (!body) continue;
@@ -280,10 +317,11 @@ void evaluate_output(Truth& reference, const fs::path& estimate_folder, const Ev
   Evaluation evaluation = compare(reference, estimate, options);
   evaluation.alignment = alignment;
   if (notes.in_sensor_frame) evaluation.camera = {};  // its poses are the identity on both sides
-  if (evaluation.objects.empty() && !truth.objects.empty())
+  const bool has_any = std::ranges::any_of(
+      truth.objects, [&](const ObjectTrack& object) { return reference.is_scored(object); });
+  if (evaluation.objects.empty() && has_any)
     throw InputError(reference.folder,
                      fmt::format("has no object of --objects {}", to_string(options.objects)));
-  evaluation.sizes = size_steadiness(estimate.objects);
   if (!reference.knows_objects) evaluation.unmatched_ids.clear();  // no truth says that they belong to none
   const bool lists_objects = fs::exists(reference.folder / "objects.yaml") || !truth.objects.empty();
   if (reference.knows_objects && lists_objects && evaluation.unlabelled == Unlabelled::counted_false)

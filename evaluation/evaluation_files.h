@@ -28,7 +28,8 @@ struct Evaluation {
   std::vector<int> unmatched_ids;   ///< estimated tracks that belong to no truth object
   std::optional<int> false_bodies;  ///< empty where labels are partial, or no truth of objects exists
   std::optional<TrackingScores> tracking;
-  std::vector<SizeSteadiness> sizes;  ///< of all estimated objects, whether or not a truth speaks of them
+  /// Of all estimated objects, whether or not a truth speaks of them, but those that it does not score.
+  std::vector<SizeSteadiness> sizes;
   std::map<std::string, std::vector<double>> timing_ms;
   std::optional<ResourceUsage> usage;  ///< of the whole run, where it says
   std::optional<MapComparison> map;    ///< of the surroundings, where the estimate wrote one

@@ -86,7 +86,8 @@ void write_truth_files(const Scene& scene, std::int64_t frames, const fs::path& 
     write_tum(folder / "objects" / fmt::format("{}.tum", body.id), sample(scene, body.motion, frames));
     write_surface_ply(folder / "objects" / fmt::format("{}.ply", body.id), surface_of(body),
                       "mesh, object frame, metres");
-    descriptions.push_back({body.id, body.name, body.semi_axes_m, body.shape, body.mesh_file, body.symmetry});
+    descriptions.push_back(
+        {body.id, body.name, body.semi_axes_m, body.shape, body.mesh_file, body.symmetry, body.is_scored});
   }
   write_objects_yaml(folder / "objects.yaml", descriptions, scene.hash);
   write_occupancy_map(folder / "map.bt", scene.world, scene.map_resolution_m);

@@ -22,6 +22,7 @@ struct ObjectDescription {
   std::string shape;                                      ///< kind of mesh: box, ball, ...; `mesh` for a file
   std::string mesh;                                       ///< file name of a mesh that was loaded, else empty
   std::optional<BodySymmetry> symmetry{};                 ///< as stated; nothing: as shape and semi-axes say
+  bool is_scored = true;  ///< false: it is seen, but evaluation has no figures of it and of its tracks
 };
 
 /// What a truth folder says of itself as a whole.

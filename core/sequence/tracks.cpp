@@ -99,6 +99,7 @@ std::vector<ObjectDescription> read_objects_yaml(const fs::path& path) {
       object.symmetry = parse_body_symmetry(symmetry->as<std::string>());
       if (!object.symmetry) symmetry->fail("expected box, revolution, sphere or none");
     }
+    object.is_scored = node.get<bool>("scored", true);
     node.refuse_unknown_keys();
     if (object.id <= 0) node.at("id").fail("expected an integer greater than 0");
     if (!ids.insert(object.id).second) node.at("id").fail(fmt::format("{} stands twice", object.id));
@@ -126,6 +127,7 @@ void write_objects_yaml(const fs::path& path, const std::vector<ObjectDescriptio
                         yaml_quoted(object.name), a.x(), a.y(), a.z(), yaml_quoted(object.shape),
                         yaml_quoted(object.mesh));
     if (object.symmetry) text += fmt::format(", symmetry: {}", to_string(*object.symmetry));
+    if (!object.is_scored) text += ", scored: false";
     text += "}\n";
   }
   write_text(path, text);

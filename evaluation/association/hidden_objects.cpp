@@ -23,7 +23,8 @@ std::vector<int> tracks_at(const ObjectOverlaps& overlaps, std::size_t frame) {
 }
 
 void drop_at(std::size_t frame, const std::vector<bool>& hidden,
-             const std::vector<std::optional<std::size_t>>& matches, ObjectOverlaps& overlaps) {
+             const std::vector<std::optional<std::size_t>>& matches, const std::vector<bool>& left_out,
+             ObjectOverlaps& overlaps) {
   const std::vector<int> tracks = tracks_at(overlaps, frame);
   std::vector<bool> kept(overlaps.estimate.size());
   for (std::size_t g = 0; g < hidden.size(); ++g)
@@ -40,16 +41,20 @@ void drop_at(std::size_t frame, const std::vector<bool>& hidden,
     overlaps.truth[g][frame].reset();
     for (auto& values : overlaps.iou3d[g]) values[frame] = 0;
   }
+  for (std::size_t e = 0; e < left_out.size(); ++e)
+    if (left_out[e]) drop_track(e);
 }
 
 }  // namespace
 
 void drop_hidden(const std::vector<std::vector<bool>>& hidden,
-                 const std::vector<std::optional<std::size_t>>& matches, ObjectOverlaps& overlaps) {
+                 const std::vector<std::optional<std::size_t>>& matches, const std::vector<bool>& left_out,
+                 ObjectOverlaps& overlaps) {
   for (std::size_t frame = 0; frame < overlaps.stamps_ns.size(); ++frame) {
     std::vector<bool> here;
     for (const auto& row : hidden) here.push_back(row[frame]);
-    if (std::find(here.begin(), here.end(), true) != here.end()) drop_at(frame, here, matches, overlaps);
+    if (std::find(here.begin(), here.end(), true) != here.end())
+      drop_at(frame, here, matches, left_out, overlaps);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <numeric>
 
 #include "core/base/error.h"
 #include "core/base/text.h"
@@ -25,6 +26,19 @@ bool moves(const ObjectTrack& object) {
 
 bool overlaps_any(const ObjectOverlaps& overlaps, std::size_t track, std::size_t frame) {
   return std::ranges::any_of(overlaps.iou3d, [&](const auto& row) { return row[track][frame] > 0; });
+}
+
+// Nothing where the track never overlaps an object.
+std::optional<std::size_t> most_overlapped(const ObjectOverlaps& overlaps, std::size_t track) {
+  std::optional<std::size_t> most;
+  double greatest = 0;
+  for (std::size_t g = 0; g < overlaps.iou3d.size(); ++g) {
+    const std::vector<double>& values = overlaps.iou3d[g][track];
+    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+    if (sum > greatest) most = g;
+    greatest = std::max(greatest, sum);
+  }
+  return most;
 }
 
 }  // namespace
@@ -67,6 +81,19 @@ std::vector<bool> scored_objects(const std::vector<ObjectTrack>& truth, const Ob
     scored.push_back(is_wanted && (!choice.moving || moves(object)));
   }
   return scored;
+}
+
+std::vector<bool> tracks_of(const std::vector<bool>& objects,
+                            const std::vector<std::optional<std::size_t>>& matches,
+                            const ObjectOverlaps& overlaps) {
+  std::vector<std::optional<std::size_t>> object_of;
+  for (std::size_t e = 0; e < overlaps.estimate.size(); ++e)
+    object_of.push_back(most_overlapped(overlaps, e));
+  for (std::size_t g = 0; g < matches.size(); ++g)
+    if (matches[g]) object_of[*matches[g]] = g;
+  std::vector<bool> belongs;
+  for (const auto& object : object_of) belongs.push_back(object && objects[*object]);
+  return belongs;
 }
 
 void drop_unlabelled(Unlabelled unlabelled, bool labels_are_partial,

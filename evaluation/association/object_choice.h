@@ -33,6 +33,12 @@ std::string class_of(const std::string& name);
 /// [object]: whether it is scored; `in_view` has no part in it.
 std::vector<bool> scored_objects(const std::vector<ObjectTrack>& truth, const ObjectChoice& choice);
 
+/// [track]: whether it belongs to one of `objects`: it is matched to it, or to no object and overlaps none
+/// more, summed over time (a second track of it, after its id changed). `matches` as of match_objects.
+std::vector<bool> tracks_of(const std::vector<bool>& objects,
+                            const std::vector<std::optional<std::size_t>>& matches,
+                            const ObjectOverlaps& overlaps);
+
 /// Takes out of frames what does not count there, for scores over all objects. With `ignored` these are the
 /// states that overlap no true object. Where labels are partial, these are also the states of a track in
 /// frames in which the object that it is matched to has none (it left the view, or its labels end), unless

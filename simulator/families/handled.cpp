@@ -14,6 +14,15 @@ using Eigen::Vector3d;
 
 constexpr double kUsualWay_m = 0.4, kScreen_m[] = {0.45, 0.04, 0.4};  // hides what is put away behind it
 
+// The hand that holds it: an ellipsoid that sticks out of its lower side. It moves with the object and is
+// not scored.
+std::string held_by_hand(RandomStream& random, const Thing& thing, const std::string& motion) {
+  const double side = random.below(2) ? 1 : -1;
+  const Vector3d at_m(0, side * 0.5 * thing.size_m.y(), -0.35 * thing.size_m.z());
+  return motion + fmt::format("        - {{kind: static, position_m: {}, rpy_deg: [{}, 0, 0]}}\n",
+                              yaml_vector(at_m), yaml_number(side * random.uniform(-40, 10), 1));
+}
+
 std::string carried(RandomStream& random, const std::string& waypoints, const FamilyOptions& options) {
   return fmt::format(
       "      kind: compose\n      parts:\n        - kind: spline\n          may_overshoot: true\n          "
@@ -22,6 +31,12 @@ std::string carried(RandomStream& random, const std::string& waypoints, const Fa
       waypoints, yaml_number(graded(options.difficulty, 0.0005, 0.003)),
       yaml_number(graded(options.difficulty, 0.2, 1), 2), random.below(100'000));
 }
+
+const Thing kHand{
+    "hand",
+    "    primitive: ellipsoid\n    size_m: [0.085, 0.13, 0.045]\n    material: {color: [0.72, 0.55, 0.45], "
+    "accent: [0.6, 0.42, 0.35], contrast: 0.1, texture: none}\n",
+    {0.085, 0.13, 0.045}};
 
 std::string stop_text(double time_s, const Vector3d& at_m, const Vector3d& rpy_deg) {
   return "    " + waypoint_text(time_s, at_m, rpy_deg).substr(2);
@@ -104,7 +119,10 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
     for (int i = 0; i < kMostTries; ++i) {
       const double x_m = count > 1 ? -0.45 + 0.9 * k / (count - 1) : 0;
       const Vector3d home_m(x_m, -0.3, kTable_m.z() + 0.5 * thing.size_m.norm() + 0.2);
-      if (draft.add(thing, draw_motion(random, thing, home_m, options))) break;
+      const std::string motion = draw_motion(random, thing, home_m, options);
+      if (!draft.add(thing, motion)) continue;
+      draft.add_unscored(kHand, held_by_hand(random, thing, motion));
+      break;
     }
   }
   return draft.text();

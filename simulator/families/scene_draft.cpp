@@ -98,8 +98,10 @@ bool SceneDraft::add(const Thing& thing, const std::string& motion) {
   return true;
 }
 
-void SceneDraft::add_unchecked(const Thing& thing, const std::string& motion) {
-  objects_ += object_text(thing, motion);
+void SceneDraft::add_unscored(const Thing& thing, const std::string& motion) {
+  Thing unscored = thing;
+  unscored.keys += "    scored: false\n";
+  objects_ += object_text(unscored, motion);
   ++next_id_;
 }
 

@@ -35,8 +35,8 @@ class SceneDraft {
   void keep_clear_of(const std::string& motion, const Eigen::Vector3d& size_m);
   /// `motion` as YAML lines indented by six. Whether it was added.
   bool add(const Thing& thing, const std::string& motion);
-  /// Adds what the others do not have to keep clear of, and need not be looked at.
-  void add_unchecked(const Thing& thing, const std::string& motion);
+  /// Adds what is seen and not scored: the others do not have to keep clear of it.
+  void add_unscored(const Thing& thing, const std::string& motion);
 
   std::size_t count() const { return count_; }
   std::string text() const;  ///< `camera`, `world` and `objects`

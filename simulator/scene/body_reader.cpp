@@ -100,6 +100,7 @@ Body read_object(const ConfigNode& node, TextureAmount texture, std::vector<fs::
   if (body.shape == "room" || body.shape == "street" || body.shape == "track" || body.shape == "plane")
     node.at("primitive").fail("is for the world, not for objects");
   body.symmetry = read_symmetry(node, body.semi_axes_m);
+  body.is_scored = node.get<bool>("scored", true);
   body.motion = read_motion(node.at("motion"), {Mover::body, files, body.meshes});
   node.refuse_unknown_keys();
   return body;

@@ -27,6 +27,7 @@ struct Body {
   Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Ones();  ///< half the extents of the tight box
   Motion motion;                                          ///< world_from_object
   std::optional<BodySymmetry> symmetry;                   ///< as the scene states it
+  bool is_scored = true;  ///< false: an object that is seen, and of which evaluation has no figures
 };
 
 /// Depth noise (SENSORS: Noise). Depth is z along the optical axis.

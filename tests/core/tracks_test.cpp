@@ -290,7 +290,7 @@ TEST(Tracks, ObjectDescriptionsReadBack) {
   const TempFolder temp;
   const std::vector<ObjectDescription> written = {
       {1, "can", {0.1, 0.1, 0.2}, "mesh", "a/can.obj", BodySymmetry::revolution},
-      {2, "it's odd", {1.0 / 3, 0.1, 0.2}, "", "", std::nullopt}};
+      {2, "it's odd", {1.0 / 3, 0.1, 0.2}, "", "", std::nullopt, false}};
   write_objects_yaml(temp.path() / "objects.yaml", written);
   const auto read = read_objects_yaml(temp.path() / "objects.yaml");
   ASSERT_EQ(read.size(), 2u);
@@ -299,7 +299,20 @@ TEST(Tracks, ObjectDescriptionsReadBack) {
     EXPECT_EQ(read[i].semi_axes_m, written[i].semi_axes_m);
     EXPECT_EQ(read[i].mesh, written[i].mesh);
     EXPECT_EQ(read[i].symmetry, written[i].symmetry);
+    EXPECT_EQ(read[i].is_scored, written[i].is_scored);
   }
+}
+
+// A file of objects that are all scored keeps its bytes, and so its hash.
+TEST(Tracks, DescriptionsSayScoredOnlyWhereItIsFalse) {
+  const TempFolder temp;
+  const fs::path path = temp.path() / "objects.yaml";
+  ObjectDescription hand{1, "hand", {0.1, 0.1, 0.2}, "box", ""};
+  write_objects_yaml(path, {hand});
+  EXPECT_EQ(read_text(path).find("scored"), std::string::npos);
+  hand.is_scored = false;
+  write_objects_yaml(path, {hand});
+  EXPECT_NE(read_text(path).find(", scored: false}"), std::string::npos);
 }
 
 }  // namespace

@@ -24,19 +24,19 @@ std::optional<double> depth_of_box(const Pose& camera_from_box, const Eigen::Vec
 
 class FeatureDepth : public Evaluate {
  protected:
-  // Of the first box: a grid of pixels about its middle in each frame, `off_m` too deep; each third has none.
-  void write_features(double off_m) {
+  // Of a box: a grid of pixels about its middle in each frame, `off_m` too deep; each third has none.
+  void write_features(double off_m, int id = 1) {
     std::string text = kHeader;
     for (int i = 0; i < kFrames; ++i) {
-      const Pose camera_from_box = camera_pose(i).inverse() * object_pose(1, i);
+      const Pose camera_from_box = camera_pose(i).inverse() * object_pose(id, i);
       const Eigen::Vector2d middle = *Camera{}.project(camera_from_box.translation);
       for (int k = 0; k < 49; ++k) {
         const Eigen::Vector2d pixel = middle + 15.0 * Eigen::Vector2d(k % 7 - 3, k / 7 - 3);
-        const auto depth_m = depth_of_box(camera_from_box, kObjects[0].semi_axes_m, pixel);
+        const auto depth_m = depth_of_box(camera_from_box, kObjects[id - 1].semi_axes_m, pixel);
         depth_m ? ++on_ : ++off_;
         const bool has_depth = k % 3 != 0;
         recovered_ += depth_m && has_depth;
-        text += fmt::format("{},{},10,{},{},{},", i, i * kPeriodNs, k, pixel.x(), pixel.y());
+        text += fmt::format("{},{},{},{},{},{},", i, i * kPeriodNs, 10 * id, k, pixel.x(), pixel.y());
         text += has_depth ? fmt::format("{},0.01\n", depth_m.value_or(3) + off_m) : ",\n";
       }
     }
@@ -66,6 +66,18 @@ TEST_F(FeatureDepth, IsThatOfTheTrueSurfaceAlongTheLineOfSight) {
   EXPECT_NEAR(depth["error_m"]["max"], 0.02, kSingle);
   EXPECT_NEAR(depth["error_m"]["quantile_90"], 0.02, kSingle);
   EXPECT_TRUE(objects[1]["feature_depth"].is_null());
+}
+
+// Rows are fewer than true objects where one is not scored.
+TEST_F(FeatureDepth, IsThatOfTheObjectOfItsRow) {
+  write_changed([](Tracks&) {});
+  write_features(0.02, 2);
+  std::vector<ObjectDescription> objects = kObjects;
+  objects[0].is_scored = false;
+  write_objects_yaml(truth() / "objects.yaml", objects);
+  const json depth = run()["objects"][0]["feature_depth"];
+  EXPECT_EQ(depth["off_body"], off_);
+  EXPECT_NEAR(depth["error_m"]["max"], 0.02, 2e-6);
 }
 
 TEST_F(FeatureDepth, OfOtherTimesAndBodiesIsPassedOver) {

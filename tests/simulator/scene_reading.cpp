@@ -90,6 +90,14 @@ TEST(SceneFile, StatesAnObjectsSymmetry) {
   EXPECT_EQ(scene.objects[1].symmetry, BodySymmetry::none);
 }
 
+TEST(SceneFile, SaysWhatObjectIsNotScored) {
+  const ScratchFolder folder("scene_scored");
+  const Scene scene = load_scene(
+      folder.write("scene.yaml", replaced(kScene, "segments: 4", "segments: 4\n    scored: false")));
+  EXPECT_TRUE(scene.objects[0].is_scored);
+  EXPECT_FALSE(scene.objects[1].is_scored);
+}
+
 TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
   struct Fault {
     std::string from, to, message;
@@ -151,6 +159,7 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
       {"rpy_deg: [0, 0, 90]", "quaternion_xyzw: [0, 0, 0, 2]",
        ":22: objects[0].motion.quaternion_xyzw: norm is 2"},
       {"segments: 4", "sections: 4", ":27: unknown key 'objects[1].sections'"},
+      {"segments: 4", "scored: maybe", ":27: objects[1].scored: "},
       {"segments: 4", "symmetry: round",
        ":27: objects[1].symmetry: expected box, revolution, sphere or none"},
       {"size_m: [0.4, 0.2, 0.1]", "size_m: [0.4, 0.2, 0.1]\n    symmetry: revolution",
@@ -168,7 +177,7 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
     EXPECT_EQ(message.find('\n'), message.npos) << message;
     refused += message != "accepted";
   }
-  EXPECT_EQ(refused, 42);
+  EXPECT_EQ(refused, 43);
   EXPECT_NE(refusal(folder.path() / "absent.yaml").find("cannot be read"), std::string::npos);
 }
 
