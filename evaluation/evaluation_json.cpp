@@ -167,6 +167,7 @@ json to_json(const ObjectEvaluation& object, const EvaluateOptions& options) {
                  {"relabel_flips", object.relabel_flips},
                  {"symmetry", to_string(object.symmetry.kind)},
                  {"ape", pose_errors(object, &ObjectFrame::ape)},
+                 {"ape_of_distance", figure(&ObjectFrame::ape_of_distance)},
                  {"rpe", pose_errors(object, &ObjectFrame::rpe)},
                  {"motion_error", pose_errors(object, &ObjectFrame::motion)},
                  {"drift", to_json(object.drift)},

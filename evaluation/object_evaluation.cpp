@@ -124,13 +124,17 @@ void fill_relative(const ObjectTrack& truth, const Matched& matched, const std::
   }
 }
 
-// From the true poses: what a view shows does not depend on the estimate.
-void fill_arcs(const ObjectTrack& truth, const ObjectContext& context, std::vector<ObjectFrame>& frames) {
+// From the true poses: where the camera is does not depend on the estimate.
+void fill_views(const ObjectTrack& truth, const ObjectContext& context, std::vector<ObjectFrame>& frames) {
   std::vector<std::optional<Eigen::Vector3d>> directions(frames.size());
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    if (!frames[k].visible) continue;
     const Pose* camera = nearest_pose(context.truth_camera, frames[k].stamp_ns, context.max_difference_ns);
-    if (camera) directions[k] = view_direction(truth.states[k].ellipsoid.world_from_object, *camera);
+    if (!camera) continue;
+    const Pose& object = truth.states[k].ellipsoid.world_from_object;
+    const double distance_m = (object.translation - camera->translation).norm();
+    if (frames[k].ape && distance_m > 0)
+      frames[k].ape_of_distance = frames[k].ape->translation_m / distance_m;
+    if (frames[k].visible) directions[k] = view_direction(object, *camera);
   }
   const auto arcs = view_arcs_deg(directions);
   for (std::size_t k = 0; k < frames.size(); ++k) frames[k].arc_deg = arcs[k];
@@ -198,7 +202,7 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
     fill_image_overlap(matched.truth[i], matched.estimate[i], context, frame);
   }
   fill_relative(truth, matched, settled.changes, offset, result.frames);
-  fill_arcs(truth, context, result.frames);
+  fill_views(truth, context, result.frames);
   result.matched_frames = settled.estimate.size();
   result.presence = object_presence(result.frames);
   result.drift = object_drift(truth, result.frames);

@@ -40,6 +40,7 @@ struct ObjectFrame {
   std::optional<PoseError> ape;                  ///< of `estimate`
   StatedSigmas stated;                           ///< of `estimate`: without one, of nothing
   ErrorsInSigmas in_sigmas;                      ///< of the same
+  std::optional<double> ape_of_distance;         ///< APE.t over the true distance from the true camera
   std::optional<double> ape_rotation_naive_rad;  ///< of the estimate as it came
   std::optional<double> rotation_symmetric_rad;  ///< by the class of the true axes; empty for spheres
   /// From the truth frame before; empty where that has no estimate, and after a hole of the truth.

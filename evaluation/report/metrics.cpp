@@ -31,6 +31,8 @@ constexpr Metric kMetrics[] = {
      kAlways, kPart},
     {"ape_rotation_in_view_rmse_rad", "APE.r in view", "rad", kLower, kObject,
      "/in_view/ape/rotation_rad/rmse", "APE.r over the same frames.", kAlways, kPart},
+    {"ape_of_distance_rmse", "APE.t of distance", "", kLower, kObject, "/ape_of_distance/rmse",
+     "APE.t over the object's true distance from the true camera.", kAlways, kPart},
     {"ape_rotation_naive_rmse_rad", "APE.r naive", "rad", kLower, kObject, "/ape/rotation_naive_rad/rmse",
      "The same angle without regard to symmetry: a cube whose axes were named in another order counts as "
      "wrong."},

@@ -70,7 +70,7 @@ std::string static_motion_text(const Vector3d& at_m, const Vector3d& rpy_deg) {
 std::string waypoint_text(double time_s, const Vector3d& at_m, const Vector3d& rpy_deg, double hold_s) {
   return fmt::format("        - {{time_s: {}, position_m: {}, rpy_deg: {}{}}}\n", yaml_number(time_s, 2),
                      yaml_vector(at_m), yaml_vector(rpy_deg, 2),
-                     hold_s > 0 ? fmt::format(", hold_s: {}", yaml_number(hold_s, 2)) : "");
+                     hold_s >= 0.01 ? fmt::format(", hold_s: {}", yaml_number(hold_s, 2)) : "");
 }
 
 }  // namespace uniquadric

@@ -22,6 +22,7 @@ const std::set<std::string> kCamera = {"ape_translation_rmse_m",
                                        "drift_max_angle_deg",
                                        "coverage"};
 const std::set<std::string> kObject = {"ape_translation_rmse_m",
+                                       "ape_of_distance_rmse",
                                        "ape_rotation_rmse_rad",
                                        "ape_rotation_naive_rmse_rad",
                                        "rpe_translation_rmse_m",

@@ -35,6 +35,7 @@ TEST_F(Evaluate, TruthAgainstItselfIsZeroAndOneExactly) {
       for (const char* part : {"translation_m", "rotation_rad"}) zero(object[kind][part]);
     zero(object["ape"]["rotation_naive_rad"]);
     zero(object["d_shape_m"]);
+    zero(object["ape_of_distance"]);
     for (const char* axis : {"x", "y", "z"}) zero(object["semi_axes_error_m"][axis]);
     for (const char* key : {"iou3d", "iou2d", "iou2d_ellipse"}) {
       EXPECT_EQ(object[key]["min"], 1) << key;
@@ -44,7 +45,7 @@ TEST_F(Evaluate, TruthAgainstItselfIsZeroAndOneExactly) {
     EXPECT_EQ(object["iou3d_monte_carlo"]["mean"], 1);
     EXPECT_EQ(object["drift"]["max_translation_m"], 0);
   }
-  EXPECT_EQ(checked, 4 + 3 * 11);
+  EXPECT_EQ(checked, 4 + 3 * 12);
   for (const char* key : {"hota", "mota", "idf1"}) EXPECT_NEAR(result["tracking"][key], 1, 1e-12);
 }
 
