@@ -6,6 +6,9 @@ A block of a page is `<!-- KIND BENCH key=value .. -->`, then what is made, then
   claim   than= better= metric= [output= scenes= objects= margin=]   a paired comparison and a verdict
   level   variant= metric= level=0.8 | object:0.8,.. [output= scenes= verdict=no]   a figure against a level
   section heading=                        a section of the bench's report.md
+  spread  metrics= [variants= outputs=]   median and worst tenth over the scenes of a family, and failures
+  success variant= [output= groups=]      share of scene-objects that are followed well, by group of scenes
+A group of scenes is what bears the same name but for the seed at its end, as families do.
 """
 import csv
 import functools
@@ -29,6 +32,10 @@ COLUMNS = {
     "motion_error_translation_rmse_m": ("motion.t [mm]", 1e3, 2),
     "motion_error_rotation_rmse_rad": ("motion.r [mrad]", 1e3, 2),
     "iou3d_solid_mean": ("IoU solid", 1, 3),
+    "ape_of_distance_rmse": ("APE.t of distance", 1, 4),
+    "iou3d_box_mean": ("IoU box", 1, 3),
+    "hota": ("HOTA", 1, 3),
+    "false_bodies": ("false bodies", 1, 1),
     "iou3d_ellipsoid_mean": ("IoU ellipsoid", 1, 3),
     "iou2d_mean": ("IoU 2D", 1, 3),
     "surface_error_median_m": ("surface error [mm]", 1e3, 1),
@@ -239,6 +246,78 @@ def level(name, options):
     return "\n".join(lines) + f"\n\n**Verdict: {word}** ({count})."
 
 
+def group_of(scene):
+    return re.sub(r"_\d+$", "", scene)
+
+
+def by_group(scores, variants, outputs):
+    """(group, variant, output) -> {(scene, object, seed): {metric: value}}, in the order of the scores."""
+    groups = {}
+    for (scene, item, variant, output, metric), values in scores.items():
+        if variant in variants and (output or "causal") in outputs:
+            of_group = groups.setdefault((group_of(scene), variant, output), {})
+            for seed, value in values.items():
+                of_group.setdefault((scene, item, seed), {})[metric] = value
+    return groups
+
+
+def of_objects(rows):
+    return [row for (_, item, _), row in rows.items() if item not in ("camera", "all")]
+
+
+def quantile(values, share):
+    """The smallest value that so large a share is no greater than."""
+    return sorted(values)[max(0, math.ceil(share * len(values)) - 1)]
+
+
+def spread_cell(rows, metric):
+    _, factor, digits = column(metric)
+    values = [row[metric] for row in rows if row.get(metric) is not None]
+    if not values:
+        return "-"
+    lower_is_better = is_error(metric) or metric in ("ape_of_distance_rmse", "false_bodies")
+    worst = quantile(values, 0.9) if lower_is_better else quantile(values, 0.1)
+    return f"{factor * statistics.median(values):.{digits}f} ({factor * worst:.{digits}f})"
+
+
+def spread(name, options):
+    scores = read_scores(name)
+    metrics = options["metrics"].split(",")
+    variants = chosen(options, "variants", {key[2] for key in scores})
+    groups = by_group(scores, variants, chosen(options, "outputs", ["causal"]))
+    if not groups:
+        raise PageError(f"{name}: no row of the spread {options}")
+    lines = ["| scenes | variant | known | objects | never found | " + " | ".join(column(m)[0] for m in metrics) + " |",
+             "|---|---|---|---:|---:|" + "---:|" * len(metrics)]
+    for (group, variant, output), rows in groups.items():
+        objects = of_objects(rows)
+        lost = sum(1 for row in objects if not row.get("coverage"))
+        whole = [row for (_, item, _), row in rows.items() if item == "all"]
+        cells = [spread_cell(whole if metric in ("hota", "false_bodies") else objects, metric) for metric in metrics]
+        lines.append(f"| {group} | {variant} | {OUTPUTS[output]} | {len(objects)} | {lost} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def is_success(row):
+    """Followed well: the boxes overlap by 0.7, and the centre is off by less than 5 % of the distance."""
+    box, off = row.get("iou3d_box_mean"), row.get("ape_of_distance_rmse")
+    return box is not None and off is not None and box > 0.7 and off < 0.05
+
+
+def success(name, options):
+    output = output_of(options)
+    groups = by_group(read_scores(name), [options["variant"]], [output or "causal"])
+    lines = ["| scenes | followed well | |", "|---|---:|---|"]
+    for group in chosen(options, "groups", [key[0] for key in groups]):
+        rows = of_objects(groups.get((group, options["variant"], output), {}))
+        if not rows:
+            raise PageError(f"{name}: no scenes of the group {group}")
+        good = sum(map(is_success, rows))
+        bar = "█" * round(20 * good / len(rows))
+        lines.append(f"| {group} | {good} of {len(rows)} | `{bar:░<20}` |")
+    return "\n".join(lines)
+
+
 def section(name, options):
     """The section of report.md whose heading begins with the words given, underscores for blanks."""
     heading = options["heading"].replace("_", " ")
@@ -260,6 +339,8 @@ KINDS = {
     "claim": (claim, {"than", "better", "metric"}, {"output", "scenes", "objects", "margin"}),
     "level": (level, {"variant", "metric", "level"}, {"output", "scenes", "verdict"}),
     "section": (section, {"heading"}, set()),
+    "spread": (spread, {"metrics"}, {"variants", "outputs"}),
+    "success": (success, {"variant"}, {"output", "groups"}),
 }
 BLOCK = re.compile(r"(<!-- (\w+) (\S+)((?: \S+=\S+)*) -->\n)(.*?)(<!-- end -->)", re.S)
 
