@@ -173,6 +173,34 @@ TEST(LidarNoise, FalseAlarmsComeAtTheirRate) {
   EXPECT_NEAR(sum_m / found, rig.noise.min_range_m + span / 2, kSigmas * span / std::sqrt(12 * found));
 }
 
+TEST(LidarNoise, WeakEchoesAreBiased) {
+  LidarRig rig = exact_rig(named_pattern("livox_mid40"));
+  rig.noise.weak_bias_m = 0.04;
+  for (const float reflectivity : {0.25f, 1.0f}) {
+    const LidarScan scan = take_scan(RayCaster({}, {wall(10, reflectivity)}), rig, at_rest(), 0, 0);
+    for (std::size_t i = 0; i < scan.points.size(); i += 97) {
+      const double reflected = reflectivity * double{scan.truth[i].incidence_cos};
+      ASSERT_NEAR(measured_range(scan.points[i]) - scan.truth[i].range_m, 0.04 * (1 - reflected), 1e-4);
+    }
+  }
+}
+
+TEST(LidarNoise, CrosstalkShowsTheEchoOfTheBeamBefore) {
+  LidarRig rig = exact_rig(named_pattern("vlp16"));
+  rig.noise.crosstalk = 0.02;
+  const RayCaster shells({}, {shell(12, 0.5f)});
+  const LidarScan scan = take_scan(shells, rig, at_rest(), 0, 3);
+  double ghosts = 0;
+  for (std::size_t i = 0; i < scan.points.size(); ++i)
+    if (scan.truth[i].kind == LidarPointTruth::Kind::false_alarm) {
+      ++ghosts;
+      ASSERT_NEAR(measured_range(scan.points[i]), 12, 1e-3);  // as far as the beam before it
+    }
+  const double n = static_cast<double>(scan.beams);
+  EXPECT_NEAR(ghosts / n, 0.02,
+              kSigmas * std::sqrt(0.02 * 0.98 / n) + 0.02 / 64);  // a block's first has none before
+}
+
 TEST(LidarNoise, IntensityTellsDiffuseFromRetroReflecting) {
   EXPECT_EQ(reported_intensity(0), 0);
   EXPECT_EQ(reported_intensity(0.5), 75);

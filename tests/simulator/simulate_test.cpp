@@ -17,8 +17,10 @@
 #include "core/base/files.h"
 #include "core/base/folder_hashes.h"
 #include "core/base/text.h"
+#include "core/sequence/lidar.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
+#include "simulator/lidar_files.h"
 #include "tests/simulator/simple_scene.h"
 #include "tests/support/temp_folder.h"
 
@@ -282,6 +284,50 @@ TEST(Simulate, SegmentsEveryNthFrameAndGivesNoPosesUnlessAsked) {
   EXPECT_FALSE(sequence.given_camera);
   for (const auto& frame : sequence.frames)
     EXPECT_EQ(frame.masks.empty(), frame.frame % 5 != 0) << frame.frame;
+}
+
+TEST(Simulate, TellsCalibrationsAndTimesWithTheirErrors) {
+  const TempFolder folder;
+  Scene scene = two_boxes_with_lidar(5);
+  scene.calibration_error = {0.01, {2, -1}};
+  scene.lidar = ConfigNode::parse(
+      "{pattern: vlp16, rate_hz: 10, time_offset_s: 0.004, point_times: false, mounting_error: {position_m: "
+      "[0.1, 0, 0]}}",
+      "lidar.yaml");
+  simulate(scene, quiet(), folder.path() / "out");
+  const Sequence sequence = open_sequence(folder.path() / "out/sequence");
+  EXPECT_NEAR(sequence.camera.fx, 1.01 * scene.camera.fx, 1e-9);
+  EXPECT_NEAR(sequence.camera.cy, scene.camera.cy - 1, 1e-9);
+  ASSERT_FALSE(sequence.scans.empty());
+  EXPECT_EQ(sequence.scans.front().stamp_ns, 4'000'000);
+  const LidarRig rig = *lidar_of(scene);
+  const Pose error = rig.camera_from_lidar.inverse() * sequence.lidar->camera_from_lidar;
+  EXPECT_LT((error.translation - Eigen::Vector3d(0.1, 0, 0)).norm(), 1e-9);
+  for (const LidarPoint& point :
+       read_lidar_points(folder.path() / "out/sequence" / sequence.scans.front().file))
+    ASSERT_EQ(point.offset_ns, 0u);
+}
+
+// A stamp that is late by a frame's time shows the frame before; late depth, too.
+TEST(Simulate, LateStampsAndLateDepthShowWhatWasThereBefore) {
+  const TempFolder folder;
+  Scene exact = two_boxes();
+  exact.image_noise.sigma = 0;
+  exact.depth_noise.model = DepthNoise::Model::none;
+  Scene late = exact, late_depth = exact;
+  late.imaging.stamp_offset_s = 1 / exact.rate_hz;
+  late_depth.depth_noise.delay_s = 1 / exact.rate_hz;
+  simulate(exact, quiet(), folder.path() / "exact");
+  simulate(late, quiet(), folder.path() / "late");
+  simulate(late_depth, quiet(), folder.path() / "late_depth");
+  const auto file = [&](const std::string& run, const std::string& name) {
+    return read_text(folder.path() / run / "sequence" / name);
+  };
+  EXPECT_NE(file("exact", "rgb/000002.png"), file("exact", "rgb/000003.png"));
+  EXPECT_EQ(file("late", "rgb/000003.png"), file("exact", "rgb/000002.png"));
+  EXPECT_EQ(file("late", "depth/000003.png"), file("exact", "depth/000002.png"));
+  EXPECT_EQ(file("late_depth", "depth/000003.png"), file("exact", "depth/000002.png"));
+  EXPECT_EQ(file("late_depth", "rgb/000003.png"), file("exact", "rgb/000003.png"));
 }
 
 TEST(Simulate, RefusesBadInputAndLeavesNothing) {
