@@ -17,7 +17,9 @@ void add_generate(CLI::App& app, Common& common) {
       ->check(CLI::IsMember(family_names()));
   sub->add_option("OUT", out, "the scene file (YAML)")->required();
   sub->add_option("--seed", request.seed, "of all that is drawn")->check(whole_number());
-  sub->add_option("--set", set, "KEY=VALUE: difficulty (0 to 1), frames, count (of objects), realism, meshes (a folder), lidar (of a street)")
+  sub->add_option("--set", set,
+                  "KEY=VALUE: difficulty (0 to 1), frames, count (of objects), realism, meshes (a folder), "
+                  "lidar (of a street)")
       ->allow_extra_args(false);
   add_force(sub, common);
   sub->callback([&common] {

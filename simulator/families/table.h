@@ -20,7 +20,8 @@ std::string hand_held_camera(RandomStream& random, const FamilyOptions& options,
 
 /// Motions as SceneDraft takes them.
 std::string static_motion_text(const Eigen::Vector3d& at_m, const Eigen::Vector3d& rpy_deg);
-inline constexpr const char* kSplineHead = "      kind: spline\n      may_overshoot: true\n      waypoints:\n";
+inline constexpr const char* kSplineHead =
+    "      kind: spline\n      may_overshoot: true\n      waypoints:\n";
 std::string waypoint_text(double time_s, const Eigen::Vector3d& at_m, const Eigen::Vector3d& rpy_deg,
                           double hold_s = 0);
 
