@@ -62,13 +62,6 @@ void discard_other_work(const Scene& scene, const std::string& key, const Pendin
   write_text(key_file, key);
 }
 
-cv::Mat depth_at(const Scene& scene, Renderer& renderer, double time_s) {
-  cv::Mat rgba, ids, depth_m;
-  renderer.draw(poses_at(scene, time_s));
-  renderer.read_back(rgba, ids, depth_m);
-  return depth_m;
-}
-
 // What a worker has to draw and write frames with, and what it does with one.
 struct FrameMaker {
   const Scene& scene;
@@ -80,7 +73,7 @@ struct FrameMaker {
     LapTimer timer(times);
     const double time_s = frame_time_s(scene, frame) - stamp_error_s(scene.imaging, seed, frame);
     const double delay_s = scene.depth_noise.delay_s;
-    const cv::Mat late_m = delay_s > 0 ? depth_at(scene, renderer, time_s - delay_s) : cv::Mat();
+    const cv::Mat late_m = delay_s > 0 ? renderer.depth_m(poses_at(scene, time_s - delay_s)) : cv::Mat();
     RenderedFrame rendered = renderer.render(poses_at(scene, time_s), color_steps(scene, time_s));
     if (delay_s > 0) rendered.depth_m = late_m;
     timer.lap(FrameStage::draw);

@@ -50,6 +50,7 @@ struct Renderer::State {
   std::vector<GpuBody> world, objects;
   std::vector<Pose> world_from_static;  // one a body of the world
   std::optional<ShadowMaps> shadows;
+  std::vector<Pose> shadow_casters;  // where the objects' map has them; empty before a frame's first
   Camera camera;
   Eigen::Vector3d sun_direction;
   std::array<float, 4> sky{};
@@ -63,6 +64,7 @@ struct Renderer::State {
   void draw_color(const ScenePoses& poses, RowRange rows);
   void draw_bodies(const ScenePoses& poses, bool silhouettes) const;
   void cast_shadows(const ScenePoses& poses);
+  bool has_shadows_of(const std::vector<Pose>& poses) const;
   void draw_body(const GpuBody& body, const Pose& camera_from_object) const;
   void expose(const std::vector<ColorStep>& steps);
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
@@ -105,9 +107,22 @@ void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_obj
   }
 }
 
+// Whether nothing has moved by more than a texel since the map was drawn, as between a frame's exposures.
+bool Renderer::State::has_shadows_of(const std::vector<Pose>& poses) const {
+  if (shadow_casters.size() != poses.size() || poses.empty()) return false;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Pose &drawn = shadow_casters[i], &now = poses[i];
+    const double turned_m =
+        drawn.rotation.angularDistance(now.rotation) * 0.5 * objects[i].box.diagonal().norm();
+    if ((now.translation - drawn.translation).norm() + turned_m > shadows->objects.texel_m) return false;
+  }
+  return true;
+}
+
 // Where a program that draws colour shall find the shadows at these poses.
 void Renderer::State::cast_shadows(const ScenePoses& poses) {
-  if (!shadows) return;
+  if (!shadows || has_shadows_of(poses.world_from_object)) return;
+  shadow_casters = poses.world_from_object;
   draw_object_shadows(gl, *shadows, {world, world_from_static}, {objects, poses.world_from_object});
   gl.Viewport(0, 0, targets.width, targets.height);
 }
@@ -218,8 +233,18 @@ Renderer::~Renderer() = default;
 void Renderer::draw(const ScenePoses& poses) {
   State& s = *state_;
   s.context->make_current();
+  s.shadow_casters.clear();
   s.draw_image(poses, false);
   if (!s.one_pass) s.draw_color(poses, {0, s.targets.height});
+}
+
+cv::Mat Renderer::depth_m(const ScenePoses& poses) {
+  State& s = *state_;
+  s.context->make_current();
+  s.draw_image(poses, false);
+  cv::Mat depth_m;
+  read_depth(s.gl, s.targets, depth_m);
+  return depth_m;
 }
 
 std::string Renderer::device() const {
@@ -239,6 +264,7 @@ void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
 const RenderedFrame& Renderer::render(const ScenePoses& poses, const std::vector<ColorStep>& steps) {
   State& s = *state_;
   s.context->make_current();
+  s.shadow_casters.clear();  // images do not depend on what was drawn before
   s.draw_image(poses, true);
   if (!s.one_pass && steps.empty()) s.draw_color(poses, {0, s.targets.height});
   read_back(s.frame.rgba, s.frame.ids, s.frame.depth_m);

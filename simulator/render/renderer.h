@@ -67,6 +67,9 @@ class Renderer {
   /// the colour too unless there are `steps`, which make it then.
   const RenderedFrame& render(const ScenePoses& poses, const std::vector<ColorStep>& steps = {});
 
+  /// The depth alone, as RenderedFrame has it.
+  cv::Mat depth_m(const ScenePoses& poses);
+
   /// What draws, in the words of OpenGL: "llvmpipe (LLVM ...)" or a graphics card.
   std::string device() const;
 

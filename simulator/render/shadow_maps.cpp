@@ -83,6 +83,7 @@ void fit(ShadowMap& map, const ShadowMaps& maps, Eigen::AlignedBox3d box) {
   if (box.isEmpty()) box = Eigen::AlignedBox3d(Eigen::Vector3d::Zero());
   const Eigen::Vector3d margin = (kMargin * box.sizes()).cwiseMax(kLeastMargin_m);
   const Eigen::Vector3d low = box.min() - margin, high = box.max() + margin;
+  map.texel_m = (high - low).head<2>().maxCoeff() / map.size_px;
   const double share = static_cast<double>(map.size_px) / kWorld_px;  // of the layer
   const Eigen::Vector3d scale = (high - low).cwiseInverse().cwiseProduct(Eigen::Vector3d(share, share, 1));
   Eigen::Matrix4d map_from_light = Eigen::Matrix4d::Identity();

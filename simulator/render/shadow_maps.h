@@ -12,6 +12,7 @@ namespace uniquadric {
 /// How far surfaces reach towards the sun, seen along its light: what lies behind is in their shadow.
 struct ShadowMap {
   int size_px = 0;
+  double texel_m = 0;
   unsigned framebuffer = 0;
   /// To texture coordinates of its layer and depth, which is 1 nearest to the sun.
   Eigen::Matrix4d map_from_world = Eigen::Matrix4d::Identity();
