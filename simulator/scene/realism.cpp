@@ -68,8 +68,8 @@ const std::vector<RealismRow>& realism_rows() {
       {"depth_noise.edge_dropout", "0.2", "0.25", "0.7", false,
        "measured: 1.2 px lost a step in visp_cube, 2.0 px in TUM fr3"},
       {"depth_noise.max_incidence_deg", "85", "84", "70", false,
-       "measured: of visp_cube's table 87 % have depth at 81-84 degrees; Nguyen et al., 3DIMPVT 2012: 70-80 degrees for a "
-       "Kinect"},
+       "measured: of visp_cube's table and keyboard 87 % have depth at 81-84 degrees; Nguyen et al., 3DIMPVT "
+       "2012: 70-80 degrees for a Kinect"},
       {"depth_noise.dark_dropout", "0.05", "0.1", "0.9", false,
        "measured: 7-10 % of visp_cube's dark pixels have no depth, 3-5 % of its bright ones"},
       {"depth_noise.color_offset_m", "0.015", "0.015", "0.025", false,
