@@ -53,10 +53,10 @@ camera:
   motion:
     kind: spline
     look_at_m: [0.3, 0, 0.5]
-    waypoints:
-      - {time_s: 0, position_m: [-1.2, -1.2, 1.2]}
-      - {time_s: 1, position_m: [0.0, -1.6, 1.3]}
-      - {time_s: 10, position_m: [1.2, -1.2, 1.2]}
+    may_overshoot: true
+    waypoints: [{time_s: 0, position_m: [-1.2, -1.2, 1.2]},
+                {time_s: 1, position_m: [0.0, -1.6, 1.3]},
+                {time_s: 10, position_m: [1.2, -1.2, 1.2]}]
 world:
   - {name: room, primitive: room, size_m: [5, 5, 3]}
 objects:
@@ -66,10 +66,10 @@ objects:
     size_m: [0.4, 0.3, 0.2]
     motion:
       kind: spline
-      waypoints:
-        - {time_s: 0, position_m: [0, 0, 0.5]}
-        - {time_s: 1, position_m: [0.5, 0, 0]}
-        - {time_s: 10, position_m: [0.6, 0.1, 0.3]}
+      may_overshoot: true
+      waypoints: [{time_s: 0, position_m: [0, 0, 0.5]},
+                  {time_s: 1, position_m: [0.5, 0, 0]},
+                  {time_s: 10, position_m: [0.6, 0.1, 0.3]}]
   - id: 2
     name: ball
     primitive: ball
