@@ -45,4 +45,15 @@ std::string drawn_material(RandomStream& random, double difficulty) {
                      is_plain ? ", texture: none" : "");
 }
 
+std::string drawn_room(RandomStream& random) {
+  return fmt::format(
+      "  - {{name: room, primitive: room, size_m: [6, 6, 3], furniture: 8, material: {{seed: {}}}}}\n",
+      random.below(100'000));
+}
+
+std::string drawn_camera_tremor(RandomStream& random) {
+  return fmt::format("      - {{kind: tremor, position_m: 0.001, rotation_deg: 0.15, seed: {}}}\n",
+                     random.below(100'000));
+}
+
 }  // namespace uniquadric

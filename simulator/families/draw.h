@@ -39,4 +39,10 @@ Eigen::Vector3d drawn_color(RandomStream& random);
 /// in ten shine.
 std::string drawn_material(RandomStream& random, double difficulty);
 
+/// A world's line: a furnished room of 6 m.
+std::string drawn_room(RandomStream& random);
+
+/// The part of a composed motion that a hand at a camera adds, indented by six.
+std::string drawn_camera_tremor(RandomStream& random);
+
 }  // namespace uniquadric

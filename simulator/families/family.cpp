@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "simulator/families/families.h"
+#include "simulator/scene/realism.h"
 
 namespace uniquadric {
 namespace {
@@ -38,7 +39,7 @@ FamilyOptions read_options(const FamilyRequest& request, double drawn_difficulty
     options.meshes = node.get<std::string>("meshes", "");
   if (request.family == "street")
     options.lidar = node.choice("lidar", {"livox_avia", "livox_mid360", "hdl64e", "os1_64", "vlp16"}, "");
-  options.realism = node.choice("realism", {"ideal", "mild", "real", "harsh"}, "ideal");
+  options.realism = read_realism(node);
   node.refuse_unknown_keys();
   return options;
 }

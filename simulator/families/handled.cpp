@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "simulator/families/families.h"
 #include "simulator/families/table.h"
@@ -92,15 +91,15 @@ std::string camera_before_table(RandomStream& random, const FamilyOptions& optio
   return fmt::format(
       "  motion:\n    kind: compose\n    parts:\n      - kind: spline\n        look_at_m: [0, 0, 0.95]\n"
       "        waypoints:\n          - {{time_s: -1, position_m: {}}}\n          - {{time_s: {}, position_m: "
-      "{}}}\n      - {{kind: tremor, position_m: 0.001, rotation_deg: 0.15, seed: {}}}\n",
+      "{}}}\n{}",
       yaml_vector({side_m, -far_m, 1.25}), yaml_number(duration_s + 1, 2),
-      yaml_vector({end_m, -end_far_m, 1.3}), random.below(100'000));
+      yaml_vector({end_m, -end_far_m, 1.3}), drawn_camera_tremor(random));
 }
 
 }  // namespace
 
 std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
-  constexpr int kMostTries = 40, kMostObjects = 3;
+  constexpr int kMostObjects = 3;
   const int drawn = 1 + static_cast<int>(graded(options.difficulty, 0.8, 3) * random.uniform());
   const int count = options.count > 0 ? options.count : std::min(drawn, kMostObjects);
   SceneDraft draft(options, camera_before_table(random, options), 0.01);
@@ -116,14 +115,10 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
   for (int k = 0; k < count; ++k) {
     const bool is_twin = k > 0 && random.uniform() < 0.5;  // of the one before
     if (!is_twin) thing = draw_thing(random, options);
-    for (int i = 0; i < kMostTries; ++i) {
-      const double x_m = count > 1 ? -0.45 + 0.9 * k / (count - 1) : 0;
-      const Vector3d home_m(x_m, -0.3, kTable_m.z() + 0.5 * thing.size_m.norm() + 0.2);
-      const std::string motion = draw_motion(random, thing, home_m, options);
-      if (!draft.add(thing, motion)) continue;
-      draft.add_unscored(kHand, held_by_hand(random, thing, motion));
-      break;
-    }
+    const double x_m = count > 1 ? -0.45 + 0.9 * k / (count - 1) : 0;
+    const Vector3d home_m(x_m, -0.3, kTable_m.z() + 0.5 * thing.size_m.norm() + 0.2);
+    const auto motion = draft.add_drawn(thing, [&] { return draw_motion(random, thing, home_m, options); });
+    if (motion) draft.add_unscored(kHand, held_by_hand(random, thing, *motion));
   }
   return draft.text();
 }

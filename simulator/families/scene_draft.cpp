@@ -98,6 +98,14 @@ bool SceneDraft::add(const Thing& thing, const std::string& motion) {
   return true;
 }
 
+std::optional<std::string> SceneDraft::add_drawn(const Thing& thing,
+                                                 const std::function<std::string()>& draw_motion) {
+  constexpr int kMostTries = 40;
+  for (int i = 0; i < kMostTries; ++i)
+    if (const std::string motion = draw_motion(); add(thing, motion)) return motion;
+  return std::nullopt;
+}
+
 void SceneDraft::add_unscored(const Thing& thing, const std::string& motion) {
   Thing unscored = thing;
   unscored.keys += "    scored: false\n";

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +37,9 @@ class SceneDraft {
   void keep_clear_of(const std::string& motion, const Eigen::Vector3d& size_m);
   /// `motion` as YAML lines indented by six. Whether it was added.
   bool add(const Thing& thing, const std::string& motion);
+  /// Draws motions, forty at most, until the thing can be added with one: that one, or nothing where there is
+  /// no place left.
+  std::optional<std::string> add_drawn(const Thing& thing, const std::function<std::string()>& draw_motion);
   /// Adds what is seen and not scored: the others do not have to keep clear of it.
   void add_unscored(const Thing& thing, const std::string& motion);
 

@@ -18,9 +18,7 @@ Vector2d free_half_m(const Thing& thing) {
 }  // namespace
 
 void add_room_with_table(RandomStream& random, const FamilyOptions& options, SceneDraft& draft) {
-  draft.add_world(fmt::format(
-      "  - {{name: room, primitive: room, size_m: [6, 6, 3], furniture: 8, material: {{seed: {}}}}}\n",
-      random.below(100'000)));
+  draft.add_world(drawn_room(random));
   draft.add_world(fmt::format(
       "  - {{name: table, primitive: rounded_box, size_m: {}, radius_m: 0.01, pose: {{position_m: [0, 0, "
       "{}]}}, "
@@ -58,8 +56,7 @@ std::string hand_held_camera(RandomStream& random, const FamilyOptions& options,
                         yaml_vector({away_m * std::cos(angle), away_m * std::sin(angle), above_m}),
                         yaml_number(random.uniform(-4, 4), 2));
   }
-  return text + fmt::format("      - {{kind: tremor, position_m: 0.001, rotation_deg: 0.15, seed: {}}}\n",
-                            random.below(100'000));
+  return text + drawn_camera_tremor(random);
 }
 
 std::string static_motion_text(const Vector3d& at_m, const Vector3d& rpy_deg) {

@@ -67,7 +67,6 @@ Act draw_act(RandomStream& random, bool must_move) {
 }  // namespace
 
 std::string tabletop_scene(RandomStream& random, const FamilyOptions& options) {
-  constexpr int kMostTries = 40;
   const int drawn = 2 + static_cast<int>(graded(options.difficulty, 1, 7) * random.uniform());
   const int count = options.count > 0 ? options.count : drawn;
   SceneDraft draft(options, hand_held_camera(random, options, random.uniform(40, 110)), 0.01);
@@ -75,10 +74,10 @@ std::string tabletop_scene(RandomStream& random, const FamilyOptions& options) {
   for (int k = 0; k < count; ++k) {
     const Thing thing = draw_thing(random, options);
     const Act act = draw_act(random, k == 0);  // something moves
-    for (int i = 0; i < kMostTries; ++i) {     // else the table is full
+    draft.add_drawn(thing, [&] {
       const Way way = draw_way(random, thing, act, options.difficulty);
-      if (draft.add(thing, motion_of(random, thing, act, way, options))) break;
-    }
+      return motion_of(random, thing, act, way, options);
+    });
   }
   return draft.text();
 }

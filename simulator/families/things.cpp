@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "simulator/families/scene_draft.h"
 #include "simulator/scene/mesh_building.h"
 #include "simulator/scene/mesh_import.h"
@@ -30,7 +31,7 @@ std::vector<fs::path> mesh_files(const fs::path& folder) {
 Thing draw_mesh(RandomStream& random, const fs::path& folder) {
   constexpr double kLeast_m = 0.02, kMost_m = 0.6;
   const fs::path file = one_of(random, mesh_files(folder));
-  Thing thing{"mesh", fmt::format("    mesh: '{}'\n", fs::absolute(file).string()), {}};
+  Thing thing{"mesh", fmt::format("    mesh: {}\n", yaml_quoted(fs::absolute(file).string())), {}};
   thing.size_m = tight_box(import_mesh(file).meshes).sizes();
   if (!(thing.size_m.maxCoeff() >= kLeast_m && thing.size_m.maxCoeff() <= kMost_m))
     throw InputError(file, fmt::format("measures {:.3g} m: expected {} to {} m. Is it in metres?",

@@ -53,17 +53,13 @@ std::string camera_of(RandomStream& random, const FamilyOptions& options) {
 }  // namespace
 
 std::string tossed_scene(RandomStream& random, const FamilyOptions& options) {
-  constexpr int kMostTries = 40;
   const int drawn = 1 + static_cast<int>(graded(options.difficulty, 1, 3.99) * random.uniform());
   const int count = options.count > 0 ? options.count : drawn;
   SceneDraft draft(options, camera_of(random, options), 0.01);
-  draft.add_world(fmt::format(
-      "  - {{name: room, primitive: room, size_m: [6, 6, 3], furniture: 8, material: {{seed: {}}}}}\n",
-      random.below(100'000)));
+  draft.add_world(drawn_room(random));
   for (int k = 0; k < count; ++k) {
     const Thing thing = draw_thing(random, options);
-    for (int i = 0; i < kMostTries; ++i)
-      if (draft.add(thing, draw_toss(random, thing, options))) break;
+    draft.add_drawn(thing, [&] { return draw_toss(random, thing, options); });
   }
   return draft.text();
 }

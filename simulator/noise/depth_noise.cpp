@@ -97,9 +97,12 @@ void drop_faint(cv::Mat& depth_m, const cv::Mat& rgba, const DepthNoise& noise, 
   };
   for (int v = 0; v < depth_m.rows; ++v) {
     RandomStream stream = row_stream(seed, "depth_faint", frame, v);
-    for (int u = 0; u < depth_m.cols; ++u)
-      if (const double lost = lost_share(rgba.at<cv::Vec4b>(v, u)); lost > 0 && stream.uniform() < lost)
+    const auto* color = rgba.ptr<cv::Vec4b>(v);
+    for (int u = 0; u < depth_m.cols; ++u) {
+      if (color[u][3] == 255 && noise.dark_dropout == 0) continue;  // most images: nothing is lost
+      if (const double lost = lost_share(color[u]); lost > 0 && stream.uniform() < lost)
         depth_m.at<float>(v, u) = 0;
+    }
   }
 }
 

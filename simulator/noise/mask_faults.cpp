@@ -1,12 +1,12 @@
 #include "simulator/noise/mask_faults.h"
 
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "core/base/random.h"
+#include "simulator/noise/true_masks.h"
 
 namespace uniquadric {
 namespace {
@@ -25,16 +25,6 @@ class Faults {
  private:
   std::uint64_t seed_, period_;
 };
-
-std::set<int> ids_in(const cv::Mat& ids) {
-  std::set<int> found;
-  for (int v = 0; v < ids.rows; ++v) {
-    const auto* row = ids.ptr<std::uint16_t>(v);
-    for (int u = 0; u < ids.cols; ++u)
-      if (row[u] != 0 && (u == 0 || row[u] != row[u - 1])) found.insert(row[u]);
-  }
-  return found;
-}
 
 // Pairs (larger, smaller) of ids that stand beside each other.
 std::set<std::pair<int, int>> touching(const cv::Mat& ids) {
@@ -95,7 +85,7 @@ cv::Mat mask_faults(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64
   const Faults faults(seed, time_s);
   cv::Mat seen = ids.clone();
   if (noise.merge_probability > 0) merge(seen, faults, noise.merge_probability);
-  for (const int id : ids_in(seen)) {
+  for (const auto& [id, mask] : find_masks(seen)) {
     RandomStream random = faults.of("segmenter_fault", id);
     if (random.uniform() < noise.split_probability) split(seen, id, random);
     if (random.uniform() < noise.leak_probability) leak(seen, id, noise.leak_px);

@@ -2,39 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "core/base/random.h"
 #include "core/base/vector_clones.h"
 #include "simulator/noise/mask_faults.h"
 #include "simulator/noise/outline_distance.h"
 #include "simulator/noise/smooth_field.h"
+#include "simulator/noise/true_masks.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr double kReach_sigmas = 5;  // the outline's displacement beyond this is cut off: 6e-7 of it
-
-struct TrueMask {
-  cv::Rect box;
-  std::int64_t pixels = 0;
-};
-
-std::map<int, TrueMask> find_masks(const cv::Mat& ids) {
-  std::map<int, TrueMask> masks;
-  for (int v = 0; v < ids.rows; ++v) {
-    const auto* row = ids.ptr<std::uint16_t>(v);
-    for (int u = 0; u < ids.cols;) {
-      const int id = row[u], begin = u;
-      while (u < ids.cols && row[u] == id) ++u;
-      if (id == 0) continue;
-      TrueMask& mask = masks[id];
-      mask.box = mask.pixels ? mask.box | cv::Rect(begin, v, u - begin, 1) : cv::Rect(begin, v, u - begin, 1);
-      mask.pixels += u - begin;
-    }
-  }
-  return masks;
-}
 
 // Gives `id` to the pixels that the moved outline holds more deeply than what holds them so far.
 UNIQUADRIC_VECTOR_CLONES

@@ -50,7 +50,7 @@ struct Renderer::State {
   std::vector<GpuBody> world, objects;
   std::vector<Pose> world_from_static;  // one a body of the world
   std::optional<ShadowMaps> shadows;
-  std::vector<Pose> shadow_casters;  // where the objects' map has them; empty before a frame's first
+  std::optional<std::vector<Pose>> shadow_casters;  // where the objects' map has them: this frame's
   Camera camera;
   Eigen::Vector3d sun_direction;
   std::array<float, 4> sky{};
@@ -109,9 +109,9 @@ void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_obj
 
 // Whether nothing has moved by more than a texel since the map was drawn, as between a frame's exposures.
 bool Renderer::State::has_shadows_of(const std::vector<Pose>& poses) const {
-  if (shadow_casters.size() != poses.size() || poses.empty()) return false;
+  if (!shadow_casters) return false;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Pose &drawn = shadow_casters[i], &now = poses[i];
+    const Pose &drawn = (*shadow_casters)[i], &now = poses[i];
     const double turned_m =
         drawn.rotation.angularDistance(now.rotation) * 0.5 * objects[i].box.diagonal().norm();
     if ((now.translation - drawn.translation).norm() + turned_m > shadows->objects.texel_m) return false;
@@ -233,7 +233,7 @@ Renderer::~Renderer() = default;
 void Renderer::draw(const ScenePoses& poses) {
   State& s = *state_;
   s.context->make_current();
-  s.shadow_casters.clear();
+  s.shadow_casters.reset();
   s.draw_image(poses, false);
   if (!s.one_pass) s.draw_color(poses, {0, s.targets.height});
 }
@@ -264,7 +264,7 @@ void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
 const RenderedFrame& Renderer::render(const ScenePoses& poses, const std::vector<ColorStep>& steps) {
   State& s = *state_;
   s.context->make_current();
-  s.shadow_casters.clear();  // images do not depend on what was drawn before
+  s.shadow_casters.reset();  // images do not depend on what was drawn before
   s.draw_image(poses, true);
   if (!s.one_pass && steps.empty()) s.draw_color(poses, {0, s.targets.height});
   read_back(s.frame.rgba, s.frame.ids, s.frame.depth_m);

@@ -11,6 +11,7 @@
 #include "simulator/scene/contact.h"
 #include "simulator/scene/named_motions.h"
 #include "simulator/scene/pose_reader.h"
+#include "simulator/scene/shape_reader.h"
 #include "simulator/scene/spline_reader.h"
 #include "simulator/scene/toss.h"
 
@@ -146,9 +147,7 @@ Motion read_toss(const ConfigNode& node, const MotionScope& scope) {
       radians(1) * node.get<Vector3d>("angular_velocity_degps", options.angular_velocity_radps);
   options.begins_s = node.get<double>("begins_s", options.begins_s);
   options.floor_m = node.get<double>("floor_m", options.floor_m);
-  options.restitution = node.get<double>("restitution", options.restitution);
-  if (!(options.restitution >= 0 && options.restitution <= 1))
-    node.at("restitution").fail(fmt::format("expected 0 to 1, found {}", options.restitution));
+  options.restitution = read_share(node, "restitution", options.restitution);
   options.friction = node.get<double>("friction", options.friction);
   if (options.friction < 0) node.at("friction").fail("cannot be negative");
   options.gravity_mps2 = node.positive("gravity_mps2", options.gravity_mps2);

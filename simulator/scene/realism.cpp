@@ -4,10 +4,10 @@
 
 #include <charconv>
 
+#include "simulator/scene/scene.h"
+
 namespace uniquadric {
 namespace {
-
-constexpr double kUsualRate_hz = 30;
 
 bool has_key(const ConfigNode& node, std::string_view key) {
   const std::size_t dot = key.find('.');
@@ -29,6 +29,10 @@ std::string in_seconds(std::string_view frames, double rate_hz) {
 }
 
 }  // namespace
+
+std::string read_realism(const ConfigNode& node) {
+  return node.choice("realism", {"ideal", "mild", "real", "harsh"}, "ideal");
+}
 
 const std::vector<RealismRow>& realism_rows() {
   constexpr std::string_view kPlanes = "measured: planes of 20 x 20 px in visp_cube 0.06-0.10, TUM fr3 0.064";
@@ -102,9 +106,9 @@ const std::vector<RealismRow>& realism_rows() {
 }
 
 std::vector<ConfigOverride> realism_of(const ConfigNode& scene) {
-  const std::string level = scene.choice("realism", {"ideal", "mild", "real", "harsh"}, "ideal");
+  const std::string level = read_realism(scene);
   if (level == "ideal") return {};
-  const double rate_hz = scene.positive("rate_hz", kUsualRate_hz);
+  const double rate_hz = scene.positive("rate_hz", Scene{}.rate_hz);
   std::vector<ConfigOverride> added;
   for (const RealismRow& row : realism_rows()) {
     const std::string_view value = level == "mild" ? row.mild : level == "real" ? row.real : row.harsh;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -7,6 +8,9 @@
 #include "core/base/config_overrides.h"
 
 namespace uniquadric {
+
+/// `realism: ideal | mild | real | harsh` of a map; without the key `ideal`.
+std::string read_realism(const ConfigNode& node);
 
 /// One key of a scene and what each level of `realism` sets it to, as YAML; empty: the level leaves it.
 struct RealismRow {
