@@ -1,13 +1,13 @@
 """Tables of results/ pages, made from the scores that scripts/results keeps.
 
 A block of a page is `<!-- KIND BENCH key=value .. -->`, then what is made, then `<!-- end -->`. Kinds:
-  made                                    commit, command and seeds of the bench
+  made    [of=medians]                    commit, command and seeds of the bench, and what its figures are
   table   metrics= [scenes= objects= variants= outputs=]    means over seeds
   claim   than= better= metric= [output= scenes= objects= margin=]   a paired comparison and a verdict
   level   variant= metric= level=0.8 | object:0.8,.. [output= scenes= verdict=no]   a figure against a level
   section heading=                        a section of the bench's report.md
   spread  metrics= [variants= outputs=]   median and worst tenth over the scenes of a family, and failures
-  success variant= [output= groups=]      share of scene-objects that are followed well, by group of scenes
+  success variant= [output= groups= plot=FILE.svg]   share of scene-objects that are followed well, by group
 A group of scenes is what bears the same name but for the seed at its end, as families do.
 """
 import csv
@@ -304,18 +304,55 @@ def is_success(row):
     return box is not None and off is not None and box > 0.7 and off < 0.05
 
 
-def success(name, options):
+def successes(name, options):
+    """(group, objects followed well, objects) of a success block."""
     output = output_of(options)
     groups = by_group(read_scores(name), [options["variant"]], [output or "causal"])
-    lines = ["| scenes | followed well | |", "|---|---:|---|"]
     for group in chosen(options, "groups", [key[0] for key in groups]):
         rows = of_objects(groups.get((group, options["variant"], output), {}))
         if not rows:
             raise PageError(f"{name}: no scenes of the group {group}")
-        good = sum(map(is_success, rows))
-        bar = "█" * round(20 * good / len(rows))
-        lines.append(f"| {group} | {good} of {len(rows)} | `{bar:░<20}` |")
-    return "\n".join(lines)
+        yield group, sum(map(is_success, rows)), len(rows)
+
+
+def success(name, options):
+    lines = ["| scenes | followed well |", "|---|---:|"]
+    lines += [f"| {group} | {good} of {count} |" for group, good, count in successes(name, options)]
+    plot = [f"![share followed well]({options['plot']})", ""] if "plot" in options else []
+    return "\n".join(plot + lines)
+
+
+def wilson(good, count):
+    """The 95 % interval of a share (Wilson, JASA 1927)."""
+    z = 1.96
+    middle = (good + z * z / 2) / (count + z * z)
+    half = z * math.sqrt(good * (count - good) / count + z * z / 4) / (count + z * z)
+    return middle - half, middle + half
+
+
+def success_plot(rows):
+    """An SVG of shares from 0 to 1 with their intervals, a group a row."""
+    left, width, step, top = 190, 420, 26, 46
+    bottom = top + step * len(rows)
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {left + width + 30} {bottom + 30}" role="img" '
+             'aria-label="share of objects followed well, by scenes">',
+             "<style>text{font:12px sans-serif;fill:#1d2126}.back{fill:#fff}.grid{stroke:#e2dfd9}"
+             ".bar{stroke:#0072b2;stroke-width:2}.dot{fill:#0072b2}"
+             "@media(prefers-color-scheme:dark){text{fill:#e8e6e3}.back{fill:#1c2024}.grid{stroke:#2f353b}"
+             ".bar{stroke:#4aa8e8}.dot{fill:#4aa8e8}}</style>",
+             '<rect class="back" width="100%" height="100%"/>',
+             f'<text x="{left}" y="20">share of objects followed well; bars: 95 % interval (Wilson)</text>']
+    for tick in range(0, 11, 2):
+        x = left + width * tick / 10
+        parts.append(f'<path class="grid" d="M{x:.0f} {top - 14}V{bottom - 8}"/>'
+                     f'<text x="{x:.0f}" y="{bottom + 10}" text-anchor="middle">{tick / 10:g}</text>')
+    for k, (group, good, count) in enumerate(rows):
+        y = top + step * k
+        low, high = (left + width * share for share in wilson(good, count))
+        parts.append(f'<text x="{left - 10}" y="{y + 4}" text-anchor="end">{group} ({count})</text>'
+                     f'<path class="bar" d="M{low:.1f} {y}H{high:.1f}"/>'
+                     f'<circle class="dot" cx="{left + width * good / count:.1f}" cy="{y}" r="4"/>')
+    return "\n".join(parts + ["</svg>", ""])
 
 
 def section(name, options):
@@ -328,19 +365,22 @@ def section(name, options):
     return found[1].strip()
 
 
-def made(name, _):
-    return kept(name, "txt").read_text().strip()
+def made(name, options):
+    figures = {"means": "Means over seeds of root mean squares or means over frames, ± half the 95 % confidence interval "
+                        "(Student's t).",
+               "medians": "Medians over objects and, in brackets, the worst tenth."}
+    return kept(name, "txt").read_text().strip() + " " + figures[options.get("of", "means")]
 
 
 # kind: (what makes it, the keys it needs, those that it may have)
 KINDS = {
-    "made": (made, set(), set()),
+    "made": (made, set(), {"of"}),
     "table": (table, {"metrics"}, {"scenes", "objects", "variants", "outputs"}),
     "claim": (claim, {"than", "better", "metric"}, {"output", "scenes", "objects", "margin"}),
     "level": (level, {"variant", "metric", "level"}, {"output", "scenes", "verdict"}),
     "section": (section, {"heading"}, set()),
     "spread": (spread, {"metrics"}, {"variants", "outputs"}),
-    "success": (success, {"variant"}, {"output", "groups"}),
+    "success": (success, {"variant"}, {"output", "groups", "plot"}),
 }
 BLOCK = re.compile(r"(<!-- (\w+) (\S+)((?: \S+=\S+)*) -->\n)(.*?)(<!-- end -->)", re.S)
 
@@ -349,11 +389,25 @@ def benches_of(text):
     return [match[3] for match in BLOCK.finditer(text)]
 
 
+def options_of(match):
+    return dict(option.split("=", 1) for option in match[4].split())
+
+
+def plots_of(text):
+    """file: SVG of each block of a page that has a plot; none of benches that have not been run."""
+    plots = {}
+    for match in BLOCK.finditer(text):
+        options = options_of(match)
+        if "plot" in options and (SCORES / f"{match[3]}.csv.gz").exists():
+            plots[options["plot"]] = success_plot(list(successes(match[3], options)))
+    return plots
+
+
 def with_tables(text):
     """A page's text, its blocks made anew; those of benches that have not been run say so."""
     def block(match):
         kind, name = match[2], match[3]
-        options = dict(option.split("=", 1) for option in match[4].split())
+        options = options_of(match)
         if kind not in KINDS:
             raise PageError(f"there is no block of the kind {kind}")
         make, needed, possible = KINDS[kind]

@@ -13,13 +13,24 @@ using Eigen::Vector3d;
 
 constexpr double kUsualWay_m = 0.4, kScreen_m[] = {0.45, 0.04, 0.4};  // hides what is put away behind it
 
-// The hand that holds it: an ellipsoid that sticks out of its lower side. It moves with the object and is
-// not scored.
+// The hand that holds it: an ellipsoid that sticks out of its lower side. It moves with the object.
 std::string held_by_hand(RandomStream& random, const Thing& thing, const std::string& motion) {
   const double side = random.below(2) ? 1 : -1;
   const Vector3d at_m(0, side * 0.5 * thing.size_m.y(), -0.35 * thing.size_m.z());
-  return motion + fmt::format("        - {{kind: static, position_m: {}, rpy_deg: [{}, 0, 0]}}\n",
-                              yaml_vector(at_m), yaml_number(side * random.uniform(-40, 10), 1));
+  return motion + fmt::format("        - {{kind: static, position_m: {}, rpy_deg: [{}, 0, {}]}}\n",
+                              yaml_vector(at_m), yaml_number(random.uniform(-40, 10), 1), side > 0 ? 0 : 180);
+}
+
+// The limb behind another one along its y, which bends at the joint between them.
+std::string bends_behind(RandomStream& random, const Thing& limb, const Thing& before,
+                         const std::string& motion) {
+  return motion + fmt::format(
+                      "        - {{kind: static, position_m: [0, {}, 0], rpy_deg: [{}, 0, 0]}}\n"
+                      "        - {{kind: swing, pivot_m: [0, 0, 0], length_m: {}, amplitude_deg: {}, "
+                      "period_s: {}, phase_deg: {}}}\n",
+                      yaml_number(0.45 * before.size_m.y()), yaml_number(random.uniform(60, 100), 1),
+                      yaml_number(0.45 * limb.size_m.z()), yaml_number(random.uniform(5, 20), 1),
+                      yaml_number(random.uniform(0.8, 2), 2), yaml_number(random.uniform(0, 360), 1));
 }
 
 std::string carried(RandomStream& random, const std::string& waypoints, const FamilyOptions& options) {
@@ -31,11 +42,27 @@ std::string carried(RandomStream& random, const std::string& waypoints, const Fa
       yaml_number(graded(options.difficulty, 0.2, 1), 2), random.below(100'000));
 }
 
-const Thing kHand{
-    "hand",
-    "    primitive: ellipsoid\n    size_m: [0.085, 0.13, 0.045]\n    material: {color: [0.72, 0.55, 0.45], "
-    "accent: [0.6, 0.42, 0.35], contrast: 0.1, texture: none}\n",
-    {0.085, 0.13, 0.045}};
+std::string skin(const std::string& kind, const Vector3d& size_m) {
+  return fmt::format(
+      "    primitive: {}\n    size_m: {}\n    material: {{color: [0.72, 0.55, 0.45], accent: [0.6, 0.42, "
+      "0.35], contrast: 0.1, texture: none}}\n",
+      kind, yaml_vector(size_m));
+}
+
+// Sizes of a man's hand and forearm (NASA-STD-3000, 50th percentile: forearm-hand length 0.48 m).
+Thing limb(const std::string& name, const std::string& kind, const Vector3d& size_m) {
+  return {name, skin(kind, size_m), size_m};
+}
+
+// A hand and a forearm that bends at the wrist: seen and not scored, so that something not rigid touches what
+// is.
+void add_arm(RandomStream& random, const Thing& thing, const std::string& motion, SceneDraft& draft) {
+  const Thing hand = limb("hand", "ellipsoid", {0.085, 0.13, 0.045});
+  const Thing forearm = limb("forearm", "cylinder", {0.075, 0.075, 0.28});
+  const std::string held = held_by_hand(random, thing, motion);
+  draft.add_unscored(hand, held);
+  draft.add_unscored(forearm, bends_behind(random, forearm, hand, held));
+}
 
 std::string stop_text(double time_s, const Vector3d& at_m, const Vector3d& rpy_deg) {
   return "    " + waypoint_text(time_s, at_m, rpy_deg).substr(2);
@@ -118,7 +145,7 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
     const double x_m = count > 1 ? -0.45 + 0.9 * k / (count - 1) : 0;
     const Vector3d home_m(x_m, -0.3, kTable_m.z() + 0.5 * thing.size_m.norm() + 0.2);
     const auto motion = draft.add_drawn(thing, [&] { return draw_motion(random, thing, home_m, options); });
-    if (motion) draft.add_unscored(kHand, held_by_hand(random, thing, *motion));
+    if (motion) add_arm(random, thing, *motion, draft);
   }
   return draft.text();
 }

@@ -15,7 +15,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr std::int64_t kFrameStep = 3;  // of the checks: a tenth of a second
-constexpr double kFarthest_m = 60;      // that counts as looked at
+constexpr double kFarthest_m = 60;      // that counts as seen
 
 // Oriented boxes of these half extents, by the separating axis theorem (Gottschalk et al., SIGGRAPH 1996).
 bool boxes_meet(const Pose& a_from_b, const Vector3d& a, const Vector3d& b) {
@@ -36,6 +36,21 @@ bool boxes_meet(const Pose& a_from_b, const Vector3d& a, const Vector3d& b) {
   return true;
 }
 
+// Whether the way from `a` to `b` leads through a box of these half extents (slabs: Kay and Kajiya, SIGGRAPH
+// 1986).
+bool box_hides(const Pose& box_from_world, const Vector3d& half_m, const Vector3d& a_m, const Vector3d& b_m) {
+  const Vector3d from = box_from_world * a_m, way = box_from_world * b_m - from;
+  double enters = 0, leaves = 1;
+  for (int k = 0; k < 3; ++k) {
+    if (way[k] == 0 && std::abs(from[k]) > half_m[k]) return false;
+    if (way[k] == 0) continue;
+    const double one = (-half_m[k] - from[k]) / way[k], other = (half_m[k] - from[k]) / way[k];
+    enters = std::max(enters, std::min(one, other));
+    leaves = std::min(leaves, std::max(one, other));
+  }
+  return enters < leaves;
+}
+
 }  // namespace
 
 SceneDraft::SceneDraft(const FamilyOptions& options, const std::string& camera, double clear_m)
@@ -45,12 +60,12 @@ SceneDraft::SceneDraft(const FamilyOptions& options, const std::string& camera, 
   sensors_.camera_motion = read_motion(node.at("camera").at("motion"), {Mover::camera, files});
 }
 
-void SceneDraft::keep_clear_of(const std::string& motion, const Vector3d& size_m) {
+void SceneDraft::keep_clear_of(const std::string& motion, const Vector3d& size_m, bool hides) {
   Body body;
   std::vector<std::filesystem::path> files;
   body.motion = read_motion(ConfigNode::parse(motion, "family"), {Mover::body, files});
   body.semi_axes_m = size_m / 2;
-  bodies_.push_back(body);
+  boxes_.push_back({body, false, hides});
 }
 
 std::string SceneDraft::object_text(const Thing& thing, const std::string& motion) const {
@@ -62,7 +77,7 @@ bool SceneDraft::meets_another(const Body& body) const {
   const Vector3d half = body.semi_axes_m.array() + clear_m_;
   for (std::int64_t frame = 0; frame < options_.frames; frame += kFrameStep) {
     const Pose body_from_world = body.motion.at(time_s(frame)).inverse();
-    for (const Body& other : bodies_) {
+    for (const auto& [other, is_object, hides] : boxes_) {
       const Pose body_from_other = body_from_world * other.motion.at(time_s(frame));
       const double apart_m = body_from_other.translation.norm();
       if (apart_m < half.norm() + other.semi_axes_m.norm() &&
@@ -73,15 +88,40 @@ bool SceneDraft::meets_another(const Body& body) const {
   return false;
 }
 
-bool SceneDraft::is_looked_at(const Body& body) const {
-  for (std::int64_t frame = 0; frame < options_.frames; frame += kFrameStep) {
-    const Pose camera_from_body =
-        sensors_.camera_motion.at(time_s(frame)).inverse() * body.motion.at(time_s(frame));
-    const auto pixel = sensors_.camera.project(camera_from_body.translation);
-    if (pixel && sensors_.camera.contains(*pixel) && camera_from_body.translation.z() < kFarthest_m)
-      return true;
+// Its middle is in the image, and nothing stands before a third of the places inside it.
+bool SceneDraft::is_seen_at(std::size_t index, double time_s) const {
+  const Body& body = boxes_[index].body;
+  const Pose world_from_camera = sensors_.camera_motion.at(time_s), world_from_body = body.motion.at(time_s);
+  const Vector3d middle_m = world_from_camera.inverse() * world_from_body.translation;
+  const auto pixel = sensors_.camera.project(middle_m);
+  if (!pixel || !sensors_.camera.contains(*pixel) || middle_m.z() > kFarthest_m) return false;
+  std::vector<std::pair<Pose, Vector3d>> before;  // what may hide it
+  for (std::size_t i = 0; i < boxes_.size(); ++i)
+    if (i != index && boxes_[i].hides)
+      before.emplace_back(boxes_[i].body.motion.at(time_s).inverse(), boxes_[i].body.semi_axes_m);
+  constexpr int kPlaces = 27;
+  int seen = 0;
+  for (int place = 0; place < kPlaces; ++place) {
+    const Vector3d share(place % 3 - 1, place / 3 % 3 - 1, place / 9 - 1);
+    const Vector3d at_m = world_from_body * (0.7 * share.cwiseProduct(body.semi_axes_m));
+    const bool is_hidden = std::ranges::any_of(before, [&](const auto& box) {
+      return box_hides(box.first, box.second, world_from_camera.translation, at_m);
+    });
+    seen += is_hidden ? 0 : 1;
   }
+  return 3 * seen >= kPlaces;
+}
+
+bool SceneDraft::is_seen(std::size_t index) const {
+  for (std::int64_t frame = 0; frame < options_.frames; frame += kFrameStep)
+    if (is_seen_at(index, time_s(frame))) return true;
   return false;
+}
+
+bool SceneDraft::all_seen() const {
+  for (std::size_t i = 0; i < boxes_.size(); ++i)
+    if (boxes_[i].is_object && !is_seen(i)) return false;
+  return true;
 }
 
 bool SceneDraft::add(const Thing& thing, const std::string& motion) {
@@ -89,9 +129,13 @@ bool SceneDraft::add(const Thing& thing, const std::string& motion) {
   std::vector<std::filesystem::path> files;
   Body body = read_object(ConfigNode::parse("objects:\n" + text, "family").at("objects").items().front(),
                           TextureAmount::none, files);
-  if (meets_another(body) || !is_looked_at(body)) return false;
   body.meshes.clear();
-  bodies_.push_back(std::move(body));
+  if (meets_another(body)) return false;
+  boxes_.push_back({std::move(body), true, true});
+  if (!all_seen()) {
+    boxes_.pop_back();
+    return false;
+  }
   objects_ += text;
   ++next_id_;
   ++count_;

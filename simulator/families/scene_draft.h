@@ -26,7 +26,7 @@ struct Thing {
 Thing draw_thing(RandomStream& random, const FamilyOptions& options);
 
 /// A scene in the making. Objects are added one by one, and only those that never come nearer to another one
-/// than `clear_m` (boxes about them) and are looked at at some time.
+/// than `clear_m` (boxes about them) and with which each is seen at some time.
 class SceneDraft {
  public:
   /// `camera` is the scene's section without its key, indented by two.
@@ -34,7 +34,8 @@ class SceneDraft {
 
   void add_world(const std::string& line) { world_ += line; }
   /// What objects keep clear of, though it is none: a box along the axes of a motion (as YAML in one line).
-  void keep_clear_of(const std::string& motion, const Eigen::Vector3d& size_m);
+  /// `hides`: whether the camera cannot see through it.
+  void keep_clear_of(const std::string& motion, const Eigen::Vector3d& size_m, bool hides = true);
   /// `motion` as YAML lines indented by six. Whether it was added.
   bool add(const Thing& thing, const std::string& motion);
   /// Draws motions, forty at most, until the thing can be added with one: that one, or nothing where there is
@@ -49,14 +50,20 @@ class SceneDraft {
  private:
   std::string object_text(const Thing& thing, const std::string& motion) const;
   bool meets_another(const Body& body) const;
-  bool is_looked_at(const Body& body) const;
+  bool is_seen(std::size_t body) const;
+  bool is_seen_at(std::size_t body, double time_s) const;
+  bool all_seen() const;
   double time_s(std::int64_t frame) const { return static_cast<double>(frame) / 30; }
 
   FamilyOptions options_;
   double clear_m_;
   Scene sensors_;  // camera and its motion alone
   std::string camera_, world_, objects_;
-  std::vector<Body> bodies_;
+  struct Box {
+    Body body;  // without its meshes
+    bool is_object, hides;
+  };
+  std::vector<Box> boxes_;
   std::size_t count_ = 0;
   int next_id_ = 1;
 };

@@ -189,7 +189,7 @@ std::string street_scene(RandomStream& random, const FamilyOptions& options) {
       "rotation_deg: 0.1, seed: {}}}\n",
       ego(kCameraHeight_m), random.below(100'000));
   SceneDraft draft(options, camera, kClear_m);
-  draft.keep_clear_of("{" + ego(0.5 * kEgoSize_m.z()) + "}", kEgoSize_m);
+  draft.keep_clear_of("{" + ego(0.5 * kEgoSize_m.z()) + "}", kEgoSize_m, false);
   draft.add_world(
       fmt::format("  - {{name: street, primitive: street, size_m: [{}, 46, 14], material: {{seed: {}, "
                   "texture: sparse}}}}\n",
