@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kFocal = 2;            // of the ideal camera, in focal lengths of the camera
 constexpr double kMostAngle_deg = 85;   // ours: beyond, a plane image grows without bound
-constexpr double kMostArea_px = 16e6;   // ours: 400 MB of buffers with four samples a pixel
+constexpr double kMostArea_px = 16e6;   // ours: 430 MB of buffers
 constexpr double kMostSide_px = 16384;  // of llvmpipe's render buffers
 constexpr int kMargin_px = 3;           // colour reaches one pixel, the test for one surface two
 constexpr float kSurfaceStep = 1e-3f;   // ours: of inverse depth; rounding makes 3e-5, a sphere's limb 1e-3
