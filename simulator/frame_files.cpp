@@ -41,6 +41,7 @@ FrameWriter::FrameWriter(const Scene& scene, std::uint64_t seed, fs::path folder
     : scene_(scene),
       seed_(seed),
       folder_(std::move(folder)),
+      rays_(scene.camera),
       image_noise_(scene.image_noise, seed),
       color_(PngFormat::rgb_8, scene.camera.width, scene.camera.height),
       depth_(PngFormat::grey_16, scene.camera.width, scene.camera.height) {}
@@ -74,7 +75,7 @@ void FrameWriter::fill_color(std::int64_t frame, const cv::Mat& rgba) {
 
 void FrameWriter::fill_depth(std::int64_t frame, const RenderedFrame& rendered) {
   const cv::Mat noisy_m =
-      add_depth_noise(rendered.depth_m, rendered.rgba, scene_.camera, scene_.depth_noise, seed_, frame);
+      add_depth_noise(rendered.depth_m, rendered.rgba, rays_, scene_.depth_noise, seed_, frame);
   cv::Mat units;
   noisy_m.convertTo(units, CV_16U, depth_units_per_m(scene_.depth_noise));
   for (int v = 0; v < units.rows; ++v) pack_16_bits(units.ptr<std::uint16_t>(v), units.cols, depth_.row(v));

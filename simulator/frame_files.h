@@ -5,6 +5,7 @@
 #include <string>
 
 #include "simulator/noise/image_noise.h"
+#include "simulator/noise/pixel_rays.h"
 #include "simulator/png.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene/scene.h"
@@ -29,6 +30,7 @@ class FrameWriter {
   const Scene& scene_;
   std::uint64_t seed_;
   std::filesystem::path folder_;
+  PixelRays rays_;
   ImageNoiseSource image_noise_;
   StoredPng color_, depth_;
 };

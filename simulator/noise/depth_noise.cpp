@@ -61,11 +61,11 @@ void add_noise(cv::Mat& depth_m, const Camera& camera, const DepthNoise& noise, 
 }
 
 // Errors of stereo that are no noise.
-void see_twice(cv::Mat& depth_m, const cv::Mat& edges, const Camera& camera, const DepthNoise& noise,
+void see_twice(cv::Mat& depth_m, const cv::Mat& edges, const PixelRays& rays, const DepthNoise& noise,
                std::uint64_t seed, std::int64_t frame) {
   cv::Mat lost = cv::Mat::zeros(depth_m.size(), CV_8UC1);
-  if (noise.shadow) lost |= stereo_shadow(depth_m, camera.fx * noise.baseline_m);
-  if (noise.max_incidence_deg < 90) lost |= flat_incidence(depth_m, camera, noise.max_incidence_deg);
+  if (noise.shadow) lost |= stereo_shadow(depth_m, rays.camera.fx * noise.baseline_m, rays.columns);
+  if (noise.max_incidence_deg < 90) lost |= flat_incidence(depth_m, rays, noise.max_incidence_deg);
   if (noise.smear_px > 0) smear_disparity(depth_m, edges, noise.smear_px);
   scatter_edges(depth_m, edges, noise.flying_pixels, seed, frame);
   depth_m.setTo(0, lost);
@@ -144,18 +144,18 @@ cv::Mat depth_edges(const cv::Mat& depth_m) {
   return edges;
 }
 
-cv::Mat add_depth_noise(const cv::Mat& depth_m, const cv::Mat& rgba, const Camera& camera,
+cv::Mat add_depth_noise(const cv::Mat& depth_m, const cv::Mat& rgba, const PixelRays& rays,
                         const DepthNoise& noise, std::uint64_t seed, std::int64_t frame) {
   cv::Mat noisy = depth_m.clone();
   if (noise.model != DepthNoise::Model::none) {
     const cv::Mat edges = depth_edges(depth_m);
-    if (noise.model == DepthNoise::Model::stereo) see_twice(noisy, edges, camera, noise, seed, frame);
-    add_noise(noisy, camera, noise, seed, frame);
+    if (noise.model == DepthNoise::Model::stereo) see_twice(noisy, edges, rays, noise, seed, frame);
+    add_noise(noisy, rays.camera, noise, seed, frame);
     if (noise.edge_dropout > 0) drop_edges(noisy, edges, noise.edge_dropout, seed, frame);
     if (!rgba.empty()) drop_faint(noisy, rgba, noise, seed, frame);
   }
   drop_out_of_range(noisy, noise);
-  return seen_from_depth_camera(noisy, depth_m, camera, noise);
+  return seen_from_depth_camera(noisy, depth_m, rays, noise);
 }
 
 }  // namespace uniquadric

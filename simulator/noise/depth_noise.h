@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
-#include "core/geometry/camera.h"
+#include "simulator/noise/pixel_rays.h"
 #include "simulator/scene/scene.h"
 
 namespace uniquadric {
@@ -22,7 +22,7 @@ namespace uniquadric {
 /// return little as `dark_dropout` and `rgba` say, and those out of range always. With `none` depth is exact:
 /// no edge is lost, the range holds. With every model depth is then moved as color_offset_m, registered and
 /// registration_error_px say.
-cv::Mat add_depth_noise(const cv::Mat& depth_m, const cv::Mat& rgba, const Camera& camera,
+cv::Mat add_depth_noise(const cv::Mat& depth_m, const cv::Mat& rgba, const PixelRays& rays,
                         const DepthNoise& noise, std::uint64_t seed, std::int64_t frame);
 
 /// Pixels (8UC1, 255) with a 4-neighbour that is nothing or whose z differs by more than 5 % of the nearer

@@ -9,11 +9,12 @@ namespace uniquadric {
 namespace {
 
 // What a camera cannot see that stands `focal_baseline` / f_x to the right; negative: to the left.
-cv::Mat hidden_from(const cv::Mat& depth_m, double focal_baseline) {
-  if (focal_baseline >= 0) return stereo_shadow(depth_m, focal_baseline);
-  cv::Mat mirrored, hidden;
+cv::Mat hidden_from(const cv::Mat& depth_m, double focal_baseline, const cv::Mat& columns) {
+  if (focal_baseline >= 0) return stereo_shadow(depth_m, focal_baseline, columns);
+  cv::Mat mirrored, mirrored_columns, hidden;
   cv::flip(depth_m, mirrored, 1);
-  cv::flip(stereo_shadow(mirrored, -focal_baseline), hidden, 1);
+  if (!columns.empty()) cv::flip(-columns, mirrored_columns, 1);  // they grow to the right again
+  cv::flip(stereo_shadow(mirrored, -focal_baseline, mirrored_columns), hidden, 1);
   return hidden;
 }
 
@@ -30,6 +31,24 @@ cv::Mat moved_by_disparity(const cv::Mat& depth_m, double focal_baseline) {
       if (there == 0 || z_m[u] < there) there = z_m[u];
     }
   }
+  return moved;
+}
+
+// The same behind a lens, which moves a pixel along a bent line.
+cv::Mat moved_behind_lens(const cv::Mat& depth_m, const PixelRays& rays, double offset_m) {
+  cv::Mat moved = cv::Mat::zeros(depth_m.size(), CV_32FC1);
+  for (int v = 0; v < depth_m.rows; ++v)
+    for (int u = 0; u < depth_m.cols; ++u) {
+      const float z_m = depth_m.at<float>(v, u);
+      if (!(z_m > 0)) continue;
+      const Eigen::Vector2d ray = rays.at(u, v);
+      const auto pixel = rays.camera.project({ray.x() - offset_m / z_m, ray.y(), 1});
+      if (!pixel || !rays.camera.contains(*pixel)) continue;
+      const cv::Point place(cvRound(pixel->x()), cvRound(pixel->y()));
+      if (!cv::Rect({0, 0}, depth_m.size()).contains(place)) continue;
+      float& there = moved.at<float>(place);
+      if (there == 0 || z_m < there) there = z_m;
+    }
   return moved;
 }
 
@@ -56,12 +75,15 @@ void smear_disparity(cv::Mat& depth_m, const cv::Mat& edges, double smear_px) {
   sum.copyTo(depth_m, near & (depth_m > 0));
 }
 
-cv::Mat seen_from_depth_camera(const cv::Mat& depth_m, const cv::Mat& true_m, const Camera& camera,
+cv::Mat seen_from_depth_camera(const cv::Mat& depth_m, const cv::Mat& true_m, const PixelRays& rays,
                                const DepthNoise& noise) {
   cv::Mat seen = depth_m.clone();
-  const double focal_baseline = camera.fx * noise.color_offset_m;
-  if (focal_baseline != 0 && !noise.registered) seen = moved_by_disparity(depth_m, focal_baseline);
-  if (focal_baseline != 0 && noise.registered) seen.setTo(0, hidden_from(true_m, focal_baseline));
+  const double focal_baseline = rays.camera.fx * noise.color_offset_m;
+  if (focal_baseline != 0 && !noise.registered)
+    seen = rays.rays.empty() ? moved_by_disparity(depth_m, focal_baseline)
+                             : moved_behind_lens(depth_m, rays, noise.color_offset_m);
+  if (focal_baseline != 0 && noise.registered)
+    seen.setTo(0, hidden_from(true_m, focal_baseline, rays.columns));
   if (!noise.registration_error_px.isZero()) seen = shifted(seen, noise.registration_error_px);
   return seen;
 }

@@ -2,7 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "core/geometry/camera.h"
+#include "simulator/noise/pixel_rays.h"
 #include "simulator/scene/scene.h"
 
 namespace uniquadric {
@@ -15,9 +15,10 @@ void smear_disparity(cv::Mat& depth_m, const cv::Mat& edges, double smear_px);
 
 /// The depth of a camera that stands color_offset_m to the right of the colour camera, parallel to it.
 /// `registered`: `depth_m`, without what hides from the depth camera behind something nearer in `true_m`.
-/// Else each pixel moves by f_x color_offset_m / z to the left, the nearer one stays. Last, the image moves
-/// by registration_error_px; what comes in from outside is nothing.
-cv::Mat seen_from_depth_camera(const cv::Mat& depth_m, const cv::Mat& true_m, const Camera& camera,
+/// Else each pixel moves to where a depth camera with the same lens sees its point: without distortion by
+/// f_x color_offset_m / z to the left. The nearer one stays. Last, the image moves by registration_error_px;
+/// what comes in from outside is nothing.
+cv::Mat seen_from_depth_camera(const cv::Mat& depth_m, const cv::Mat& true_m, const PixelRays& rays,
                                const DepthNoise& noise);
 
 }  // namespace uniquadric

@@ -71,10 +71,6 @@ void resolve_samples(const GlFunctions& gl, const RenderTargets& targets, RowRan
                           GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rgba) {
-  read_image(gl, targets, 0, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, rgba);
-}
-
 void read_color_rows(const GlFunctions& gl, const RenderTargets& targets, RowRange rows, cv::Mat& rgba) {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, targets.image);
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);

@@ -30,9 +30,8 @@ struct RowRange {
 void resolve_samples(const GlFunctions& gl, const RenderTargets& targets, RowRange rows);
 
 /// Copies what was drawn; the images are kept when they have the right size and type already.
-void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rgba);  ///< 8UC4
 void read_color_rows(const GlFunctions& gl, const RenderTargets& targets, RowRange rows,
-                     cv::Mat& rgba);                                               ///< 8UC4, these alone
+                     cv::Mat& rgba);                                               ///< 8UC4, these rows alone
 void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids);  ///< 16UC1
 void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& depth_m);  ///< 32FC1
 void read_stencil(const GlFunctions& gl, unsigned framebuffer, const cv::Rect& part,

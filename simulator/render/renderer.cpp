@@ -8,6 +8,7 @@
 
 #include "simulator/render/box_pixels.h"
 #include "simulator/render/gpu_mesh.h"
+#include "simulator/render/lens.h"
 #include "simulator/render/program.h"
 #include "simulator/render/render_targets.h"
 #include "simulator/render/shadow_maps.h"
@@ -51,11 +52,13 @@ struct Renderer::State {
   std::vector<Pose> world_from_static;  // one a body of the world
   std::optional<ShadowMaps> shadows;
   std::optional<std::vector<Pose>> shadow_casters;  // where the objects' map has them: this frame's
-  Camera camera;
+  Camera camera;                                    // that is drawn: the ideal one where there is a lens
+  std::optional<Lens> lens;                         // of a camera with distortion
   Eigen::Vector3d sun_direction;
   std::array<float, 4> sky{};
   RenderedFrame frame;  // reused, as are these
   cv::Mat bits, step;
+  cv::Mat ideal_rgba, ideal_ids, ideal_m;  // of the lens
   std::vector<std::uint16_t> sums;
 
   unsigned prepare_program(const Scene& scene, ProgramOutput output) const;
@@ -66,6 +69,9 @@ struct Renderer::State {
   void cast_shadows(const ScenePoses& poses);
   bool has_shadows_of(const std::vector<Pose>& poses) const;
   void draw_body(const GpuBody& body, const Pose& camera_from_object) const;
+  RowRange drawn_rows(RowRange rows) const;
+  void read_rows(RowRange rows, cv::Mat& rgba);
+  void read_geometry(cv::Mat& ids, cv::Mat& depth_m);
   void expose(const std::vector<ColorStep>& steps);
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
 };
@@ -73,7 +79,7 @@ struct Renderer::State {
 unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput output) const {
   const unsigned program = make_program(gl, output, {scene.shadows, has_shine(scene)});
   gl.UseProgram(program);
-  const Eigen::Matrix4f clip = clip_from_camera(scene.camera);
+  const Eigen::Matrix4f clip = clip_from_camera(camera);
   gl.UniformMatrix4fv(uniform_clip_from_camera, 1, GL_FALSE, clip.data());
   gl.Uniform1f(uniform_ambient, static_cast<float>(scene.ambient));
   gl.Uniform1f(uniform_gain, static_cast<float>(scene.imaging.gain));
@@ -86,7 +92,6 @@ void Renderer::State::upload(const Scene& scene) {
     world_from_static.push_back(body.motion.at(0));
   }
   for (const Body& body : scene.objects) objects.push_back(upload_body(gl, body));
-  camera = scene.camera;
   sun_direction = scene.sun_direction.normalized();
   for (int k = 0; k < 3; ++k) sky[k] = static_cast<float>(scene.imaging.gain * scene.sky_color[k]);
   if (scene.shadows) shadows = make_shadow_maps(gl, scene, {world, world_from_static});
@@ -173,21 +178,40 @@ void Renderer::State::draw_color(const ScenePoses& poses, RowRange rows) {
   resolve_samples(gl, targets, rows);
 }
 
+// What is drawn for these rows of the image.
+RowRange Renderer::State::drawn_rows(RowRange rows) const {
+  return lens ? ideal_rows(*lens, rows) : rows;
+}
+
+void Renderer::State::read_rows(RowRange rows, cv::Mat& rgba) {
+  read_color_rows(gl, targets, drawn_rows(rows), lens ? ideal_rgba : rgba);
+  if (lens) see_color(*lens, rows, ideal_rgba, rgba);
+}
+
+void Renderer::State::read_geometry(cv::Mat& ids, cv::Mat& depth_m) {
+  read_ids(gl, targets, lens ? ideal_ids : ids);
+  read_depth(gl, targets, lens ? ideal_m : depth_m);
+  if (!lens) return;
+  see_ids(*lens, ideal_ids, ids);
+  see_depth(*lens, ideal_m, ideal_ids, depth_m);
+}
+
 // The mean over each row's steps, rounded.
 void Renderer::State::expose(const std::vector<ColorStep>& steps) {
-  const std::size_t row_size = 4 * static_cast<std::size_t>(targets.width);
-  sums.assign(row_size * static_cast<std::size_t>(targets.height), 0);
-  std::size_t drawn_rows = 0;
+  const std::size_t row_size = 4 * static_cast<std::size_t>(frame.rgba.cols);
+  const auto height = static_cast<std::size_t>(frame.rgba.rows);
+  sums.assign(row_size * height, 0);
+  std::size_t row_count = 0;
   for (const ColorStep& s : steps) {
     const RowRange rows{s.first_row, s.rows};
-    drawn_rows += static_cast<std::size_t>(rows.count);
-    draw_color(s.poses, rows);
-    read_color_rows(gl, targets, rows, step);
+    row_count += static_cast<std::size_t>(rows.count);
+    draw_color(s.poses, drawn_rows(rows));
+    read_rows(rows, step);
     std::uint16_t* sum = &sums[row_size * static_cast<std::size_t>(rows.first)];
     for (std::size_t i = 0; i < row_size * static_cast<std::size_t>(rows.count); ++i)
       sum[i] = static_cast<std::uint16_t>(sum[i] + step.data[i]);
   }
-  const auto count = static_cast<unsigned>(drawn_rows / static_cast<std::size_t>(targets.height));
+  const auto count = static_cast<unsigned>(row_count / height);
   for (std::size_t i = 0; i < sums.size(); ++i)
     frame.rgba.data[i] = static_cast<unsigned char>((sums[i] + count / 2) / count);
 }
@@ -202,8 +226,8 @@ std::vector<ObjectView> Renderer::State::view_objects(const ScenePoses& poses, c
   }
   view_silhouettes(
       gl, targets, part,
-      [&](std::size_t i) { draw_body(objects[i], camera_from_world * poses.world_from_object[i]); }, bits,
-      views);
+      [&](std::size_t i) { draw_body(objects[i], camera_from_world * poses.world_from_object[i]); },
+      lens ? &*lens : nullptr, bits, views);
   count_visible(ids, views);
   return views;
 }
@@ -214,8 +238,10 @@ Renderer::Renderer(const Scene& scene, GlLibrary library) : state_(std::make_uni
   s.context = make_gl_context(library);
   s.context->make_current();
   s.gl = load_gl_functions(*s.context);
-  const int samples = scene.imaging.samples;
-  s.targets = make_render_targets(s.gl, scene.camera.width, scene.camera.height, samples > 1 ? samples : 0);
+  if (scene.camera.has_distortion()) s.lens = make_lens(scene.camera);
+  s.camera = s.lens ? s.lens->ideal : scene.camera;
+  const int samples = s.lens ? 1 : scene.imaging.samples;  // a lens takes the mean of four pixels
+  s.targets = make_render_targets(s.gl, s.camera.width, s.camera.height, samples > 1 ? samples : 0);
   s.one_pass = samples == 1 && color_steps(scene, 0).empty();
   if (s.one_pass) s.all = s.prepare_program(scene, ProgramOutput::all);
   if (!s.one_pass) s.color = s.prepare_program(scene, ProgramOutput::color);
@@ -242,8 +268,11 @@ cv::Mat Renderer::depth_m(const ScenePoses& poses) {
   State& s = *state_;
   s.context->make_current();
   s.draw_image(poses, false);
-  cv::Mat depth_m;
-  read_depth(s.gl, s.targets, depth_m);
+  cv::Mat ids, depth_m;
+  if (s.lens)
+    s.read_geometry(ids, depth_m);
+  else
+    read_depth(s.gl, s.targets, depth_m);
   return depth_m;
 }
 
@@ -255,9 +284,8 @@ std::string Renderer::device() const {
 void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
   State& s = *state_;
   s.context->make_current();
-  read_color(s.gl, s.targets, rgba);
-  read_ids(s.gl, s.targets, ids);
-  read_depth(s.gl, s.targets, depth_m);
+  s.read_rows({0, s.lens ? s.lens->places.rows : s.targets.height}, rgba);
+  s.read_geometry(ids, depth_m);
   check_gl(s.gl, "drawing");
 }
 

@@ -49,12 +49,13 @@ struct ColorStep {
 /// both times are 0.
 std::vector<ColorStep> color_steps(const Scene& scene, double time_s);
 
-/// Throws InputError when the camera has lens distortion, which a linear projection cannot draw, or when an
-/// object's id is outside 1..65535 or stands twice.
+/// Throws InputError when the camera's lens distortion cannot be drawn (lens_fault), or when an object's id
+/// is outside 1..65535 or stands twice.
 void check_can_render(const Scene& scene);
 
 /// Draws a scene off screen. Pixel centres lie at integer coordinates: the value of pixel (u, v) is what the
-/// ray through (u, v) meets, so that it agrees with Camera::project. Surfaces nearer than 1 cm are not drawn.
+/// ray through (u, v) meets, so that it agrees with Camera::project. With lens distortion this holds to a
+/// quarter of a pixel at edges (Lens). Surfaces nearer than 1 cm are not drawn.
 /// Images do not depend on the time, the thread or what was drawn before. A renderer may be used by one
 /// thread at a time; renderers of several threads work at the same time.
 class Renderer {

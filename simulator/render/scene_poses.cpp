@@ -4,15 +4,15 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "simulator/render/lens.h"
 #include "simulator/render/renderer.h"
 
 namespace uniquadric {
 
 void check_can_render(const Scene& scene) {
   if (scene.camera.has_distortion())
-    throw InputError(fmt::format(
-        "scene {}: camera.distortion: lens distortion cannot be rendered, give a camera without it",
-        scene.name));
+    if (const auto fault = lens_fault(scene.camera))
+      throw InputError(fmt::format("scene {}: camera.calibration.distortion: {}", scene.name, *fault));
   std::set<int> ids;
   for (const Body& body : scene.objects)
     if (body.id < 1 || body.id > 65535 || !ids.insert(body.id).second)

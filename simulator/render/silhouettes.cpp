@@ -50,7 +50,8 @@ std::array<std::int64_t, kBits> count_bits(const unsigned char* pixels, int coun
   return counts;
 }
 
-void count_pass(const cv::Mat& bits, const cv::Rect& part, const RenderTargets& targets, std::size_t first,
+// `bits` are those of a part of an image of that size.
+void count_pass(const cv::Mat& bits, const cv::Rect& part, const cv::Size& image, std::size_t first,
                 std::size_t last, std::vector<ObjectView>& views) {
   const int rows = bits.rows, columns = bits.cols;
   const auto all = count_bits(bits.data, rows * columns, 1);
@@ -60,9 +61,9 @@ void count_pass(const cv::Mat& bits, const cv::Rect& part, const RenderTargets& 
     for (std::size_t bit = 0; bit < kBits; ++bit) border[bit] += counts[bit];
   };
   add(part.y == 0, bits.ptr(0), columns, 1);
-  add(part.y + rows == targets.height, bits.ptr(rows - 1), columns, 1);
+  add(part.y + rows == image.height, bits.ptr(rows - 1), columns, 1);
   add(part.x == 0, bits.data, rows, columns);
-  add(part.x + columns == targets.width, bits.data + columns - 1, rows, columns);
+  add(part.x + columns == image.width, bits.data + columns - 1, rows, columns);
   for (std::size_t i = first; i < last; ++i) {
     views[i].silhouette_px = all[i - first];
     views[i].touches_border = border[i - first] > 0;
@@ -82,16 +83,22 @@ unsigned silhouette_bit(std::size_t object) {
 }
 
 void view_silhouettes(const GlFunctions& gl, const RenderTargets& targets, const cv::Rect& part,
-                      const std::function<void(std::size_t)>& draw, cv::Mat& bits,
+                      const std::function<void(std::size_t)>& draw, const Lens* lens, cv::Mat& bits,
                       std::vector<ObjectView>& views) {
   if (part.empty()) return;
-  read_stencil(gl, targets.image, part, bits);
-  count_pass(bits, part, targets, 0, std::min(kBits, views.size()), views);
+  const auto count = [&](unsigned framebuffer, std::size_t first, std::size_t last) {
+    read_stencil(gl, framebuffer, part, bits);
+    if (lens)
+      count_pass(see_bits(*lens, bits, part), {{0, 0}, lens->places.size()}, lens->places.size(), first, last,
+                 views);
+    else
+      count_pass(bits, part, {targets.width, targets.height}, first, last, views);
+  };
+  count(targets.image, 0, std::min(kBits, views.size()));
   for (std::size_t first = kBits; first < views.size(); first += kBits) {
     const std::size_t last = std::min(first + kBits, views.size());
     draw_pass(gl, targets, first, last, draw);
-    read_stencil(gl, targets.silhouettes, part, bits);
-    count_pass(bits, part, targets, first, last, views);
+    count(targets.silhouettes, first, last);
   }
   check_gl(gl, "drawing silhouettes");
 }

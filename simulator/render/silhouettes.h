@@ -4,6 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "simulator/render/lens.h"
 #include "simulator/render/render_targets.h"
 #include "simulator/render/renderer.h"
 
@@ -19,9 +20,10 @@ unsigned silhouette_bit(std::size_t object);
 
 /// Fills silhouette_px and touches_border from the image's stencil; objects beyond the first eight are drawn
 /// again (`draw(i)`), eight a pass. `part` of the image holds all silhouettes: reading costs more than
-/// counting. `bits` is reused from call to call.
+/// counting. With a `lens` (or null) the pixels of its camera are counted, of which `part` holds what is
+/// drawn. `bits` is reused from call to call.
 void view_silhouettes(const GlFunctions& gl, const RenderTargets& targets, const cv::Rect& part,
-                      const std::function<void(std::size_t)>& draw, cv::Mat& bits,
+                      const std::function<void(std::size_t)>& draw, const Lens* lens, cv::Mat& bits,
                       std::vector<ObjectView>& views);
 
 /// Fills visible_px from the drawn ids (16UC1).

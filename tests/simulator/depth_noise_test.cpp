@@ -121,19 +121,22 @@ TEST(StereoDepth, ANearEdgeThrowsAShadowOfTheStepInDisparityToItsLeft) {
 }
 
 TEST(StereoDepth, LosesPlanesByTheAngleBetweenRayAndNormal) {
-  const Camera camera = {160, 120, 140, 150, 78.3, 60.9, {}};
+  const Camera plain = {160, 120, 140, 150, 78.3, 60.9, {}};
+  Camera bent = plain;
+  bent.distortion = {-0.28, 0.07, 0.0012, -0.0008, 0.01};
   const double limit = std::cos(80 * std::numbers::pi / 180);
   constexpr double kUndecided = 2e-3;  // cosine: differences of inverse depth in single precision
   int lost = 0, kept = 0;
   for (const double tilt_deg : {0.0, 60.0, 79.0, 81.0, 86.0})
     for (const double azimuth_deg : {0.0, 50.0, 90.0, 200.0}) {
+      const Camera& camera = azimuth_deg == 50.0 || azimuth_deg == 90.0 ? bent : plain;
       const double tilt = tilt_deg * std::numbers::pi / 180, azimuth = azimuth_deg * std::numbers::pi / 180;
       const Eigen::Vector3d normal(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth),
                                    std::cos(tilt));
       cv::Mat depth_m = cv::Mat::zeros(camera.height, camera.width, CV_32FC1), cosine = depth_m.clone();
       for (int v = 0; v < camera.height; ++v)
         for (int u = 0; u < camera.width; ++u) {
-          const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
+          const Eigen::Vector3d ray = *camera.unproject({u, v});
           const double z_m = 2 * normal.z() / normal.dot(ray);  // the plane through (0, 0, 2)
           if (z_m > 0) depth_m.at<float>(v, u) = static_cast<float>(z_m);
           cosine.at<float>(v, u) = static_cast<float>(normal.dot(ray) / ray.norm());

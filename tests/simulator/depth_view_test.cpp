@@ -51,6 +51,63 @@ TEST(DepthView, RegisteredDepthHasTheShadowOfItsOwnCamera) {
   }
 }
 
+// A board whose rays have |x|, |y| < kBoardSide, before a wall, seen by a camera with lens distortion.
+constexpr double kBoardSide = 0.3;
+Camera distorted_camera() {
+  Camera camera;
+  camera.distortion = {-0.28, 0.07, 0.0012, -0.0008, 0.01};
+  return camera;
+}
+
+cv::Mat distorted_board() {
+  const PixelRays rays = distorted_camera();
+  cv::Mat depth_m(rays.camera.height, rays.camera.width, CV_32FC1, cv::Scalar(kFar_m));
+  for (int v = 0; v < depth_m.rows; ++v)
+    for (int u = 0; u < depth_m.cols; ++u)
+      if (rays.at(u, v).cwiseAbs().maxCoeff() < kBoardSide) depth_m.at<float>(v, u) = kNear_m;
+  return depth_m;
+}
+
+TEST(DepthView, ShadowBehindALensIsThatOfTheRays) {
+  const PixelRays rays = distorted_camera();
+  constexpr double kRowBend = 5 / 525.0;  // a row of the image bends by 4 px along the board
+  for (const double offset_m : {0.08, -0.08}) {
+    DepthNoise noise = exact_stereo();
+    noise.color_offset_m = offset_m;
+    const cv::Mat lost = add_depth_noise(distorted_board(), {}, rays, noise, 3, 8) == 0;
+    const double wide = std::abs(offset_m) * (1 / kNear_m - 1 / kFar_m);
+    int compared = 0;
+    for (int v = 0; v < lost.rows; ++v)
+      for (int u = 0; u < lost.cols; ++u) {
+        const Eigen::Vector2d ray = rays.at(u, v);
+        const double beside = (offset_m > 0 ? -ray.x() : ray.x()) - kBoardSide;  // to the board's far side
+        const double below_top = kBoardSide - std::abs(ray.y());
+        const double inside = std::min({beside, wide - beside, below_top});
+        if (std::min(std::abs(inside), std::abs(below_top)) < kRowBend) continue;
+        ASSERT_EQ(lost.at<std::uint8_t>(v, u) != 0, inside > 0) << u << ", " << v;
+        compared += inside > 0;
+      }
+    EXPECT_GT(compared, 1500);
+  }
+}
+
+TEST(DepthView, UnregisteredDepthBehindALensStandsAtItsOwnRays) {
+  const PixelRays rays = distorted_camera();
+  DepthNoise noise = exact_stereo();
+  noise.color_offset_m = 0.08;
+  noise.registered = false;
+  const cv::Mat moved = add_depth_noise(distorted_board(), {}, rays, noise, 3, 8);
+  int near = 0;
+  for (int v = 0; v < moved.rows; ++v)
+    for (int u = 0; u < moved.cols; ++u) {
+      if (!(moved.at<float>(v, u) > 0 && moved.at<float>(v, u) < 1.5)) continue;
+      const Eigen::Vector2d ray = rays.at(u, v) + Eigen::Vector2d(0.08 / kNear_m, 0);
+      ASSERT_LT(ray.cwiseAbs().maxCoeff(), kBoardSide + 1 / 525.0) << u << ", " << v;
+      ++near;
+    }
+  EXPECT_GT(near, 0.9 * cv::countNonZero(distorted_board() < 1.5));
+}
+
 TEST(DepthView, UnregisteredDepthMovesByItsParallax) {
   const Camera camera;
   DepthNoise noise = exact_stereo();

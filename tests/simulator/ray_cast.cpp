@@ -33,13 +33,13 @@ void cast(const Body& body, const Pose& camera_from_body, const Eigen::Vector3d&
 }  // namespace
 
 std::optional<RayHit> cast_ray(const Scene& scene, const ScenePoses& poses, double u, double v) {
-  const Camera& camera = scene.camera;
-  const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);  // t is z
+  const auto ray = scene.camera.unproject({u, v});  // its z is 1: t is z
+  if (!ray) return std::nullopt;
   const Pose camera_from_world = poses.world_from_camera.inverse();
   std::optional<RayHit> best;
-  for (const Body& body : scene.world) cast(body, camera_from_world * body.motion.at(0), ray, best);
+  for (const Body& body : scene.world) cast(body, camera_from_world * body.motion.at(0), *ray, best);
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
-    cast(scene.objects[i], camera_from_world * poses.world_from_object[i], ray, best);
+    cast(scene.objects[i], camera_from_world * poses.world_from_object[i], *ray, best);
   return best;
 }
 

@@ -129,8 +129,9 @@ TEST(Renderer, EglDrawsTheBytesOfOsmesaOnLlvmpipe) {
 
 TEST(Renderer, RefusesWhatItCannotDraw) {
   Scene scene = two_boxes();
-  scene.camera.distortion[0] = 0.1;
-  EXPECT_NE(input_error([&] { check_can_render(scene); }).find("camera.distortion"), std::string::npos);
+  scene.camera.distortion[0] = -1;  // folds the image
+  EXPECT_NE(input_error([&] { check_can_render(scene); }).find("camera.calibration.distortion"),
+            std::string::npos);
   scene = two_boxes();
   scene.objects[1].id = 7;
   EXPECT_NE(input_error([&] { check_can_render(scene); }).find("body300: id 7"), std::string::npos);

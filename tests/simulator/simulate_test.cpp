@@ -337,7 +337,7 @@ TEST(Simulate, RefusesBadInputAndLeavesNothing) {
   options.frames = 0;
   EXPECT_NE(input_error([&] { simulate(scene, options, temp.path() / "out"); }).find("0 frames"),
             std::string::npos);
-  scene.camera.distortion[1] = 0.01;
+  scene.camera.distortion[0] = -1;
   EXPECT_NE(input_error([&] { simulate(scene, quiet(), temp.path() / "out"); }).find("distortion"),
             std::string::npos);
   EXPECT_TRUE(fs::is_empty(temp.path()));
