@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <set>
 
+#include "estimator/perception/clear_body.h"
 #include "estimator/perception/outline.h"
 
 namespace uniquadric {
@@ -94,6 +95,9 @@ void AsyncObjectTracker::associate(const SegmenterResult& result, AotFrame& out)
   const cv::Mat named = relabelled(detections, ids, seen->masks.size());
   const cv::Mat masks =
       fit_to_depth_edges(named, seen->image.depth, expected_depth(named, *seen), options_.edges);
+  if (!seen->image.depth.empty())
+    for (const auto& [id, area_m2] : mask_areas_m2(masks, seen->image.depth, camera_))
+      areas_m2_[id] = std::max(areas_m2_[id], area_m2);
   tracker_->learn(masks, seen->image);
   jump(masks, seen - seen_.begin());
   out.arrived.push_back({result.frame, masks, seen->image.depth});
@@ -137,7 +141,10 @@ bool AsyncObjectTracker::is_near(const Seen& from, const Seen& to) const {
 }
 
 cv::Mat AsyncObjectTracker::carry(const cv::Mat& masks, const Seen& from, const Seen& to) const {
-  const CarriedMasks carried = tracker_->carry(masks, from.image, to.image);
+  CarriedMasks carried = tracker_->carry(masks, from.image, to.image);
+  if (options_.clear_growth > 0)
+    carried.masks = fit_to_clear_bodies(carried.masks, to.image.depth, camera_, areas_m2_,
+                                        options_.edges.jump, options_.clear_growth);
   const cv::Mat fitted =
       fit_to_depth_edges(carried.masks, to.image.depth, carried.expected_depth, options_.edges);
   cv::Mat clean = cv::Mat::zeros(masks.size(), CV_16UC1);

@@ -48,6 +48,7 @@ struct AotOptions {
   FlowTrackerOptions flow;
   NanoTrackOptions nano;
   MaskEdgeOptions edges;
+  double clear_growth = 1.5;  // ours: of the largest area that a segmenter gave a body (clear_body.h); 0: off
   AssociationOptions association;
   bool trust_ids = false;  // ours: the segmenter's own ids are the tracks'; only a simulated one has any
   int min_pixels = 50;     // ours: smaller masks are not kept
@@ -108,7 +109,8 @@ class AsyncObjectTracker {
   std::unique_ptr<SegmenterClock> clock_;
   std::unique_ptr<MaskTracker> tracker_;
   TrackBook book_;
-  std::deque<Seen> seen_;  // from the oldest frame whose result may still come to the newest
+  std::map<int, double> areas_m2_;  // of the bodies, the largest that the segmenter's masks had
+  std::deque<Seen> seen_;           // from the oldest frame whose result may still come to the newest
   std::optional<std::int64_t> last_arrival_ns_;
 };
 

@@ -57,6 +57,7 @@ void visit(Io& io, AotOptions& o) {
   io.number("latency_s", o.latency_s, 0.0, 60.0);
   io.flag("trust_ids", o.trust_ids);
   io.number("min_pixels", o.min_pixels, 1);
+  io.number("clear_growth", o.clear_growth, 0.0, 10.0);
   io.number("jump_iou", o.jump_iou, 0.0, 1.0);
   io.number("max_missing", o.max_missing, 1);
   io.positive("max_silence_s", o.max_silence_s);

@@ -33,26 +33,29 @@ cv::Mat local_depth(const cv::Mat& depth, const cv::Mat& chosen, int window) {
   return mean;
 }
 
-// 255 on the pixels of the band that are reached from the seeds through the band without a step of depth of
-// `jump` or more. A slanted face is many small steps.
-cv::Mat reached(const cv::Mat& seeds, const cv::Mat& band, const cv::Mat& depth, double jump) {
+// 255 on the pixels of the band that are reached from the seeds in `steps` steps through the band, none of
+// them a step of depth of `jump` or more. A slanted face is many small steps. What is only reached by a long
+// way round, as a standing body over its foot, has an edge.
+cv::Mat reached(const cv::Mat& seeds, const cv::Mat& band, const cv::Mat& depth, double jump, int steps) {
   cv::Mat beside, result = cv::Mat::zeros(depth.size(), CV_8UC1);
   cv::dilate(band, beside, {});
-  std::vector<cv::Point> open;
-  cv::findNonZero(seeds & beside & (depth > 0), open);
-  while (!open.empty()) {
-    const cv::Point from = open.back();
-    open.pop_back();
-    const float z = depth.at<float>(from);
-    for (int y = std::max(from.y - 1, 0); y <= std::min(from.y + 1, depth.rows - 1); ++y)
-      for (int x = std::max(from.x - 1, 0); x <= std::min(from.x + 1, depth.cols - 1); ++x) {
-        const float next = depth.at<float>(y, x);
-        if (!band.at<unsigned char>(y, x) || result.at<unsigned char>(y, x) || !(next > 0) ||
-            std::abs(next - z) >= jump * std::min(next, z))
-          continue;
-        result.at<unsigned char>(y, x) = 255;
-        open.emplace_back(x, y);
-      }
+  std::vector<cv::Point> front, next_front;
+  cv::findNonZero(seeds & beside & (depth > 0), front);
+  for (int step = 0; step < steps && !front.empty(); ++step) {
+    next_front.clear();
+    for (const cv::Point& from : front) {
+      const float z = depth.at<float>(from);
+      for (int y = std::max(from.y - 1, 0); y <= std::min(from.y + 1, depth.rows - 1); ++y)
+        for (int x = std::max(from.x - 1, 0); x <= std::min(from.x + 1, depth.cols - 1); ++x) {
+          const float next = depth.at<float>(y, x);
+          if (!band.at<unsigned char>(y, x) || result.at<unsigned char>(y, x) || !(next > 0) ||
+              std::abs(next - z) >= jump * std::min(next, z))
+            continue;
+          result.at<unsigned char>(y, x) = 255;
+          next_front.emplace_back(x, y);
+        }
+    }
+    std::swap(front, next_front);
   }
   return result;
 }
@@ -60,11 +63,12 @@ cv::Mat reached(const cv::Mat& seeds, const cv::Mat& band, const cv::Mat& depth,
 // What depth tells of a pixel: whether it is reached from inside and from outside, and what is near it.
 struct Clues {
   float z, in_m, nearer_m, farther_m;
-  bool from_inside, from_outside, in_mask;
+  bool from_inside, from_outside, in_mask, is_thin;
 };
 
 Side side_of(const Clues& c, double jump) {
   if (c.from_inside != c.from_outside) return c.from_inside ? inside : outside;
+  if (c.from_inside && !c.is_thin) return undecided;            // body and support meet without a step
   if (c.z > 0 && !c.from_inside && !c.in_mask) return outside;  // something else that came into view
   const bool looks_near = c.z > 0 ? c.z < c.in_m : !(c.farther_m > 0);
   const float likely_m = looks_near ? c.nearer_m : c.farther_m;
@@ -88,8 +92,8 @@ Band decide(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& expected,
     local_depth(expected, expected > 0, window).copyTo(band.inner_m, band.inner_m == 0);
   cv::Mat from_inside(mask.size(), CV_8UC1, cv::Scalar(255)), from_outside = from_inside;
   if (!is_thin) {
-    from_inside = reached(core, between, depth, options.jump);
-    from_outside = reached(~wide, between, depth, options.jump);
+    from_inside = reached(core, between, depth, options.jump, 2 * reach);
+    from_outside = reached(~wide, between, depth, options.jump, 2 * reach);
   }
   // What is nearer and what is farther than the body are told apart: their mean may be as far as the body.
   const double middle_m = cv::mean(band.inner_m, band.inner_m > 0)[0];
@@ -104,7 +108,8 @@ Band decide(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& expected,
                         farther_m.at<float>(v, u),
                         from_inside.at<unsigned char>(v, u) != 0,
                         from_outside.at<unsigned char>(v, u) != 0,
-                        mask.at<unsigned char>(v, u) != 0};
+                        mask.at<unsigned char>(v, u) != 0,
+                        is_thin};
       band.sides.at<unsigned char>(v, u) = side_of(clues, options.jump);
     }
   return band;

@@ -166,7 +166,7 @@ ShapeSymmetry shape_symmetry(const std::string& shape, const std::optional<BodyS
                              const Eigen::Vector3d& semi_axes_m) {
   const auto axis = revolution_axis(semi_axes_m);
   if (stated) return {*stated, axis.value_or(2)};
-  if (shape == "cylinder" && equal_axes(semi_axes_m.x(), semi_axes_m.y()))
+  if ((shape == "cylinder" || shape == "bowl") && equal_axes(semi_axes_m.x(), semi_axes_m.y()))
     return {BodySymmetry::revolution, 2};
   if (shape != "ball" && shape != "ellipsoid") return {};
   if (allows(semi_axes_m, BodySymmetry::sphere)) return {BodySymmetry::sphere, 2};

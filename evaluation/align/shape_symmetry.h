@@ -16,8 +16,8 @@ struct ShapeSymmetry {
 };
 
 /// What the truth says (`stated`), else by kind of mesh (objects.yaml's `shape`) and semi-axes: balls and
-/// ellipsoids are spheres, of revolution, or box-like as their axes say; a cylinder is of revolution about z
-/// when it is round; everything else is box-like, with the box rotations that its semi-axes allow.
+/// ellipsoids are spheres, of revolution, or box-like as their axes say; a cylinder or bowl is of revolution
+/// about z when it is round; everything else is box-like, with the box rotations that its semi-axes allow.
 ShapeSymmetry shape_symmetry(const std::string& shape, const std::optional<BodySymmetry>& stated,
                              const Eigen::Vector3d& semi_axes_m);
 

@@ -112,6 +112,22 @@ TEST(MaskEdges, WhatComesIntoViewBehindABodyIsNotTakenIn) {
   EXPECT_EQ(cv::countNonZero(fit_to_depth_edges(first, drawn.depth, {}, {}) != first), 0);
 }
 
+// A body that stands on a table which recedes: its foot, where depth goes on without a step, stays as it is.
+// A table's mean depth differs on its two sides, which is no edge; above it the outline has one.
+TEST(MaskEdges, WhereABodyStandsItsMaskDoesNotGrowOverTheTable) {
+  DrawnFrame drawn = draw_world({kBox}, 0);
+  drawn.depth.setTo(4);
+  const int foot = 80 + kBox.size.height;
+  for (int v = foot - 25; v < drawn.depth.rows; ++v)  // meets the box at its foot, 2 m away
+    drawn.depth.row(v).setTo(2 - 0.02 * (v - foot + 1));
+  drawn.depth.setTo(2, drawn.masks != 0);
+  const cv::Mat fitted = fit_to_depth_edges(drawn.masks, drawn.depth, {}, {});
+  EXPECT_EQ(cv::countNonZero(fitted != drawn.masks), 0);
+  const cv::Mat moved = shifted(drawn.masks, 0, 3);  // its foot on the table, its head too low
+  const cv::Mat raised = fit_to_depth_edges(moved, drawn.depth, {}, {});
+  EXPECT_EQ(cv::countNonZero((raised != 0) != ((drawn.masks != 0) | (moved != 0))), 0);
+}
+
 // A strip of five pixels has no inside four pixels from its outline: its expected depth tells it.
 TEST(MaskEdges, AThinBodyIsFoundByItsExpectedDepth) {
   Sprite strip = kBox;
