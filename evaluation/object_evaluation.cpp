@@ -1,8 +1,10 @@
 #include "evaluation/object_evaluation.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
+#include "core/geometry/box_symmetry.h"
 #include "core/sequence/stamps.h"
 #include "evaluation/align/symmetry.h"
 #include "evaluation/association/stamps.h"
@@ -83,14 +85,14 @@ ErrorsInSigmas errors_in_sigmas(const Ellipsoid& truth, const Ellipsoid& origina
 }
 
 void fill_single_frame(const Ellipsoid& truth, const Ellipsoid& original, const Ellipsoid& settled,
-                       const ObjectContext& context, ObjectFrame& frame) {
+                       const ShapeSymmetry& symmetry, const ObjectContext& context, ObjectFrame& frame) {
   frame.estimate = settled;
   frame.ape = absolute_error(truth.world_from_object, settled.world_from_object);
   frame.ape_rotation_naive_rad =
       absolute_error(truth.world_from_object, original.world_from_object).rotation_rad;
   frame.rotation_symmetric_rad = symmetric_rotation_error(settled, truth);
   frame.iou3d_monte_carlo = ellipsoid_iou_monte_carlo(truth, original, *context.samples);
-  frame.iou3d_box = box_iou(truth, original);
+  frame.iou3d_box = symmetric_box_iou(truth, relabel_axes(original, frame.names), symmetry);
   frame.d_shape_m = shape_distance_m(original, truth);
 }
 
@@ -153,6 +155,17 @@ std::optional<Drift> object_drift(const ObjectTrack& truth, const std::vector<Ob
 
 }  // namespace
 
+double symmetric_box_iou(const Ellipsoid& truth, const Ellipsoid& named, const ShapeSymmetry& symmetry) {
+  const double as_it_is = box_iou(truth, named);
+  if (symmetry.kind != BodySymmetry::revolution && symmetry.kind != BodySymmetry::sphere) return as_it_is;
+  const Pose& pose = truth.world_from_object;
+  const Eigen::Matrix3d turn = best_symmetry_rotation(
+      symmetry, truth.semi_axes_m, {named.world_from_object.rotation.toRotationMatrix()},
+      {pose.rotation.toRotationMatrix()});
+  const Pose turned{pose.rotation * Eigen::Quaterniond(Eigen::Matrix3d(turn.transpose())), pose.translation};
+  return std::max(as_it_is, box_iou({turned, truth.semi_axes_m}, named));
+}
+
 ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescription& description,
                                  const ObjectTrack* track,
                                  const std::vector<std::optional<MatchedState>>& matched_states,
@@ -198,7 +211,8 @@ ObjectEvaluation evaluate_object(const ObjectTrack& truth, const ObjectDescripti
     frame.stated = stated_sigmas(state.covariance_diagonal);
     frame.in_sigmas = errors_in_sigmas(matched.truth[i], matched.estimate[i], settled.estimate[i],
                                        state.covariance_diagonal);
-    fill_single_frame(matched.truth[i], matched.estimate[i], settled.estimate[i], context, frame);
+    fill_single_frame(matched.truth[i], matched.estimate[i], settled.estimate[i], result.symmetry, context,
+                      frame);
     fill_image_overlap(matched.truth[i], matched.estimate[i], context, frame);
   }
   fill_relative(truth, matched, settled.changes, offset, result.frames);

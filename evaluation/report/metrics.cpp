@@ -76,8 +76,8 @@ constexpr Metric kMetrics[] = {
      "integrated over slices, good to 1e-6; the Monte Carlo figure of the paper's method stands beside it in "
      "evaluation.json with its standard error."},
     {"iou3d_box_mean", "IoU box", "", kHigher, kObject, "/iou3d_box/mean",
-     "The same ratio for the oriented boxes with those semi-axes as half extents, exact. Labels of "
-     "recordings are boxes."},
+     "The same ratio for the oriented boxes with those semi-axes as half extents, exact. About a body of "
+     "revolution the true box is turned to the estimated one. Labels of recordings are boxes."},
     {"iou2d_mean", "IoU 2D", "", kHigher, kObject, "/iou2d/mean",
      "The same ratio in the image, for the rotated rectangles around the two projected outlines, intersected "
      "by the "
