@@ -34,8 +34,7 @@ FamilyOptions read_options(const FamilyRequest& request, double drawn_difficulty
   options.difficulty = node.get<double>("difficulty", drawn_difficulty);
   if (!(options.difficulty >= 0 && options.difficulty <= 1)) node.at("difficulty").fail("expected 0 to 1");
   options.frames = whole(node, "frames", 300, 1, kMostFrames);
-  if (request.family != "room" && node.has("count"))
-    options.count = whole(node, "count", 0, 1, kMostObjects);
+  if (request.family != "room" && node.has("count")) options.count = whole(node, "count", 0, 1, kMostObjects);
   if (request.family != "room" && request.family != "street")
     options.meshes = node.get<std::string>("meshes", "");
   if (request.family == "street")

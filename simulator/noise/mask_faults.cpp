@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <map>
 #include <vector>
 
 #include "core/base/error.h"
@@ -137,12 +137,12 @@ cv::Mat mask_faults(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64
   if (noise.merge_probability > 0) merge(seen, faults, noise.merge_probability);
   for (const auto& [id, mask] : find_masks(seen)) {
     RandomStream random = faults.of("segmenter_fault", id);
-    if (random.uniform() < noise.split_probability) 
+    if (random.uniform() < noise.split_probability)
       split(seen, id, random, false_id(objects, faults.period(), id));
     if (random.uniform() < noise.leak_probability) leak(seen, id, noise.leak_px);
   }
   RandomStream random = faults.of("segmenter_false", 0);
-  if (random.uniform() < noise.false_probability) 
+  if (random.uniform() < noise.false_probability)
     add_false_mask(seen, random, false_id(objects, faults.period(), 0));
   return seen;
 }

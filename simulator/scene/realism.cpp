@@ -59,7 +59,8 @@ const std::vector<RealismRow>& realism_rows() {
       {"image.stamp_jitter_s", "0.006", "0.03", "0.09", true,
        "ours: stamps taken on arrival over USB, 0.2, 1 and 3 ms at 30 a second"},
       {"image_noise.electrons_per_level", "30", "20", "8", false,
-       "EMVA 1288 sheets: 5,000-10,000 electrons full well of small pixels, so 20-39 a level; harsh: with gain"},
+       "EMVA 1288 sheets: 5,000-10,000 electrons full well of small pixels, so 20-39 a level; harsh: with "
+       "gain"},
       {"camera.calibration_error.focal", "0.0005", "0.002", "0.01", false,
        "TUM RGB-D: 517 px calibrated against 525 px by default, 1.5 %"},
       {"camera.calibration_error.center_px", "[0.3, -0.2]", "[1, -1]", "[3, -2]", false,

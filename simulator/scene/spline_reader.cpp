@@ -39,10 +39,9 @@ std::vector<Stretch> read_stretches(const ConfigNode& node, Mover mover) {
     const double time_s = item.get<double>("time_s");
     const auto& earlier = stretches.back().waypoints;
     if (!earlier.empty() && time_s <= earlier.back().time_s)
-      item.fail(fmt::format("time_s {} does not follow {}{}", time_s, earlier.back().time_s,
-                            k > 0 && items[k - 1].has("hold_s")
-                                ? ", the end of the hold_s of the way-point before"
-                                : ""));
+      item.fail(fmt::format(
+          "time_s {} does not follow {}{}", time_s, earlier.back().time_s,
+          k > 0 && items[k - 1].has("hold_s") ? ", the end of the hold_s of the way-point before" : ""));
     const Pose pose{read_orientation(item, mover, position, target), position};
     stretches.back().waypoints.push_back({time_s, pose});
     if (item.has("hold_s")) {

@@ -83,7 +83,9 @@ TEST(ReplaceableFile, IsARegularOneThatMayBeReplacedOrNone) {
   EXPECT_NO_THROW(require_replaceable_file(file, true, {"note of mine", "mi"}));
   EXPECT_EQ(input_error([&] { require_replaceable_file(file, true, kJpegFile); }),
             file.string() + ": is no JPEG picture, so --force does not replace it");
-  EXPECT_EQ(input_error([&] { require_replaceable_file(file, true, {"longer one", "mine and more"}); }),
+  EXPECT_EQ(input_error([&] {
+              require_replaceable_file(file, true, {"longer one", "mine and more"});
+            }),
             file.string() + ": is no longer one, so --force does not replace it");
   write_text(file, "");
   EXPECT_NO_THROW(require_replaceable_file(file, true, kJpegFile));

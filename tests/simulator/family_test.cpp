@@ -113,7 +113,8 @@ TEST(Street, WhoCrossesComesFromBeyondTheKerbAndTheParkedStandAtIt) {
       const Pose begin = body.motion.at(-1000), end = body.motion.at(1000);
       const double across_m = std::abs(end.translation.y() - begin.translation.y());
       if (across_m > 1) {
-        EXPECT_GT(std::min(std::abs(begin.translation.y()), std::abs(end.translation.y())), kerb_m) << body.name;
+        EXPECT_GT(std::min(std::abs(begin.translation.y()), std::abs(end.translation.y())), kerb_m)
+            << body.name;
         EXPECT_NEAR(begin.translation.z() - body.semi_axes_m.z(), 0.15, 5e-3);  // sizes are round
         ++crossing;
       } else {
@@ -132,7 +133,9 @@ TEST(Street, WhoCrossesComesFromBeyondTheKerbAndTheParkedStandAtIt) {
 TEST(Families, AFlatMeshIsNamed) {
   const TempFolder temp;
   write_text(temp.path() / "sheet.obj", "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nf 1 2 3\n");
-  EXPECT_EQ(input_error([&] { generate_scene({"tossed", 1, {{"meshes", temp.path().string()}}}); }),
+  EXPECT_EQ(input_error([&] {
+              generate_scene({"tossed", 1, {{"meshes", temp.path().string()}}});
+            }),
             (temp.path() / "sheet.obj").string() + ": is flat: an object needs an extent along every axis");
 }
 

@@ -27,7 +27,8 @@ cv::Mat three_boxes() {
 template <typename Is>
 double share_of_periods(const SegmenterNoise& noise, const Is& is) {
   int count = 0;
-  for (int k = 0; k < kPeriods; ++k) count += is(mask_faults(three_boxes(), noise, 4, 0.5 * k + 0.1, kObjects));
+  for (int k = 0; k < kPeriods; ++k)
+    count += is(mask_faults(three_boxes(), noise, 4, 0.5 * k + 0.1, kObjects));
   return count / static_cast<double>(kPeriods);
 }
 
