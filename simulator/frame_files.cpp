@@ -44,7 +44,9 @@ FrameWriter::FrameWriter(const Scene& scene, std::uint64_t seed, fs::path folder
       rays_(scene.camera),
       image_noise_(scene.image_noise, seed),
       color_(PngFormat::rgb_8, scene.camera.width, scene.camera.height),
-      depth_(PngFormat::grey_16, scene.camera.width, scene.camera.height) {}
+      depth_(PngFormat::grey_16, scene.camera.width, scene.camera.height) {
+  for (const Body& body : scene.objects) objects_.insert(body.id);
+}
 
 void FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered, LapTimer& timer) {
   const std::string file = fmt::format("{:06}.png", frame);
@@ -60,7 +62,8 @@ void FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered, LapTi
     put("sequence/depth", depth_.finish(), FrameStage::depth);
   }
   if (is_segmented(scene_.segmenter, seed_, frame, scene_.rate_hz))
-    put("sequence/masks", pack_png(segment(rendered.ids, scene_.segmenter, seed_, frame, scene_.rate_hz)),
+    put("sequence/masks",
+        pack_png(segment(rendered.ids, scene_.segmenter, seed_, frame, scene_.rate_hz, objects_)),
         FrameStage::masks);
   put("truth/instances", pack_png(rendered.ids), FrameStage::masks);
 }

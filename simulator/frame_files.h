@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "simulator/noise/image_noise.h"
@@ -29,6 +30,7 @@ class FrameWriter {
 
   const Scene& scene_;
   std::uint64_t seed_;
+  std::set<int> objects_;  // their ids
   std::filesystem::path folder_;
   PixelRays rays_;
   ImageNoiseSource image_noise_;

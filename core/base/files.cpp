@@ -64,13 +64,24 @@ void require_no_dangling_link(const fs::path& path) {
                      fmt::format("is a link to {}, which does not exist", fs::read_symlink(path).string()));
 }
 
-void require_replaceable_file(const fs::path& path, bool replace) {
+namespace {
+bool is_of(const FileKind& kind, const fs::path& path) {
+  std::string begins(kind.begins.size(), '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(begins.data(), static_cast<std::streamsize>(begins.size()));
+  return begins == kind.begins;
+}
+}  // namespace
+
+void require_replaceable_file(const fs::path& path, bool replace, const FileKind& kind) {
   if (path.empty()) return;
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);
   if (!fs::exists(status)) return;
   if (!fs::is_regular_file(status)) throw InputError(path, "exists and is not a regular file");
   if (!replace) throw InputError(path, "exists; give another name or --force");
+  if (fs::file_size(path, error) > 0 && !is_of(kind, path))
+    throw InputError(path, fmt::format("is no {}, so --force does not replace it", kind.name));
 }
 
 std::string kind_of_folder(const fs::path& folder) {

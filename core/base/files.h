@@ -27,10 +27,17 @@ void duplicate_file(const std::filesystem::path& from, const std::filesystem::pa
 /// Throws InputError for a link to nothing: neither a place to write to nor a new one.
 void require_no_dangling_link(const std::filesystem::path& path);
 
+/// What a file is known by.
+struct FileKind {
+  std::string_view name = "file";  ///< "picture", as messages call it
+  std::string_view begins = "";    ///< its first bytes; none: any file is of this kind
+};
+constexpr FileKind kJpegFile{"JPEG picture", "\xFF\xD8\xFF"};
+
 /// Makes sure that a file can be written at `path` without harm; an empty path is none. Throws InputError for
-/// what exists and is not a regular file (a folder, a link, a device, a pipe), and for a regular file unless
-/// `replace`.
-void require_replaceable_file(const std::filesystem::path& path, bool replace);
+/// what exists and is not a regular file (a folder, a link, a device, a pipe), for a regular file unless
+/// `replace`, and for one with content that does not begin as the files of `kind`.
+void require_replaceable_file(const std::filesystem::path& path, bool replace, const FileKind& kind = {});
 
 /// A folder that one process at a time writes, and those forked from it. Holds nothing where there is no such
 /// folder.

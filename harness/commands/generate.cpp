@@ -21,9 +21,9 @@ void add_generate(CLI::App& app, Common& common) {
                   "KEY=VALUE: difficulty (0 to 1), frames, count (of objects), realism, meshes (a folder), "
                   "lidar (of a street)")
       ->allow_extra_args(false);
-  add_force(sub, common);
+  add_force(sub, common)->description("replace a scene that generate wrote");
   sub->callback([&common] {
-    require_replaceable_file(out, common.force);
+    require_replaceable_file(out, common.force, {"scene that generate wrote", kSceneHead});
     request.set = parse_overrides(set);
     write_text(out, generate_scene(request));
   });

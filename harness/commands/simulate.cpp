@@ -65,7 +65,7 @@ void add_simulate(CLI::App& app, Common& common) {
     require_apart(out, {scene});
     require_apart(options.timing, {scene});
     require_apart(routes, {scene});
-    require_replaceable_file(options.timing, common.force);
+    require_replaceable_file(options.timing, common.force, {"table of stage times", "stage,count,"});
     Scene loaded = load_scene(scene, parse_overrides(set));
     scale_noise(loaded, noise_scale);
     make_stage(common, out, [&] {
@@ -83,10 +83,10 @@ void add_preview(CLI::App& app, Common& common) {
   sub->add_option("OUT", out, "the picture (JPEG)")->required();
   sub->add_option("--frames", options.frames, "how many, side by side")->check(whole_number(1, 100));
   sub->add_option("--width", options.width_px, "of the picture, in pixels")->check(whole_number(1, 16384));
-  add_force(sub, common);
+  add_force(sub, common)->description("replace a JPEG picture, whoever made it; no other file");
   sub->callback([&common] {
     require_apart(out, {scene});
-    require_replaceable_file(out, common.force);
+    require_replaceable_file(out, common.force, kJpegFile);
     write_preview(load_scene(scene), options, out);
   });
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct FamilyOptions {
   std::string meshes;  ///< a folder of scanned things to draw from; empty: primitives
   std::string realism = "ideal";
   std::string lidar;  ///< of streets: the scan pattern; empty: drawn
+
+  /// That a camera's way is drawn for: a scene shorter than a second shows its beginning.
+  double camera_s() const { return std::max(1.0, static_cast<double>(frames) / 30); }
 };
 
 /// `easy` at difficulty 0, `hard` at 1.

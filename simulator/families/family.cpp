@@ -34,7 +34,7 @@ FamilyOptions read_options(const FamilyRequest& request, double drawn_difficulty
   options.difficulty = node.get<double>("difficulty", drawn_difficulty);
   if (!(options.difficulty >= 0 && options.difficulty <= 1)) node.at("difficulty").fail("expected 0 to 1");
   options.frames = whole(node, "frames", 300, 1, kMostFrames);
-  options.count = whole(node, "count", 0, 0, kMostObjects);
+  if (request.family != "room" && node.has("count")) options.count = whole(node, "count", 0, 1, kMostObjects);
   if (request.family != "room" && request.family != "street")
     options.meshes = node.get<std::string>("meshes", "");
   if (request.family == "street")
@@ -62,7 +62,7 @@ std::string generate_scene(const FamilyRequest& request) {
         fmt::format("there is no family '{}' (known: {})", request.family, fmt::join(family_names(), ", ")));
   RandomStream random(request.seed, "family " + request.family);
   const FamilyOptions options = read_options(request, random.uniform());
-  std::string text = fmt::format("# Family {}, seed {}, difficulty {}.\n", request.family, request.seed,
+  std::string text = fmt::format("{}{}, seed {}, difficulty {}.\n", kSceneHead, request.family, request.seed,
                                  yaml_number(options.difficulty, 3));
   text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\nrealism: {}\ntexture: sparse\n", request.family,
                       request.seed, options.frames, options.realism);

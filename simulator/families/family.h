@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/config_overrides.h"
@@ -14,6 +15,9 @@ struct FamilyRequest {
   std::uint64_t seed = 0;
   std::vector<ConfigOverride> set;  ///< of the family's own keys
 };
+
+/// How every scene that is drawn begins.
+constexpr std::string_view kSceneHead = "# Family ";
 
 /// Their names, in the order of their documentation.
 const std::vector<std::string>& family_names();

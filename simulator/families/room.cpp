@@ -10,7 +10,7 @@ namespace uniquadric {
 // A walk around the middle of a furnished room that looks at its walls: nothing in it moves.
 std::string room_scene(RandomStream& random, const FamilyOptions& options) {
   const double width_m = random.uniform(4, 7), depth_m = random.uniform(4, 7);
-  const double duration_s = static_cast<double>(options.frames) / 30;
+  const double duration_s = options.camera_s();
   const double turn_deg = graded(options.difficulty, 8, 45) * duration_s * (random.below(2) ? 1 : -1);
   const double begin_deg = random.uniform(-180, 180);
   const int points = 3 + static_cast<int>(std::abs(turn_deg) / 20);

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr std::int64_t kFrameStep = 3;  // of the checks: a tenth of a second
+constexpr std::int64_t kFrameStep = 3;  // between looks: what is seen so rarely is not tracked
 constexpr double kFarthest_m = 60;      // that counts as seen
 
 // Oriented boxes of these half extents, by the separating axis theorem (Gottschalk et al., SIGGRAPH 1996).
@@ -75,7 +75,7 @@ std::string SceneDraft::object_text(const Thing& thing, const std::string& motio
 
 bool SceneDraft::meets_another(const Body& body) const {
   const Vector3d half = body.semi_axes_m.array() + clear_m_;
-  for (std::int64_t frame = 0; frame < options_.frames; frame += kFrameStep) {
+  for (std::int64_t frame = 0; frame < options_.frames; ++frame) {
     const Pose body_from_world = body.motion.at(time_s(frame)).inverse();
     for (const auto& [other, is_object, hides] : boxes_) {
       const Pose body_from_other = body_from_world * other.motion.at(time_s(frame));
@@ -88,7 +88,7 @@ bool SceneDraft::meets_another(const Body& body) const {
   return false;
 }
 
-// Its middle is in the image, and nothing stands before a third of the places inside it.
+// Its middle is in the image, and a third of the places inside it have no other box before them.
 bool SceneDraft::is_seen_at(std::size_t index, double time_s) const {
   const Body& body = boxes_[index].body;
   const Pose world_from_camera = sensors_.camera_motion.at(time_s), world_from_body = body.motion.at(time_s);

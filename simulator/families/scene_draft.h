@@ -25,8 +25,8 @@ struct Thing {
 /// (2 to 60 cm).
 Thing draw_thing(RandomStream& random, const FamilyOptions& options);
 
-/// A scene in the making. Objects are added one by one, and only those that never come nearer to another one
-/// than `clear_m` (boxes about them) and with which each is seen at some time.
+/// A scene in the making. Objects are added one by one, and only those that in no frame come nearer to
+/// another one than `clear_m` (boxes about them) and with which each is seen in one of every third frame.
 class SceneDraft {
  public:
   /// `camera` is the scene's section without its key, indented by two.

@@ -12,8 +12,14 @@ namespace {
 using Eigen::Vector3d;
 
 // Lanes, y of their middles: the sensor car drives along +x.
-constexpr double kEgoLane_m = -2, kFastLane_m = 1.6, kOncomingLane_m = 5.4, kKerb_m = 8.7, kPavement_m = 11.2;
+constexpr double kEgoLane_m = -2.75, kFastLane_m = 1.2, kOncomingLane_m = 5.4, kCycleLane_m = -6.7;
+// The primitive `street`: its kerbs, and what stands on its pavements, every 5 m, 0.8 m to and fro.
+constexpr double kKerb_m = 11, kPavement_m = 4, kHouse_m = 3, kKerbHeight_m = 0.15;
+constexpr double kFirstThing_m = 6, kBetweenThings_m = 5;
+constexpr double kWidth_m = 2 * (kKerb_m + kPavement_m + kHouse_m);
+constexpr double kFromKerb_m = 0.3;  // of what is parked
 constexpr double kCameraHeight_m = 1.65, kClear_m = 0.4, kBehind_m = 25;
+constexpr double kCarShare = 0.65;  // of vehicles
 const Vector3d kEgoSize_m(4.5, 1.9, 1.6);
 
 // What a scene's actors are drawn about.
@@ -22,15 +28,17 @@ struct Street {
   double difficulty;
 };
 
-Thing vehicle(RandomStream& random, const Street& street) {
-  const double kind = random.uniform();
+enum class Vehicles { cars, all };
+
+Thing vehicle(RandomStream& random, const Street& street, Vehicles which = Vehicles::all) {
+  const double kind = random.uniform() * (which == Vehicles::cars ? kCarShare : 1);
   const auto sized = [&](const Vector3d& least, const Vector3d& most) {
     const double share = random.uniform();
     return Vector3d(least + share * (most - least));
   };
   Thing thing;
   std::string primitive = "rounded_box";
-  if (kind < 0.65) {
+  if (kind < kCarShare) {
     thing.name = primitive = "car";
     thing.size_m = sized({3.9, 1.7, 1.4}, {4.9, 1.9, 1.65});
   } else if (kind < 0.88) {
@@ -109,28 +117,50 @@ std::string standing(RandomStream& random, const Street& street, const Thing& th
   const double side = random.below(2) ? 1 : -1;
   return fmt::format(
       "      {{kind: static, position_m: {}, rpy_deg: [0, 0, {}]}}\n",
-      yaml_vector({x_m, side * (kKerb_m - 0.5 * thing.size_m.y() + 0.95), 0.5 * thing.size_m.z()}),
+      yaml_vector({x_m, side * (kKerb_m - kFromKerb_m - 0.5 * thing.size_m.y()), 0.5 * thing.size_m.z()}),
       random.below(2) ? 0 : 180);
 }
 
-// Across the street ahead of where the sensor car will be, from kerb to kerb.
-std::string across(RandomStream& random, const Street& street, const Thing& thing, double way_m,
+// Where what crosses finds a gap on both pavements.
+struct Crossing {
+  double reach_m;             // from the street's middle to where it comes from and goes to
+  double first_m, between_m;  // of the gaps, from the street's end
+};
+
+// Between two things on a pavement, whichever they are.
+constexpr Crossing kOnFoot{kKerb_m + 2.5, kFirstThing_m + 0.5 * kBetweenThings_m, kBetweenThings_m};
+
+// A car's width beside a tree: a lamp and a tree on one side, a tree and a kiosk on the other.
+Crossing by_car(const Thing& car) {
+  return {kKerb_m + kPavement_m - 0.1 - 0.5 * car.size_m.x(), kFirstThing_m + 1.93, 3 * kBetweenThings_m};
+}
+
+// Across the street ahead of where the sensor car will be, from pavement to pavement, down and up the kerbs.
+std::string across(RandomStream& random, const Street& street, const Thing& thing, const Crossing& crossing,
                    double speed_mps) {
-  const double x_m = street.start_m + random.uniform(12, std::max(14.0, way_m + 15));
-  const double side = random.below(2) ? 1 : -1, reach_m = kPavement_m - 0.5 * thing.size_m.x() + 1;
-  const double takes_s = 2 * reach_m / (speed_mps * random.uniform(0.8, 1.2));
+  constexpr int kSteps = 16;
+  const double way_m = street.speed_mps * street.duration_s, end_m = -0.5 * street.length_m;
+  const double near_m = street.start_m + random.uniform(12, std::max(14.0, way_m + 15));
+  const double gap = std::round((near_m - end_m - crossing.first_m) / crossing.between_m);
+  const double x_m = end_m + crossing.first_m + gap * crossing.between_m;
+  const double side = random.below(2) ? 1 : -1;
+  const double takes_s = 2 * crossing.reach_m / (speed_mps * random.uniform(0.8, 1.2));
   const double begins_s = random.uniform(-0.5 * takes_s, 0.7 * street.duration_s);
-  const auto point = [&](double time_s, double y_m) {
-    return fmt::format("        - {{time_s: {}, position_m: {}, rpy_deg: [0, 0, {}]}}\n",
-                       yaml_number(time_s, 2), yaml_vector({x_m, y_m, 0.5 * thing.size_m.z()}),
-                       side > 0 ? 90 : -90);
-  };
-  return "      kind: spline\n      waypoints:\n" + point(begins_s, -side * reach_m) +
-         point(begins_s + takes_s, side * reach_m);
+  std::string text = "      kind: spline\n      may_overshoot: true\n      waypoints:\n";
+  for (int i = 0; i <= kSteps; ++i) {
+    const double share = static_cast<double>(i) / kSteps;
+    const double y_m = side * crossing.reach_m * (2 * share - 1);
+    const double floor_m = std::abs(y_m) > kKerb_m ? kKerbHeight_m : 0;
+    text += fmt::format("        - {{time_s: {}, position_m: {}, rpy_deg: [0, 0, {}]}}\n",
+                        yaml_number(begins_s + share * takes_s, 3),
+                        yaml_vector({x_m, y_m, floor_m + 0.5 * thing.size_m.z()}), side > 0 ? 90 : -90);
+  }
+  return text;
 }
 
 bool add_actor(RandomStream& random, const Street& street, SceneDraft& draft) {
   const double way_m = street.speed_mps * street.duration_s;
+  const double farthest_m = std::min(2 * way_m + 20, street.length_m - kBehind_m - 10);  // before the houses
   const double kind = random.uniform();
   if (kind < 0.22) {
     const Thing thing = vehicle(random, street);
@@ -138,26 +168,26 @@ bool add_actor(RandomStream& random, const Street& street, SceneDraft& draft) {
   }
   if (kind < 0.42) {
     const Thing thing = vehicle(random, street);
-    return draft.add(thing, along_lane(random, street, thing, kFastLane_m, 0, 1.3, -20, 15));
+    return draft.add(thing, along_lane(random, street, thing, kFastLane_m, 0, 1.3, -16, 15));
   }
   if (kind < 0.6) {
     const Thing thing = vehicle(random, street);
-    return draft.add(thing, along_lane(random, street, thing, kOncomingLane_m, 180, 1, 20, 2 * way_m + 20));
+    return draft.add(thing, along_lane(random, street, thing, kOncomingLane_m, 180, 1, 20, farthest_m));
   }
   if (kind < 0.72) {
     const Thing thing = vehicle(random, street);
     return draft.add(thing, standing(random, street, thing, way_m));
   }
   if (kind < 0.8) {
-    const Thing thing = vehicle(random, street);
-    return draft.add(thing, across(random, street, thing, way_m, 6));
+    const Thing thing = vehicle(random, street, Vehicles::cars);
+    return draft.add(thing, across(random, street, thing, by_car(thing), 6));
   }
   if (kind < 0.9) {
     const Thing thing = walker(random, true);
-    return draft.add(thing, along_lane(random, street, thing, -5.6, 0, 0.5, 5, 30));
+    return draft.add(thing, along_lane(random, street, thing, kCycleLane_m, 0, 0.5, 5, 30));
   }
   const Thing thing = walker(random, false);
-  return draft.add(thing, across(random, street, thing, way_m, 1.4));
+  return draft.add(thing, across(random, street, thing, kOnFoot, 1.4));
 }
 
 std::string sensors(RandomStream& random, const FamilyOptions& options) {
@@ -179,7 +209,7 @@ std::string street_scene(RandomStream& random, const FamilyOptions& options) {
   Street street{static_cast<double>(options.frames) / 30, graded(options.difficulty, 3, 12), 0, 0,
                 options.difficulty};
   const double way_m = street.speed_mps * street.duration_s;
-  street.length_m = std::max(110.0, 1.4 * way_m + 80);
+  street.length_m = std::round(10 * std::max(110.0, 1.4 * way_m + 80)) / 10;  // as it is written
   street.start_m = -0.5 * street.length_m + kBehind_m;
   const Legs legs = draw_legs(random, street.speed_mps, street.duration_s);
   const auto ego = [&](double height_m) { return drive_text(street.start_m, kEgoLane_m, 0, legs, height_m); };
@@ -191,9 +221,9 @@ std::string street_scene(RandomStream& random, const FamilyOptions& options) {
   SceneDraft draft(options, camera, kClear_m);
   draft.keep_clear_of("{" + ego(0.5 * kEgoSize_m.z()) + "}", kEgoSize_m, false);
   draft.add_world(
-      fmt::format("  - {{name: street, primitive: street, size_m: [{}, 46, 14], material: {{seed: {}, "
-                  "texture: sparse}}}}\n",
-                  yaml_number(street.length_m, 1), random.below(100'000)));
+      fmt::format("  - {{name: street, primitive: street, size_m: [{}, {}, 14], parked_cars: false, "
+                  "material: {{seed: {}, texture: sparse}}}}\n",
+                  yaml_number(street.length_m, 1), yaml_number(kWidth_m, 1), random.below(100'000)));
   const int drawn = 1 + static_cast<int>(graded(options.difficulty, 3, 9.99) * random.uniform());
   const auto count = static_cast<std::size_t>(options.count > 0 ? options.count : drawn);
   for (int i = 0; i < kMostTries && draft.count() < count; ++i) add_actor(random, street, draft);

@@ -40,7 +40,7 @@ Vector2d onto_table(const Thing& thing, const Vector2d& at_m) {
 std::string hand_held_camera(RandomStream& random, const FamilyOptions& options, double arc_deg) {
   constexpr int kPoints = 6;
   const double far_m = graded(options.difficulty, 1.0, 1.6);
-  const double duration_s = static_cast<double>(options.frames) / 30;
+  const double duration_s = options.camera_s();
   const double begin_deg = random.uniform(-180, 180), signed_deg = arc_deg * (random.below(2) ? 1 : -1);
   std::string text =
       "  motion:\n    kind: compose\n    parts:\n      - kind: spline\n        look_at_m: [0, 0, 0.78]\n     "

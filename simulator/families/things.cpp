@@ -33,6 +33,8 @@ Thing draw_mesh(RandomStream& random, const fs::path& folder) {
   const fs::path file = one_of(random, mesh_files(folder));
   Thing thing{"mesh", fmt::format("    mesh: {}\n", yaml_quoted(fs::absolute(file).string())), {}};
   thing.size_m = tight_box(import_mesh(file).meshes).sizes();
+  if (!(thing.size_m.minCoeff() > 0))
+    throw InputError(file, "is flat: an object needs an extent along every axis");
   if (!(thing.size_m.maxCoeff() >= kLeast_m && thing.size_m.maxCoeff() <= kMost_m))
     throw InputError(file, fmt::format("measures {:.3g} m: expected {} to {} m. Is it in metres?",
                                        thing.size_m.maxCoeff(), kLeast_m, kMost_m));

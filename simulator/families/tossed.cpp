@@ -38,7 +38,7 @@ std::string draw_toss(RandomStream& random, const Thing& thing, const FamilyOpti
 std::string camera_of(RandomStream& random, const FamilyOptions& options) {
   const double far_m = graded(options.difficulty, 1.6, 2.4), begin = random.uniform(-180, 180);
   const double arc_deg = random.below(2) ? random.uniform(10, 60) : 0;  // every other camera stands still
-  const double duration_s = static_cast<double>(options.frames) / 30;
+  const double duration_s = options.camera_s();
   std::string text =
       "  motion:\n    kind: spline\n    look_at_m: [0, 0, 0.3]\n    may_overshoot: true\n    waypoints:\n";
   const double above_m = random.uniform(1, 1.5);

@@ -1,10 +1,15 @@
 #include "simulator/noise/mask_faults.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <set>
+#include <vector>
 
+#include "core/base/error.h"
 #include "core/base/random.h"
 #include "simulator/noise/true_masks.h"
 
@@ -21,6 +26,10 @@ class Faults {
   RandomStream of(const char* name, int id) const {
     return {seed_, name, period_, static_cast<std::uint32_t>(id)};
   }
+  RandomStream of_pair(const char* name, int id, int other) const {  // each of 16 bits
+    return {seed_, name, period_, static_cast<std::uint32_t>(id) << 16 | static_cast<std::uint32_t>(other)};
+  }
+  std::uint64_t period() const { return period_; }
 
  private:
   std::uint64_t seed_, period_;
@@ -40,12 +49,38 @@ std::set<std::pair<int, int>> touching(const cv::Mat& ids) {
   return pairs;
 }
 
+// Objects that are joined, directly or through others, are one object with the smallest id among them.
+class Unions {
+ public:
+  void join(int a, int b) {
+    const int one = label(a), other = label(b);
+    if (one != other) smaller_[std::max(one, other)] = std::min(one, other);
+  }
+  int label(int id) const {
+    for (auto found = smaller_.find(id); found != smaller_.end(); found = smaller_.find(id))
+      id = found->second;
+    return id;
+  }
+  bool empty() const { return smaller_.empty(); }
+
+ private:
+  std::map<int, int> smaller_;
+};
+
 void merge(cv::Mat& ids, const Faults& faults, double probability) {
+  Unions unions;
   for (const auto& [larger, smaller] : touching(ids))
-    if (faults.of("segmenter_merge", larger).uniform() < probability) ids.setTo(smaller, ids == larger);
+    if (faults.of_pair("segmenter_merge", larger, smaller).uniform() < probability)
+      unions.join(larger, smaller);
+  if (unions.empty()) return;
+  for (const auto& [id, mask] : find_masks(ids))
+    if (const int label = unions.label(id); label != id) {
+      cv::Mat part = ids(mask.box);
+      part.setTo(label, part == id);
+    }
 }
 
-void split(cv::Mat& ids, int id, RandomStream random) {
+void split(cv::Mat& ids, int id, RandomStream random, int part_id) {
   const cv::Mat mask = ids == id;
   const cv::Moments moments = cv::moments(mask, true);
   const double angle = 2 * std::numbers::pi * random.uniform();
@@ -54,7 +89,7 @@ void split(cv::Mat& ids, int id, RandomStream random) {
   for (int v = 0; v < ids.rows; ++v)
     for (int u = 0; u < ids.cols; ++u)
       if (mask.at<std::uint8_t>(v, u) && normal.dot(cv::Point2d(u, v) - middle) > 0)
-        ids.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(kFirstFalseId + id % 2000);
+        ids.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(part_id);
 }
 
 void leak(cv::Mat& ids, int id, double leak_px) {
@@ -65,7 +100,7 @@ void leak(cv::Mat& ids, int id, double leak_px) {
   ids.setTo(id, grown & (ids == 0));
 }
 
-void add_false_mask(cv::Mat& ids, RandomStream random) {
+void add_false_mask(cv::Mat& ids, RandomStream random, int false_id) {
   const auto part = [&](double low, double high, int size) {
     return static_cast<int>(std::lround(random.uniform(low, high) * size));
   };
@@ -73,12 +108,27 @@ void add_false_mask(cv::Mat& ids, RandomStream random) {
   const cv::Size half(part(0.01, 0.05, ids.cols), part(0.01, 0.05, ids.cols));
   cv::Mat ellipse = cv::Mat::zeros(ids.size(), CV_8UC1);
   cv::ellipse(ellipse, middle, half, random.uniform(0, 180), 0, 360, 255, cv::FILLED);
-  ids.setTo(kFirstFalseId + 5000, ellipse & (ids == 0));
+  ids.setTo(false_id, ellipse & (ids == 0));
 }
 
 }  // namespace
 
-cv::Mat mask_faults(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64_t seed, double time_s) {
+int false_id(const std::set<int>& objects, std::uint64_t period, int of_object) {
+  constexpr int kMostId = 65535;
+  std::vector<int> free;
+  for (int id = kFirstFalseId; id <= kMostId; ++id)
+    if (!objects.contains(id)) free.push_back(id);
+  if (free.size() <= objects.size())
+    throw InputError(fmt::format("segmenter: {} objects leave too few ids from {} on for false masks",
+                                 objects.size(), kFirstFalseId));
+  // a block of ids for each period: one for nothing, then one for each object
+  const auto place = static_cast<std::uint64_t>(
+      of_object == 0 ? 0 : 1 + std::distance(objects.begin(), objects.lower_bound(of_object)));
+  return free[(period * (objects.size() + 1) + place) % free.size()];
+}
+
+cv::Mat mask_faults(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64_t seed, double time_s,
+                    const std::set<int>& objects) {
   if (noise.merge_probability <= 0 && noise.split_probability <= 0 && noise.leak_probability <= 0 &&
       noise.false_probability <= 0)
     return ids;
@@ -87,11 +137,13 @@ cv::Mat mask_faults(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64
   if (noise.merge_probability > 0) merge(seen, faults, noise.merge_probability);
   for (const auto& [id, mask] : find_masks(seen)) {
     RandomStream random = faults.of("segmenter_fault", id);
-    if (random.uniform() < noise.split_probability) split(seen, id, random);
+    if (random.uniform() < noise.split_probability)
+      split(seen, id, random, false_id(objects, faults.period(), id));
     if (random.uniform() < noise.leak_probability) leak(seen, id, noise.leak_px);
   }
   RandomStream random = faults.of("segmenter_false", 0);
-  if (random.uniform() < noise.false_probability) add_false_mask(seen, random);
+  if (random.uniform() < noise.false_probability)
+    add_false_mask(seen, random, false_id(objects, faults.period(), 0));
   return seen;
 }
 

@@ -51,8 +51,8 @@ double latency_s(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t f
 }
 
 cv::Mat segment(const cv::Mat& true_ids, const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame,
-                double rate_hz) {
-  const cv::Mat ids = mask_faults(true_ids, noise, seed, static_cast<double>(frame) / rate_hz);
+                double rate_hz, const std::set<int>& objects) {
+  const cv::Mat ids = mask_faults(true_ids, noise, seed, static_cast<double>(frame) / rate_hz, objects);
   cv::Mat masks = cv::Mat::zeros(ids.size(), CV_16UC1);
   cv::Mat depth_px = cv::Mat::zeros(ids.size(), CV_32FC1);  // how deep a pixel lies in the mask that holds it
   const int reach = static_cast<int>(std::ceil(kReach_sigmas * noise.boundary_sigma_px)) + 1;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <set>
 
 #include "simulator/scene/scene.h"
 
@@ -18,8 +19,9 @@ double latency_s(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t f
 /// with standard deviation boundary_sigma_px and autocorrelation exp(-r^2 / (2 boundary_length_px^2)), of its
 /// own for each frame and object; a pixel that two moved outlines hold goes to the one it lies deeper in.
 /// Objects whose true mask has fewer than min_pixels and, with miss_probability, any object are not found.
-/// Before that, mask_faults() changes what it sees. 16UC1, 0 is background.
+/// Before that, mask_faults() changes what it sees, of `objects`, the ids of all objects of the scene. 16UC1,
+/// 0 is background.
 cv::Mat segment(const cv::Mat& ids, const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame,
-                double rate_hz);
+                double rate_hz, const std::set<int>& objects = {});
 
 }  // namespace uniquadric

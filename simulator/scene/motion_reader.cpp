@@ -151,6 +151,7 @@ Motion read_toss(const ConfigNode& node, const MotionScope& scope) {
   options.friction = node.get<double>("friction", options.friction);
   if (options.friction < 0) node.at("friction").fail("cannot be negative");
   options.gravity_mps2 = node.positive("gravity_mps2", options.gravity_mps2);
+  node.refuse_unknown_keys();  // before what a wrong key leaves out is found wrong
   try {
     return toss_motion(options, contact_points(scope.meshes));
   } catch (const InputError& error) {

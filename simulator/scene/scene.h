@@ -90,8 +90,8 @@ struct SegmenterNoise {
   int every_n_frames = 1;          ///< segmented frames: 1 is each
   int min_pixels = 50;             ///< smaller masks are not found
   double latency_sigma_s = 0;      ///< standard deviation of the latency; it is never below 0
-  /// Faults that last half a second: two masks that touch become one, a mask falls into two, a mask runs over
-  /// what lies below it in the image by leak_px, and a mask of nothing (ids from 60000 on).
+  /// Faults that last half a second: masks that touch become one, a mask falls into two, a mask runs over
+  /// what lies below it in the image by leak_px, and a mask of nothing (noise/mask_faults.h has their ids).
   double merge_probability = 0, split_probability = 0, leak_probability = 0, false_probability = 0;
   double leak_px = 12;
   double outage_every_s = 0, outage_s = 2;  ///< once in that time no masks come for outage_s; 0: never

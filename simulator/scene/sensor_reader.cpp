@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/base/config.h"
 #include "simulator/scene/pose_reader.h"
 
@@ -11,6 +13,20 @@ namespace {
 double at_least_0(const ConfigNode& node, const std::string& key, double fallback) {
   const double value = node.get<double>(key, fallback);
   if (value < 0) node.at(key).fail(fmt::format("cannot be negative, found {}", value));
+  return value;
+}
+
+constexpr double kMostSize_px = 100;  // ours: of errors in the image, a sixth of 640 px
+
+double at_most(const ConfigNode& node, const std::string& key, double fallback, double most) {
+  const double value = at_least_0(node, key, fallback);
+  if (value > most) node.at(key).fail(fmt::format("expected at most {}, found {}", most, value));
+  return value;
+}
+
+double within(const ConfigNode& node, const std::string& key, double fallback, double most) {
+  const double value = node.get<double>(key, fallback);
+  if (std::abs(value) > most) node.at(key).fail(fmt::format("expected -{0} to {0}, found {1}", most, value));
   return value;
 }
 
@@ -30,38 +46,42 @@ void read_light(const ConfigNode& node, Scene& scene) {
   scene.shadows = node.get<bool>("shadows", scene.shadows);
 }
 
-// Two numbers, (u, v); none: zero.
+// Two lengths in the image, (u, v); none: zero.
 Eigen::Vector2d pixels(const ConfigNode& node, const std::string& key) {
   const auto found = node.find(key);
   if (!found) return Eigen::Vector2d::Zero();
   const auto values = found->as<std::vector<double>>();
   if (values.size() != 2) found->fail(fmt::format("expected 2 numbers, found {}", values.size()));
+  for (const double value : values)
+    if (std::abs(value) > kMostSize_px)
+      found->fail(fmt::format("expected -{0} to {0} each, found {1}", kMostSize_px, value));
   return {values[0], values[1]};
 }
 
 void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
+  constexpr double kMostOffset_m = 1, kMostDelay_s = 1;  // ours: a wide rig, a slow interface
   const std::string model = node.choice("model", {"none", "proportional", "stereo"}, "proportional");
   noise.model = model == "none"           ? DepthNoise::Model::none
                 : model == "proportional" ? DepthNoise::Model::proportional
                                           : DepthNoise::Model::stereo;
   noise.k = at_least_0(node, "k", noise.k);
   noise.baseline_m = node.positive("baseline_m", noise.baseline_m);
-  noise.disparity_sigma_px = at_least_0(node, "disparity_sigma_px", noise.disparity_sigma_px);
-  noise.disparity_step_px = at_least_0(node, "disparity_step_px", noise.disparity_step_px);
+  noise.disparity_sigma_px = at_most(node, "disparity_sigma_px", noise.disparity_sigma_px, kMostSize_px);
+  noise.disparity_step_px = at_most(node, "disparity_step_px", noise.disparity_step_px, kMostSize_px);
   noise.edge_dropout = probability(node, "edge_dropout", noise.edge_dropout);
   noise.flying_pixels = probability(node, "flying_pixels", noise.flying_pixels);
   noise.max_incidence_deg = node.positive("max_incidence_deg", noise.max_incidence_deg);
   if (noise.max_incidence_deg > 90) node.at("max_incidence_deg").fail("expected at most 90");
   noise.shadow = node.get<bool>("shadow", noise.shadow);
-  noise.correlation_px = at_least_0(node, "correlation_px", noise.correlation_px);
-  noise.disparity_bias_px = node.get<double>("disparity_bias_px", noise.disparity_bias_px);
-  noise.smear_px = at_least_0(node, "smear_px", noise.smear_px);
+  noise.correlation_px = at_most(node, "correlation_px", noise.correlation_px, kMostSize_px);
+  noise.disparity_bias_px = within(node, "disparity_bias_px", noise.disparity_bias_px, kMostSize_px);
+  noise.smear_px = at_most(node, "smear_px", noise.smear_px, kMostSize_px);
   noise.dark_dropout = probability(node, "dark_dropout", noise.dark_dropout);
   noise.dark_level = node.positive("dark_level", noise.dark_level);
-  noise.color_offset_m = node.get<double>("color_offset_m", noise.color_offset_m);
+  noise.color_offset_m = within(node, "color_offset_m", noise.color_offset_m, kMostOffset_m);
   noise.registered = node.get<bool>("registered", noise.registered);
   noise.registration_error_px = pixels(node, "registration_error_px");
-  noise.delay_s = at_least_0(node, "delay_s", noise.delay_s);
+  noise.delay_s = at_most(node, "delay_s", noise.delay_s, kMostDelay_s);
   noise.min_range_m = node.positive("min_range_m", noise.min_range_m);
   noise.max_range_m = node.positive("max_range_m", noise.max_range_m);
   if (noise.max_range_m <= noise.min_range_m)
@@ -69,7 +89,25 @@ void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
         fmt::format("max_range_m {} is not above min_range_m {}", noise.max_range_m, noise.min_range_m));
 }
 
-void read_imaging(const ConfigNode& node, double rate_hz, Imaging& imaging) {
+// Beyond half the time between two frames a stamp is nearer to another frame.
+double stamp_error(const ConfigNode& node, const std::string& key, double rate_hz) {
+  const double value_s = node.get<double>(key, 0);
+  if (std::abs(value_s) * rate_hz > 0.5)
+    node.at(key).fail(
+        fmt::format("is {} s, more than half the time between two frames, {} s", value_s, 0.5 / rate_hz));
+  return value_s;
+}
+
+int read_bands(const ConfigNode& node, int height_px, int fallback) {
+  const int bands = node.get<int>("rolling_shutter_bands", fallback);
+  if (bands < 1) node.at("rolling_shutter_bands").fail("expected at least 1");
+  if (node.has("rolling_shutter_bands") && bands > height_px)
+    node.at("rolling_shutter_bands").fail(fmt::format("is {}, the image has {} rows", bands, height_px));
+  return bands;
+}
+
+void read_imaging(const ConfigNode& node, const Scene& scene, Imaging& imaging) {
+  const double rate_hz = scene.rate_hz;
   constexpr int kMostSteps = 256;  // of 255 grey levels each, in 16 bits
   imaging.samples = node.get<int>("samples", imaging.samples);
   if (imaging.samples != 1 && imaging.samples != 4) node.at("samples").fail("expected 1 or 4");
@@ -85,17 +123,18 @@ void read_imaging(const ConfigNode& node, double rate_hz, Imaging& imaging) {
     node.at("rolling_shutter_s").fail(fmt::format("is longer than a frame, {} s", 1 / rate_hz));
   imaging.auto_exposure_level = at_least_0(node, "auto_exposure_level", imaging.auto_exposure_level);
   if (imaging.auto_exposure_level > 255) node.at("auto_exposure_level").fail("expected at most 255");
-  imaging.exposure_drift = at_least_0(node, "exposure_drift", imaging.exposure_drift);
-  imaging.white_balance_drift = at_least_0(node, "white_balance_drift", imaging.white_balance_drift);
-  imaging.stamp_offset_s = node.get<double>("stamp_offset_s", imaging.stamp_offset_s);
-  imaging.stamp_jitter_s = at_least_0(node, "stamp_jitter_s", imaging.stamp_jitter_s);
-  imaging.rolling_shutter_bands = node.get<int>("rolling_shutter_bands", imaging.rolling_shutter_bands);
-  if (imaging.rolling_shutter_bands < 1) node.at("rolling_shutter_bands").fail("expected at least 1");
+  constexpr double kMostDrift = 1;  // ours: a factor of 2.7 is one standard deviation
+  imaging.exposure_drift = at_most(node, "exposure_drift", imaging.exposure_drift, kMostDrift);
+  imaging.white_balance_drift = at_most(node, "white_balance_drift", imaging.white_balance_drift, kMostDrift);
+  imaging.stamp_offset_s = stamp_error(node, "stamp_offset_s", rate_hz);
+  imaging.stamp_jitter_s = at_least_0(node, "stamp_jitter_s", stamp_error(node, "stamp_jitter_s", rate_hz));
+  imaging.rolling_shutter_bands = read_bands(node, scene.camera.height, imaging.rolling_shutter_bands);
 }
 
 void read_segmenter(const ConfigNode& node, SegmenterNoise& noise) {
-  noise.boundary_sigma_px = at_least_0(node, "boundary_sigma_px", noise.boundary_sigma_px);
+  noise.boundary_sigma_px = at_most(node, "boundary_sigma_px", noise.boundary_sigma_px, kMostSize_px);
   noise.boundary_length_px = node.positive("boundary_length_px", noise.boundary_length_px);
+  at_most(node, "boundary_length_px", noise.boundary_length_px, kMostSize_px);
   noise.miss_probability = probability(node, "miss_probability", noise.miss_probability);
   noise.latency_s = at_least_0(node, "latency_s", noise.latency_s);
   noise.latency_sigma_s = at_least_0(node, "latency_sigma_s", noise.latency_sigma_s);
@@ -103,7 +142,7 @@ void read_segmenter(const ConfigNode& node, SegmenterNoise& noise) {
   noise.split_probability = probability(node, "split_probability", noise.split_probability);
   noise.leak_probability = probability(node, "leak_probability", noise.leak_probability);
   noise.false_probability = probability(node, "false_probability", noise.false_probability);
-  noise.leak_px = at_least_0(node, "leak_px", noise.leak_px);
+  noise.leak_px = at_most(node, "leak_px", noise.leak_px, kMostSize_px);
   noise.outage_every_s = at_least_0(node, "outage_every_s", noise.outage_every_s);
   noise.outage_s = node.positive("outage_s", noise.outage_s);
   noise.every_n_frames = node.get<int>("every_n_frames", noise.every_n_frames);
@@ -146,7 +185,7 @@ void read_sensor_models(const ConfigNode& root, Scene& scene) {
   };
   section("light", [&](const ConfigNode& node) { read_light(node, scene); });
   section("depth_noise", [&](const ConfigNode& node) { read_depth_noise(node, scene.depth_noise); });
-  section("image", [&](const ConfigNode& node) { read_imaging(node, scene.rate_hz, scene.imaging); });
+  section("image", [&](const ConfigNode& node) { read_imaging(node, scene, scene.imaging); });
   section("image_noise", [&](const ConfigNode& node) {
     scene.image_noise.sigma = at_least_0(node, "sigma", scene.image_noise.sigma);
     scene.image_noise.electrons_per_level =

@@ -134,7 +134,7 @@ std::vector<Mesh> build(const ConfigNode& node, const Shape& shape, const Materi
   if (name == "pedestrian") return pedestrian(size_m, material);
   if (name == "cyclist") return cyclist(size_m, material);
   if (name == "plane") return plane(size_m.head<2>(), material);
-  if (name == "street") return street(size_m, material);
+  if (name == "street") return street(size_m, node.get<bool>("parked_cars", true), material);
   return room(size_m, integer(node, "furniture", 6, 0, kMaxFurniture), material);
 }
 

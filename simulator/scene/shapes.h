@@ -59,9 +59,9 @@ std::vector<Mesh> room(const Eigen::Vector3d& size_m, int furniture, const Mater
 
 /// A street along x under the open sky: `size_m` is its length, its width from back to back of the houses,
 /// and the height of the tallest. Road and pavements, rows of houses on both sides and across both ends,
-/// lamps, trees and kiosks on the pavements, cars parked at the kerb. Free for traffic: the width
-/// less 20 m, in the middle.
-std::vector<Mesh> street(const Eigen::Vector3d& size_m, const Material& material);
+/// lamps, trees and kiosks on the pavements, with `parked_cars` cars at the kerb. The kerbs are 7 m from the
+/// backs of the houses. Free for traffic: the width less 20 m, in the middle.
+std::vector<Mesh> street(const Eigen::Vector3d& size_m, bool parked_cars, const Material& material);
 
 /// Rails and sleepers along an arc about the origin, on z = 0; angles count from +x about +z.
 struct TrackOptions {

@@ -39,7 +39,9 @@ std::vector<Stretch> read_stretches(const ConfigNode& node, Mover mover) {
     const double time_s = item.get<double>("time_s");
     const auto& earlier = stretches.back().waypoints;
     if (!earlier.empty() && time_s <= earlier.back().time_s)
-      item.fail(fmt::format("time_s {} does not follow {}", time_s, earlier.back().time_s));
+      item.fail(fmt::format(
+          "time_s {} does not follow {}{}", time_s, earlier.back().time_s,
+          k > 0 && items[k - 1].has("hold_s") ? ", the end of the hold_s of the way-point before" : ""));
     const Pose pose{read_orientation(item, mover, position, target), position};
     stretches.back().waypoints.push_back({time_s, pose});
     if (item.has("hold_s")) {
@@ -94,6 +96,8 @@ void warn_of_overshoot(const ConfigNode& node, const std::vector<Stretch>& stret
 
 Motion read_spline(const ConfigNode& node, Mover mover) {
   const std::vector<Stretch> stretches = read_stretches(node, mover);
+  const bool may_overshoot = node.get<bool>("may_overshoot", false);
+  node.refuse_unknown_keys();
   std::vector<Motion> parts;
   std::vector<double> starts_s;
   try {
@@ -104,7 +108,7 @@ Motion read_spline(const ConfigNode& node, Mover mover) {
   } catch (const InputError& error) {
     node.fail(error.what());
   }
-  if (!node.get<bool>("may_overshoot", false)) warn_of_overshoot(node, stretches, parts);
+  if (!may_overshoot) warn_of_overshoot(node, stretches, parts);
   return parts.size() == 1 ? parts.front() : successive_motion(std::move(parts), std::move(starts_s));
 }
 

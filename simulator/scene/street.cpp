@@ -194,7 +194,7 @@ void park_cars(Plan& plan, double side) {
 
 }  // namespace
 
-std::vector<Mesh> street(const Vector3d& size_m, const Material& material) {
+std::vector<Mesh> street(const Vector3d& size_m, bool parked_cars, const Material& material) {
   Plan plan{size_m, material};
   lay_ground(plan);
   const double half_turn = std::numbers::pi;
@@ -206,7 +206,7 @@ std::vector<Mesh> street(const Vector3d& size_m, const Material& material) {
     int index = side > 0 ? 0 : 1;
     for (double x = -plan.facade_x() + 3; x < plan.facade_x() - 2; x += 5)
       stand_on_pavement(plan, index++, x, side);
-    park_cars(plan, side);
+    if (parked_cars) park_cars(plan, side);
   }
   std::vector<Mesh> meshes = make_parts(plan.parts);
   fit_to_box(meshes, size_m);

@@ -80,6 +80,15 @@ TEST(ReplaceableFile, IsARegularOneThatMayBeReplacedOrNone) {
   EXPECT_EQ(input_error([&] { require_replaceable_file(file, false); }),
             file.string() + ": exists; give another name or --force");
   EXPECT_NO_THROW(require_replaceable_file(file, true));
+  EXPECT_NO_THROW(require_replaceable_file(file, true, {"note of mine", "mi"}));
+  EXPECT_EQ(input_error([&] { require_replaceable_file(file, true, kJpegFile); }),
+            file.string() + ": is no JPEG picture, so --force does not replace it");
+  EXPECT_EQ(input_error([&] {
+              require_replaceable_file(file, true, {"longer one", "mine and more"});
+            }),
+            file.string() + ": is no longer one, so --force does not replace it");
+  write_text(file, "");
+  EXPECT_NO_THROW(require_replaceable_file(file, true, kJpegFile));
   fs::create_symlink(file, link);
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const fs::path& other : {link, pipe, temp.path(), fs::path("/dev/null")})

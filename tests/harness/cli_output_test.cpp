@@ -95,6 +95,13 @@ TEST_F(Cli, AnExistingFileNeedsForceAndMustBeAFile) {
     expect_refusal(command, "mine.txt: exists; give another name or --force");
   expect_refusal({"trajectory", tum, tum, "--plot", folder() / "link.svg", "--force"},
                  "is not a regular file");
+  for (auto command : {commands(mine)[0], commands(mine)[1], {"generate", "room", mine}}) {
+    command.push_back("--force");
+    expect_refusal(command, "so --force does not replace it");
+  }
+  const fs::path drawn = folder() / "drawn.yaml";
+  for (const char* family : {"room", "tabletop"})
+    EXPECT_EQ(run_program({"generate", family, drawn, "--force"}).exit_code, 0);
   for (auto command : commands("/dev/null")) {
     command.push_back("--force");
     expect_refusal(command, "/dev/null: exists and is not a regular file");

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/base/files.h"
 #include "simulator/scene/scene.h"
 #include "tests/support/temp_folder.h"
 
@@ -71,6 +72,12 @@ TEST_P(Family, EveryObjectIsInViewAtSomeTime) {
   }
 }
 
+TEST_P(Family, HasScenesOfAsFewFramesAsOne) {
+  for (const int frames : {1, 2})
+    for (std::uint64_t seed = 0; seed < 2; ++seed)
+      EXPECT_EQ(scene_of(GetParam(), seed, {{"frames", fmt::format("{}", frames)}}).frames, frames);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Family, testing::ValuesIn(family_names()),
                          [](const auto& family) { return family.param; });
 
@@ -93,6 +100,43 @@ TEST(Tabletop, ThingsStandOnTheTableOrAreInTheAir) {
     }
     EXPECT_TRUE(something_moves) << seed;
   }
+}
+
+// The kerbs of the street that is drawn: 7 m from the backs of its houses.
+TEST(Street, WhoCrossesComesFromBeyondTheKerbAndTheParkedStandAtIt) {
+  int crossing = 0, parked = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    const Scene scene = scene_of("street", seed, {{"difficulty", "1"}});
+    ASSERT_EQ(scene.world.front().shape, "street");
+    const double kerb_m = scene.world.front().semi_axes_m.y() - 7;
+    for (const Body& body : scene.objects) {
+      const Pose begin = body.motion.at(-1000), end = body.motion.at(1000);
+      const double across_m = std::abs(end.translation.y() - begin.translation.y());
+      if (across_m > 1) {
+        EXPECT_GT(std::min(std::abs(begin.translation.y()), std::abs(end.translation.y())), kerb_m)
+            << body.name;
+        EXPECT_NEAR(begin.translation.z() - body.semi_axes_m.z(), 0.15, 5e-3);  // sizes are round
+        ++crossing;
+      } else {
+        EXPECT_LT(std::abs(begin.translation.y()) + body.semi_axes_m.y(), kerb_m) << body.name;
+      }
+      if ((end.translation - begin.translation).norm() == 0) {
+        EXPECT_NEAR(std::abs(begin.translation.y()) + body.semi_axes_m.y(), kerb_m - 0.3, 0.02) << body.name;
+        ++parked;
+      }
+    }
+  }
+  EXPECT_GT(crossing, 3);
+  EXPECT_GT(parked, 3);
+}
+
+TEST(Families, AFlatMeshIsNamed) {
+  const TempFolder temp;
+  write_text(temp.path() / "sheet.obj", "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nf 1 2 3\n");
+  EXPECT_EQ(input_error([&] {
+              generate_scene({"tossed", 1, {{"meshes", temp.path().string()}}});
+            }),
+            (temp.path() / "sheet.obj").string() + ": is flat: an object needs an extent along every axis");
 }
 
 TEST(Families, TheHarderTheFaster) {
@@ -120,6 +164,9 @@ TEST(Families, RefuseWhatTheyDoNotHave) {
             "room: difficulty: expected 0 to 1 (set, not the file's)");
   EXPECT_EQ(refusal({"room", 1, {{"speed", "2"}}}).find("room: unknown key 'speed' (known: "), 0u);
   EXPECT_EQ(refusal({"room", 1, {{"frames", "0"}}}).find("room: frames: expected 1 to "), 0u);
+  EXPECT_EQ(refusal({"street", 1, {{"count", "0"}}}),
+            "street: count: expected 1 to 100, found 0 (set, not the file's)");
+  EXPECT_EQ(refusal({"room", 1, {{"count", "3"}}}).find("room: unknown key 'count' (known: "), 0u);
 }
 
 }  // namespace

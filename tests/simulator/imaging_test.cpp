@@ -49,13 +49,28 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
       {"image: {iso: 100}", "iso"},
       {"image_noise: {electrons_per_level: -1}", "cannot be negative"},
       {"depth_noise: {max_incidence_deg: 91}", "at most 90"},
-      {"depth_noise: {flying_pixels: 1.5}", "expected 0 to 1"}};
+      {"depth_noise: {flying_pixels: 1.5}", "expected 0 to 1"},
+      {"image: {rolling_shutter_bands: 481}", "rolling_shutter_bands: is 481, the image has 480 rows"},
+      {"image: {stamp_offset_s: -0.03}", "stamp_offset_s: is -0.03 s, more than half the time between two"},
+      {"image: {stamp_jitter_s: 0.03}", "stamp_jitter_s: is 0.03 s, more than half the time between two"},
+      {"image: {exposure_drift: 2}", "exposure_drift: expected at most 1, found 2"},
+      {"image: {white_balance_drift: 2}", "white_balance_drift: expected at most 1"},
+      {"depth_noise: {smear_px: 1e6}", "smear_px: expected at most 100, found 1000000"},
+      {"depth_noise: {correlation_px: 101}", "correlation_px: expected at most 100"},
+      {"depth_noise: {disparity_bias_px: -101}", "disparity_bias_px: expected -100 to 100"},
+      {"depth_noise: {delay_s: 2}", "delay_s: expected at most 1"},
+      {"depth_noise: {color_offset_m: -2}", "color_offset_m: expected -1 to 1, found -2"},
+      {"depth_noise: {registration_error_px: [0, 101]}",
+       "registration_error_px: expected -100 to 100 each, found 101"},
+      {"segmenter: {leak_px: 1e9}", "leak_px: expected at most 100"},
+      {"segmenter: {boundary_sigma_px: 101}", "boundary_sigma_px: expected at most 100"},
+      {"segmenter: {boundary_length_px: 101}", "boundary_length_px: expected at most 100"}};
   for (const auto& [section, said] : cases) {
     const std::string message = input_error([&] { read_with(section + "\n"); });
     EXPECT_NE(message.find(said), std::string::npos) << section << ": " << message;
     EXPECT_NE(message.find("scene.yaml:5"), std::string::npos) << message;
   }
-  EXPECT_EQ(cases.size(), 13u);
+  EXPECT_EQ(cases.size(), 27u);
 }
 
 TEST(ReadAppearance, TakesEveryKey) {

@@ -64,6 +64,15 @@ TEST(Realism, AnUnknownLevelIsNamedWithItsLine) {
   EXPECT_NE(input_error([] { scene_at("awful"); }).find("scene.yaml:3: realism"), std::string::npos);
 }
 
+TEST(Realism, ASectionThatIsNoMapIsBlamedAndNotTheLevel) {
+  const auto message = [](const std::string& section) {
+    return input_error([&] { parse_scene(fmt::format(kScene, "real") + section, "scene.yaml"); });
+  };
+  EXPECT_EQ(message("segmenter: none\n"), "scene.yaml:9: segmenter: expected a map, found none");
+  EXPECT_EQ(message("image: [1]\n"), "scene.yaml:9: image: expected a map, found [1]");
+  EXPECT_NO_THROW(parse_scene(fmt::format(kScene, "real") + "segmenter:\n", "scene.yaml"));
+}
+
 // The page that documents the levels has a row for each key, with these values.
 TEST(Realism, ThePageIsTheTable) {
   const std::string page = read_text(UNIQUADRIC_SOURCE_DIR "/scenes/realism.md");

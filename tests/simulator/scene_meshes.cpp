@@ -244,7 +244,7 @@ void expect_normals_outside(const std::vector<Mesh>& meshes) {
 
 TEST(Street, KeepsItsMiddleFreeAndShowsSurfacesInEveryDirection) {
   const Vector3d size(90, 40, 12);
-  const auto meshes = street(size, Material{.seed = 3, .size_px = 32});
+  const auto meshes = street(size, true, Material{.seed = 3, .size_px = 32});
   const Eigen::AlignedBox3d box = tight_box(meshes);
   EXPECT_LT((box.sizes() - size).norm(), 1e-4);  // single precision at 45 m
   EXPECT_LT(box.center().norm(), 1e-4);

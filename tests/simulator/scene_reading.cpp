@@ -125,6 +125,10 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
       {"position_m: [-2, -2, 1]", "position_m: [0, 0, 2]",
        ":9: camera.motion.waypoints[0]: cannot look at this point"},
       {"time_s: 1", "time_s: 0", ":10: camera.motion.waypoints[1]: time_s 0 does not follow 0"},
+      {"time_s: 0, position_m: [-2, -2, 1]", "time_s: 0, position_m: [-2, -2, 1], hold_s: 2",
+       ":10: camera.motion.waypoints[1]: time_s 1 does not follow 2, the end of the hold_s of the way-point"},
+      {"{kind: static, position_m: [0, 0, 1], rpy_deg: [0, 0, 90]}", "{kind: toss, velocity_kmh: 4}",
+       "velocity_kmh"},
       {"kind: spline", "kind: warp", ":6: camera.motion.kind: 'warp' is none of"},
       {"baseline_m: 0.1", "baseline_m: 0", ":11: depth_noise.baseline_m"},
       {"latency_s: 0.2", "delay_s: 0.2", ":12: unknown key 'segmenter.delay_s'"},
@@ -177,7 +181,7 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
     EXPECT_EQ(message.find('\n'), message.npos) << message;
     refused += message != "accepted";
   }
-  EXPECT_EQ(refused, 43);
+  EXPECT_EQ(refused, 45);
   EXPECT_NE(refusal(folder.path() / "absent.yaml").find("cannot be read"), std::string::npos);
 }
 
