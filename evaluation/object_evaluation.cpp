@@ -159,9 +159,9 @@ double symmetric_box_iou(const Ellipsoid& truth, const Ellipsoid& named, const S
   const double as_it_is = box_iou(truth, named);
   if (symmetry.kind != BodySymmetry::revolution && symmetry.kind != BodySymmetry::sphere) return as_it_is;
   const Pose& pose = truth.world_from_object;
-  const Eigen::Matrix3d turn = best_symmetry_rotation(
-      symmetry, truth.semi_axes_m, {named.world_from_object.rotation.toRotationMatrix()},
-      {pose.rotation.toRotationMatrix()});
+  const Eigen::Matrix3d turn = best_symmetry_rotation(symmetry, truth.semi_axes_m,
+                                                      {named.world_from_object.rotation.toRotationMatrix()},
+                                                      {pose.rotation.toRotationMatrix()});
   const Pose turned{pose.rotation * Eigen::Quaterniond(Eigen::Matrix3d(turn.transpose())), pose.translation};
   return std::max(as_it_is, box_iou({turned, truth.semi_axes_m}, named));
 }

@@ -62,9 +62,9 @@ struct ObjectContext {
   BodyFrame body_frame = BodyFrame::none;  ///< of pose errors; overlaps do not depend on frames
 };
 
-/// Overlap of the boxes about a true body and its estimate `named`, whose axes bear the truth's names. The box
-/// about a body of revolution is settled but for a turn about its axis, a ball's altogether: it is turned to
-/// the estimated one, as NOCS does (Wang et al., CVPR 2019).
+/// Overlap of the boxes about a true body and its estimate `named`, whose axes bear the truth's names. The
+/// box about a body of revolution is settled but for a turn about its axis, a ball's altogether: it is turned
+/// to the estimated one, as NOCS does (Wang et al., CVPR 2019).
 double symmetric_box_iou(const Ellipsoid& truth, const Ellipsoid& named, const ShapeSymmetry& symmetry);
 
 /// Compares a truth object with the track it was matched to; of `description` shape and symmetry count.

@@ -106,16 +106,34 @@ std::optional<RgbdImage> earlier_image(const Sequence& sequence, std::int64_t fr
   return RgbdImage{read_rgb(sequence, earlier), read_depth(sequence, earlier)};
 }
 
+// The parts that are seen to move twice: once may be an error of the flow. Over as long as the background's
+// motion is known: a fast turn leaves less time.
+cv::Mat parts_that_move(const cv::Mat& parts, const Segmenter& segmenter, const Sequence& sequence,
+                        const SegmenterInput& input) {
+  const MotionSplitOptions& options = segmenter.options.motion_split;
+  const auto moving = [&](const cv::Mat& of, int frames) -> std::optional<cv::Mat> {
+    const auto before = earlier_image(sequence, input.frame.frame, frames);
+    if (!before) return std::nullopt;
+    return moving_parts(of, {input.rgb, input.depth}, *before, input.tracked, sequence.camera, options);
+  };
+  for (int frames = 2 * options.frames; frames > 1; frames /= 2)
+    if (const auto once = moving(parts, frames))
+      if (const auto twice = moving(*once, frames / 2)) return *twice;
+  return cv::Mat::zeros(parts.size(), CV_16UC1);
+}
+
 cv::Mat masks_by_depth_and_motion(const Segmenter& segmenter, const Sequence& sequence,
                                   const SegmenterInput& input, std::uint64_t seed) {
   if (input.depth.empty()) return {};
   RandomStream random(seed, "depth_motion", input.frame.frame);
   const auto& options = segmenter.options;
   cv::Mat parts = depth_parts(input.depth, sequence.camera, options.depth_parts, random);
-  const auto before = earlier_image(sequence, input.frame.frame, options.motion_split.frames);
+  const MotionSplitOptions& motion = options.motion_split;
+  const auto before = earlier_image(sequence, input.frame.frame, motion.frames);
   if (before)
-    parts = split_by_motion(parts, {input.rgb, input.depth}, *before, sequence.camera, options.motion_split,
-                            random);
+    parts = split_by_motion(parts, {input.rgb, input.depth}, *before, sequence.camera, motion, random);
+  if (segmenter.prompt_kind == PromptKind::everything && motion.moving_ratio > 0)
+    return parts_that_move(parts, segmenter, sequence, input);
   return segmenter.prompt_kind == PromptKind::points ? parts_at_points(parts, points_of(segmenter, input))
                                                      : parts;
 }

@@ -135,6 +135,9 @@ Segmenter make_segmenter(const Sequence& sequence, const SegmentationOptions& op
     throw InputError(prompts.empty() ? sequence.folder : prompts.path,
                      fmt::format("the variant's segmentation takes {}", wanted));
   read_prompts(sequence, prompts, segmenter);
+  if (segmenter.source == MaskSource::depth_motion && prompts.kind == PromptKind::everything &&
+      options.motion_split.moving_ratio > 0)
+    warn("without masks, prompts or a network only what moves against the background is found");
   if (segmenter.source == MaskSource::sam) segmenter.sam = std::make_shared<SamSegmenter>(options.sam);
   if (segmenter.source == MaskSource::detector) segmenter.detector.emplace(options.detector.model);
   return segmenter;

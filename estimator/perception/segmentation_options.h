@@ -35,6 +35,7 @@ void visit(Io& io, MotionSplitOptions& o) {
   io.positive("gate_px", o.gate_px);
   io.number("min_share", o.min_share, 0.0, 0.5);
   io.number("samples", o.samples, 10, 100'000);
+  io.number("moving_ratio", o.moving_ratio, 0.0, 1000.0);
 }
 
 template <typename Io>

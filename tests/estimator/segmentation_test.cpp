@@ -267,6 +267,43 @@ TEST(DepthParts, TouchingBodiesPartByTheirMotion) {
   EXPECT_EQ(cv::countNonZero(whole != parts), 0);
 }
 
+// Two bodies before a wall that the camera passes: one goes with the wall, the other does not.
+TEST(MovingParts, OnlyWhatMovesAgainstTheWallStays) {
+  const auto at = [](double x) { return [=](std::int64_t) { return Eigen::Vector2d(x, 90); }; };
+  Sprite still = kLeft, mover = kRight;
+  still.corner_px = at(40);
+  mover.corner_px = at(200);
+  const DrawnFrame drawn = draw_world({still, mover}, 0);
+  mover.corner_px = at(193);
+  const DrawnFrame before = draw_world({still, mover}, 0);
+  const RgbdImage now{drawn.rgb, drawn.depth}, earlier{before.rgb, before.depth};
+  const auto moving = moving_parts(drawn.masks, now, earlier, {}, drawn_camera(), {});
+  ASSERT_TRUE(moving);
+  EXPECT_EQ(cv::countNonZero((*moving != 0) != (drawn.masks == 2)), 0);
+  const auto kept = moving_parts(drawn.masks, now, earlier, drawn.masks == 1, drawn_camera(), {});
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(cv::countNonZero(*kept != drawn.masks), 0);
+}
+
+// A plain body before a plain wall: flow has nothing to go by, and no pixel contradicts rest.
+TEST(MovingParts, NothingMovesWhereNothingContradictsRest) {
+  const DrawnFrame drawn = draw_world({kLeft}, 0);
+  const RgbdImage now{drawn.rgb, drawn.depth};
+  RgbdImage blank = now;
+  blank.rgb = cv::Mat(drawn.rgb.size(), CV_8UC3, cv::Scalar(90, 90, 90));
+  const auto same = moving_parts(drawn.masks, now, now, {}, drawn_camera(), {});
+  ASSERT_TRUE(same);
+  EXPECT_EQ(cv::countNonZero(*same), 0);
+  const auto plain = moving_parts(drawn.masks, blank, blank, {}, drawn_camera(), {});
+  EXPECT_FALSE(plain && cv::countNonZero(*plain) > 0);
+}
+
+TEST(MovingParts, WithoutDepthNothingIsSaid) {
+  const DrawnFrame drawn = draw_world({kLeft}, 0);
+  const RgbdImage blind{drawn.rgb, cv::Mat::zeros(drawn.depth.size(), CV_32FC1)};
+  EXPECT_FALSE(moving_parts(drawn.masks, blind, {drawn.rgb, drawn.depth}, {}, drawn_camera(), {}));
+}
+
 TEST(Segmentation, BodiesThatAreTrackedArePromptsWhereNoneAreGiven) {
   const TempFolder temp;
   const fs::path& folder = temp.path();

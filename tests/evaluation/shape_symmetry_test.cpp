@@ -224,15 +224,18 @@ TEST(ShapeSymmetry, ABoxAboutABodyOfRevolutionMayTurn) {
   const Ellipsoid truth{{Eigen::Quaterniond(0.9, 0.1, -0.3, 0.2).normalized(), {1, 2, 3}}, {1, 1, 3}};
   const auto turned = [&](double angle_rad, const Eigen::Vector3d& axis) {
     Ellipsoid estimate = truth;
-    estimate.world_from_object.rotation = truth.world_from_object.rotation * Eigen::AngleAxisd(angle_rad, axis);
+    estimate.world_from_object.rotation =
+        truth.world_from_object.rotation * Eigen::AngleAxisd(angle_rad, axis);
     return estimate;
   };
-  const Ellipsoid about_z = turned(0.7, Eigen::Vector3d::UnitZ()), about_x = turned(0.7, Eigen::Vector3d::UnitX());
+  const Ellipsoid about_z = turned(0.7, Eigen::Vector3d::UnitZ()),
+                  about_x = turned(0.7, Eigen::Vector3d::UnitX());
   EXPECT_NEAR(symmetric_box_iou(truth, about_z, kRound), 1, 1e-9);
   EXPECT_LT(symmetric_box_iou(truth, about_z, kBox), 0.86);
   EXPECT_LT(symmetric_box_iou(truth, about_x, kRound), 0.6);
   const Ellipsoid ball{truth.world_from_object, {1, 1, 1}};
-  EXPECT_NEAR(symmetric_box_iou(ball, {about_x.world_from_object, {1, 1, 1}}, {BodySymmetry::sphere, 2}), 1, 1e-9);
+  EXPECT_NEAR(symmetric_box_iou(ball, {about_x.world_from_object, {1, 1, 1}}, {BodySymmetry::sphere, 2}), 1,
+              1e-9);
 }
 
 }  // namespace
