@@ -28,7 +28,7 @@ std::vector<Eigen::Vector3d> some_points(const cv::Mat& depth, const Camera& cam
 bool is_on_a_plane(const Eigen::Vector3d& point, const std::vector<Plane>& planes, double threshold_m) {
   const double threshold = threshold_m * std::max(point.z(), 1.0);
   return std::any_of(planes.begin(), planes.end(),
-                     [&](const Plane& plane) { return plane.distance(point) < threshold; });
+                     [&](const Plane& plane) { return lies_on(plane, point, threshold); });
 }
 
 // 255 where there is depth that lies on none of the planes.

@@ -14,7 +14,7 @@ namespace uniquadric {
 
 /// How depth is cut into parts that stand clear of floor and walls. All numbers are ours.
 struct DepthPartsOptions {
-  double plane_threshold_m = 0.03;  // from a plane, at 1 m and nearer; grows with depth as its noise does
+  double plane_threshold_m = 0.03;  // most that a plane's points are off at 1 m and nearer; grows with depth
   double plane_share =
       0.1;             // of the image that a plane needs to be floor or wall: a near body's face has less
   int max_planes = 6;  // floor, walls, ceiling

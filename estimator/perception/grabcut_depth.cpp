@@ -62,7 +62,7 @@ cv::Mat excluded_by_depth(const cv::Mat& depth, const Camera& camera, const cv::
     for (int u = inner.x; u < inner.br().x; ++u) {
       const auto p = depth_point(depth, camera, u, v);
       if (!p) continue;
-      const auto on = [&](const Plane& plane) { return plane.distance(*p) < options.plane_threshold_m; };
+      const auto on = [&](const Plane& plane) { return lies_on(plane, *p, options.plane_threshold_m); };
       if (std::abs(p->z() - median_m) > reach_m || std::any_of(planes.begin(), planes.end(), on))
         excluded.at<unsigned char>(v, u) = 255;
     }

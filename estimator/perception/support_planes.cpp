@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "core/base/quantile.h"
+
 namespace uniquadric {
 namespace {
 
@@ -50,7 +52,19 @@ std::vector<Eigen::Vector3d> largest_plane(const std::vector<Eigen::Vector3d>& p
   return best;
 }
 
+double spread_of(const std::vector<Eigen::Vector3d>& points, const Plane& plane) {
+  constexpr double kSigmasOfMedian = 1.4826;
+  std::vector<double> off;
+  for (const Eigen::Vector3d& p : points) off.push_back(plane.distance(p) / std::max(p.z(), 1e-3));
+  return kSigmasOfMedian * upper_median(std::move(off));
+}
+
 }  // namespace
+
+bool lies_on(const Plane& plane, const Eigen::Vector3d& point, double most_m) {
+  constexpr double kSpreads = 4;
+  return plane.distance(point) < std::min(most_m, kSpreads * plane.spread * point.z());
+}
 
 std::vector<Plane> find_planes(std::vector<Eigen::Vector3d> points, double threshold_m, double share,
                                int most, RandomStream& random) {
@@ -62,6 +76,7 @@ std::vector<Plane> find_planes(std::vector<Eigen::Vector3d> points, double thres
     // The points about a plane through three of them are cut off along it: those about their own plane count.
     for (int round = 0; round < kRounds; ++round) near = near_plane(points, least_squares(near), threshold_m);
     planes.push_back(least_squares(near));
+    planes.back().spread = spread_of(near, planes.back());
     std::erase_if(points, [&](const auto& p) { return planes.back().distance(p) < threshold_m; });
   }
   return planes;

@@ -107,6 +107,24 @@ TEST(SupportPlanes, AreFoundLargestFirst) {
   EXPECT_LT(planes[1].distance({2, 0, 0}), 0.001);
 }
 
+// A floor seen at a slant, its noise a thousandth of the depth: what stands 1 cm above it at 1 m is no part
+// of it, though the plane was looked for within 2 cm.
+TEST(SupportPlanes, WhatLiesOnThemIsToldByTheirSpread) {
+  RandomStream random(4, "planes");
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 2000; ++i) {
+    const double z = random.uniform(0.8, 2);
+    points.emplace_back(random.uniform(-1, 1), 0.5 + 0.001 * z * random.normal(), z);
+  }
+  const auto planes = find_planes(points, 0.02, 0.5, 1, random);
+  ASSERT_EQ(planes.size(), 1u);
+  EXPECT_NEAR(planes[0].spread, 0.001, 0.0001);
+  EXPECT_TRUE(lies_on(planes[0], {0, 0.503, 1}, 0.02));
+  EXPECT_FALSE(lies_on(planes[0], {0, 0.490, 1}, 0.02));
+  EXPECT_TRUE(lies_on(planes[0], {0, 0.490, 4}, 0.02));
+  EXPECT_FALSE(lies_on(planes[0], {0, 0.490, 4}, 0.008));
+}
+
 TEST(Segmentation, PromptsSelectAmongTheSequencesMasks) {
   const TempFolder temp;
   const fs::path& folder = temp.path();
