@@ -18,7 +18,7 @@ struct GrabcutOptions {
   double depth_reach = 1.0;  // depth off the box's median by more than this share of its size is background
   double plane_threshold_m = 0.025;  // most that points of the ring's planes (floor, wall) are off; what lies
                                      // on these, within the points' own spread, is cut out of the box
-  double plane_share = 0.15;  // of the ring's pixels that a plane needs
+  double plane_share = 0.15;         // of the ring's pixels that a plane needs
   double rim = 0.05;         // width of the object's rim that colour decides, share of the box's shorter side
   double depth_jump = 0.03;  // relative jump between neighbours that separates two bodies
 };

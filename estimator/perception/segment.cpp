@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "estimator/perception/moving_parts.h"
 #include "estimator/perception/outline.h"
 #include "estimator/perception/segmentation.h"
 

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "drawn_world.h"
+#include "estimator/perception/moving_parts.h"
 #include "estimator/perception/outline.h"
 #include "estimator/perception/support_planes.h"
 #include "tests/support/temp_folder.h"
