@@ -89,7 +89,7 @@ bool is_there(const BenchScene& item) {
 std::vector<ConfigOverride> read_set(const ConfigNode& node, const std::string& key = "set") {
   std::vector<ConfigOverride> overrides;
   if (const auto set = node.find(key)) {
-    for (const auto& [key, value] : set->entries()) overrides.push_back({key, value.yaml()});
+    for (const auto& [name, value] : set->entries()) overrides.push_back({name, value.yaml()});
     set->refuse_unknown_keys();  // that stand twice
   }
   return overrides;
