@@ -16,7 +16,7 @@ constexpr double kMost = 0.5;  // of a mask's pixels with depth lie on the piece
 struct Piece {
   std::vector<cv::Point> pixels;
   std::size_t in_mask = 0;
-  bool is_whole = true;  // false: it goes on
+  bool is_whole = true;  // false: it goes on, or touches another body
 };
 
 // What a pixel covers at 1 m, across the line of sight.
@@ -44,8 +44,11 @@ Piece piece_at(const cv::Point& start, int id, const cv::Mat& masks, const cv::M
       if (!cv::Rect({0, 0}, depth.size()).contains(to) || visited.at<unsigned char>(to)) continue;
       const float next = depth.at<float>(to);
       const int other = masks.at<std::uint16_t>(to);
-      if (!(next > 0) || (other != 0 && other != id) || std::abs(next - z) >= jump * std::min(next, z))
+      if (!(next > 0) || std::abs(next - z) >= jump * std::min(next, z)) continue;
+      if (other != 0 && other != id) {
+        piece.is_whole = false;  // a hand that holds it
         continue;
+      }
       visited.at<unsigned char>(to) = 1;
       piece.pixels.push_back(to);
     }

@@ -12,7 +12,7 @@ namespace uniquadric {
 std::map<int, double> mask_areas_m2(const cv::Mat& masks, const cv::Mat& depth, const Camera& camera);
 
 /// A body that stands clear of all else is one piece of the depth image: pixels joined without a step of
-/// depth of `jump` (relative) or more, none of them another body's. Where most of a mask lies on one such
+/// depth of `jump` (relative) or more, that touches no other body's. Where most of a mask lies on one such
 /// piece, whose area is at most `growth` times the body's, the piece becomes its mask, with what was its mask
 /// and has no depth. Other masks, and those of bodies whose area is not known, stay.
 cv::Mat fit_to_clear_bodies(const cv::Mat& masks, const cv::Mat& depth, const Camera& camera,
