@@ -48,7 +48,7 @@ struct AotOptions {
   FlowTrackerOptions flow;
   NanoTrackOptions nano;
   MaskEdgeOptions edges;
-  double clear_growth = 1.5;  // ours: of the largest area that a segmenter gave a body (clear_body.h); 0: off
+  double clear_growth = 1.2;  // ours: of the largest area that a segmenter gave a body (clear_body.h); 0: off
   AssociationOptions association;
   bool trust_ids = false;  // ours: the segmenter's own ids are the tracks'; only a simulated one has any
   int min_pixels = 50;     // ours: smaller masks are not kept

@@ -62,8 +62,9 @@ double spread_of(const std::vector<Eigen::Vector3d>& points, const Plane& plane)
 }  // namespace
 
 bool lies_on(const Plane& plane, const Eigen::Vector3d& point, double most_m) {
-  constexpr double kSpreads = 4;
-  return plane.distance(point) < std::min(most_m, kSpreads * plane.spread * point.z());
+  constexpr double kSpreads = 4, kLeastSpread = 1e-3;  // the step of an image in millimetres at 1 m
+  return plane.distance(point) <
+         std::min(most_m, kSpreads * std::max(plane.spread, kLeastSpread) * point.z());
 }
 
 std::vector<Plane> find_planes(std::vector<Eigen::Vector3d> points, double threshold_m, double share,
