@@ -22,14 +22,14 @@ std::string held_by_hand(RandomStream& random, const Thing& thing, const std::st
 }
 
 // The limb behind another one along its y, which bends at the joint between them.
-std::string bends_behind(RandomStream& random, const Thing& limb, const Thing& before,
+std::string bends_behind(RandomStream& random, const Thing& behind, const Thing& before,
                          const std::string& motion) {
   return motion + fmt::format(
                       "        - {{kind: static, position_m: [0, {}, 0], rpy_deg: [{}, 0, 0]}}\n"
                       "        - {{kind: swing, pivot_m: [0, 0, 0], length_m: {}, amplitude_deg: {}, "
                       "period_s: {}, phase_deg: {}}}\n",
                       yaml_number(0.45 * before.size_m.y()), yaml_number(random.uniform(60, 100), 1),
-                      yaml_number(0.45 * limb.size_m.z()), yaml_number(random.uniform(5, 20), 1),
+                      yaml_number(0.45 * behind.size_m.z()), yaml_number(random.uniform(5, 20), 1),
                       yaml_number(random.uniform(0.8, 2), 2), yaml_number(random.uniform(0, 360), 1));
 }
 
@@ -42,22 +42,19 @@ std::string carried(RandomStream& random, const std::string& waypoints, const Fa
       yaml_number(graded(options.difficulty, 0.2, 1), 2), random.below(100'000));
 }
 
-std::string skin(const std::string& kind, const Vector3d& size_m) {
-  return fmt::format(
-      "    primitive: {}\n    size_m: {}\n    material: {{color: [0.72, 0.55, 0.45], accent: [0.6, 0.42, "
-      "0.35], contrast: 0.1, texture: none}}\n",
-      kind, yaml_vector(size_m));
-}
-
-// Sizes of a man's hand and forearm (NASA-STD-3000, 50th percentile: forearm-hand length 0.48 m).
-Thing limb(const std::string& name, const std::string& kind, const Vector3d& size_m) {
-  return {name, skin(kind, size_m), size_m};
+// Of bare skin.
+Thing limb(const std::string& name, const std::string& primitive, const Vector3d& size_m) {
+  return {name,
+          fmt::format("    primitive: {}\n    size_m: {}\n    material: {{color: [0.72, 0.55, 0.45], accent: "
+                      "[0.6, 0.42, 0.35], contrast: 0.1, texture: none}}\n",
+                      primitive, yaml_vector(size_m)),
+          size_m};
 }
 
 // A hand and a forearm that bends at the wrist: seen and not scored, so that something not rigid touches what
 // is.
 void add_arm(RandomStream& random, const Thing& thing, const std::string& motion, SceneDraft& draft) {
-  const Thing hand = limb("hand", "ellipsoid", {0.085, 0.13, 0.045});
+  const Thing hand = limb("hand", "ellipsoid", {0.085, 0.13, 0.045});  // sizes: ours, about a man's
   const Thing forearm = limb("forearm", "cylinder", {0.075, 0.075, 0.28});
   const std::string held = held_by_hand(random, thing, motion);
   draft.add_unscored(hand, held);

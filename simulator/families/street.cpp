@@ -5,6 +5,7 @@
 
 #include "simulator/families/families.h"
 #include "simulator/families/scene_draft.h"
+#include "simulator/scene/shapes.h"
 
 namespace uniquadric {
 namespace {
@@ -13,8 +14,8 @@ using Eigen::Vector3d;
 
 // Lanes, y of their middles: the sensor car drives along +x.
 constexpr double kEgoLane_m = -2.75, kFastLane_m = 1.2, kOncomingLane_m = 5.4, kCycleLane_m = -6.7;
-// The primitive `street`: its kerbs, and what stands on its pavements, every 5 m, 0.8 m to and fro.
-constexpr double kKerb_m = 11, kPavement_m = 4, kHouse_m = 3, kKerbHeight_m = 0.15;
+// Its kerbs, and what stands on the pavements of the primitive `street`: every 5 m, 0.8 m to and fro.
+constexpr double kKerb_m = 11;
 constexpr double kFirstThing_m = 6, kBetweenThings_m = 5;
 constexpr double kWidth_m = 2 * (kKerb_m + kPavement_m + kHouse_m);
 constexpr double kFromKerb_m = 0.3;  // of what is parked

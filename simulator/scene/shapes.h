@@ -57,6 +57,9 @@ std::vector<Mesh> plane(const Eigen::Vector2d& size_m, const Material& material)
 /// The inside of a room (floor, ceiling, four walls, facing inwards) with `furniture` boxes along its walls.
 std::vector<Mesh> room(const Eigen::Vector3d& size_m, int furniture, const Material& material);
 
+/// Across a street: depth of its houses, width of its pavements, height of its kerbs.
+inline constexpr double kHouse_m = 3, kPavement_m = 4, kKerbHeight_m = 0.15;
+
 /// A street along x under the open sky: `size_m` is its length, its width from back to back of the houses,
 /// and the height of the tallest. Road and pavements, rows of houses on both sides and across both ends,
 /// lamps, trees and kiosks on the pavements, with `parked_cars` cars at the kerb. The kerbs are 7 m from the

@@ -15,9 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHouse_m = 3;     // depth of the houses
-constexpr double kPavement_m = 4;  // width of the pavements
-constexpr double kKerb_m = 0.15;
 constexpr double kTile_m = 14;  // of ground that one texture covers
 
 /// A part of the street: what makes it, and where it stands.
@@ -96,7 +93,8 @@ Mesh kerb_stones(double x, double y) {
   Mesh stones;
   for (const double side : {-1.0, 1.0})
     for (double at = -x; at < x; at += 2)
-      add_box(stones, {std::min(at + 1, x - 1), side * y, kKerb_m / 2 + 0.01}, {1.96, 0.24, kKerb_m + 0.02});
+      add_box(stones, {std::min(at + 1, x - 1), side * y, kKerbHeight_m / 2 + 0.01},
+              {1.96, 0.24, kKerbHeight_m + 0.02});
   return stones;
 }
 
@@ -132,7 +130,7 @@ void lay_ground(Plan& plan) {
     lay_strip(plan, kerb * (2.0 * k / bands - 1), kerb * (2.0 * (k + 1) / bands - 1), 0,
               TextureStyle::speckle, {0.36, 0.36, 0.38}, 36);
   for (const double side : {-1.0, 1.0})
-    lay_strip(plan, std::min(side * kerb, side * wall), std::max(side * kerb, side * wall), kKerb_m,
+    lay_strip(plan, std::min(side * kerb, side * wall), std::max(side * kerb, side * wall), kKerbHeight_m,
               TextureStyle::checks, {0.52, 0.5, 0.47}, 20);
   mark_ground(plan);
 }
@@ -162,7 +160,7 @@ void build_row(Plan& plan, const Vector3d& middle, double yaw_rad, double length
 void stand_on_pavement(Plan& plan, int index, double x, double side) {
   RandomStream random = plan.random("pavement", static_cast<std::uint64_t>(2 * index) + (side > 0));
   const Vector3d at(x + random.uniform(-0.8, 0.8), side * (plan.kerb_y() + random.uniform(1.2, 1.8)),
-                    kKerb_m);
+                    kKerbHeight_m);
   const double to_street = side > 0 ? -std::numbers::pi / 2 : std::numbers::pi / 2;
   if (index % 3 == 0) {
     const double height_m = random.uniform(5, 6);
@@ -198,8 +196,8 @@ std::vector<Mesh> street(const Vector3d& size_m, bool parked_cars, const Materia
   Plan plan{size_m, material};
   lay_ground(plan);
   const double half_turn = std::numbers::pi;
-  build_row(plan, {0, plan.facade_y(), kKerb_m}, 0, size_m.x() - 2 * kHouse_m, 0);
-  build_row(plan, {0, -plan.facade_y(), kKerb_m}, half_turn, size_m.x() - 2 * kHouse_m, 1);
+  build_row(plan, {0, plan.facade_y(), kKerbHeight_m}, 0, size_m.x() - 2 * kHouse_m, 0);
+  build_row(plan, {0, -plan.facade_y(), kKerbHeight_m}, half_turn, size_m.x() - 2 * kHouse_m, 1);
   build_row(plan, {plan.facade_x(), 0, 0}, -half_turn / 2, size_m.y(), 2);
   build_row(plan, {-plan.facade_x(), 0, 0}, half_turn / 2, size_m.y(), 3);
   for (const double side : {-1.0, 1.0}) {
