@@ -95,7 +95,7 @@ void AsyncObjectTracker::associate(const SegmenterResult& result, AotFrame& out)
   const cv::Mat named = relabelled(detections, ids, seen->masks.size());
   const cv::Mat masks =
       fit_to_depth_edges(named, seen->image.depth, expected_depth(named, *seen), options_.edges);
-  if (!seen->image.depth.empty())
+  if (options_.clear_growth > 0 && !seen->image.depth.empty())
     for (const auto& [id, area_m2] : mask_areas_m2(masks, seen->image.depth, camera_))
       areas_m2_[id] = std::max(areas_m2_[id], area_m2);
   tracker_->learn(masks, seen->image);

@@ -56,16 +56,15 @@ cv::Mat second_share(const cv::Rect& box, const cv::Mat& part, const std::vector
 
 }  // namespace
 
-cv::Mat split_by_motion(const cv::Mat& parts, const RgbdImage& now, const RgbdImage& before,
+cv::Mat split_by_motion(const cv::Mat& parts, const RgbdImage& now, const EarlierImage& before,
                         const Camera& lens, const MotionSplitOptions& options, RandomStream& random) {
   const Camera camera = without_distortion(lens);
-  const cv::Mat flow = exact_flow(now, before);
   cv::Mat split = parts.clone();
   const auto boxes = id_boxes(parts);
   int next = boxes.empty() ? 1 : boxes.rbegin()->first + 1;
   for (const auto& [label, box] : boxes) {
     const cv::Mat part = parts(box) == label;
-    const auto pixels = moved_pixels(part, box, flow, now, before, camera, options.samples);
+    const auto pixels = moved_pixels(part, box, now, before, camera, options.samples);
     const auto motions = motions_of(pixels, camera, options, random);
     if (motions.size() < 2) continue;
     const cv::Mat second = second_share(box, part, pixels, camera, motions);

@@ -22,7 +22,7 @@ struct MotionSplitOptions {
 /// Splits parts (CV_16UC1 labels, 0 none) of `now` of which two shares moved as two rigid bodies since
 /// `before`: the lesser share gets a new label. `camera` without distortion is exact; a lens is ignored,
 /// which two motions of neighbouring pixels do not feel.
-cv::Mat split_by_motion(const cv::Mat& parts, const RgbdImage& now, const RgbdImage& before,
+cv::Mat split_by_motion(const cv::Mat& parts, const RgbdImage& now, const EarlierImage& before,
                         const Camera& camera, const MotionSplitOptions& options, RandomStream& random);
 
 }  // namespace uniquadric

@@ -26,15 +26,14 @@ std::optional<MovedPixel> moved_pixel(const cv::Point& pixel, const RgbdImage& n
 
 }  // namespace
 
-cv::Mat exact_flow(const RgbdImage& now, const RgbdImage& before) {
-  const FlowOptions options{FlowOptions::Preset::medium, 1};  // exact: nothing mends its errors here
-  return backward_flow(flow_image(now.rgb, options), flow_image(before.rgb, options), options);
+EarlierImage with_flow(const RgbdImage& before, const RgbdImage& now) {
+  const FlowOptions options{FlowOptions::Preset::medium, 1};
+  return {before, backward_flow(flow_image(now.rgb, options), flow_image(before.rgb, options), options)};
 }
 
-std::vector<MovedPixel> moved_pixels(const cv::Mat& mask, const cv::Rect& box, const cv::Mat& flow,
-                                     const RgbdImage& now, const RgbdImage& before, const Camera& camera,
-                                     int samples) {
-  const cv::Mat positions = origins(flow, box, 1);
+std::vector<MovedPixel> moved_pixels(const cv::Mat& mask, const cv::Rect& box, const RgbdImage& now,
+                                     const EarlierImage& before, const Camera& camera, int samples) {
+  const cv::Mat positions = origins(before.flow, box, 1);
   const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(mask) / double(samples))));
   std::vector<MovedPixel> pixels;
   for (int v = 0; v < box.height; v += step)

@@ -21,14 +21,17 @@ struct MovedPixel {
 
 inline constexpr int kLeastMovedPixels = 30;  ///< ours: fewer say nothing of a motion
 
-/// Dense flow from `now` back to `before`, at full size: nothing mends its errors.
-cv::Mat exact_flow(const RgbdImage& now, const RgbdImage& before);
+/// An earlier image, and where the pixels of a later one were in it: dense flow at full size (dense_flow.h),
+/// for nothing mends its errors here.
+struct EarlierImage : RgbdImage {
+  cv::Mat flow;
+};
+EarlierImage with_flow(const RgbdImage& before, const RgbdImage& now);
 
 /// About `samples` pixels of a mask (CV_8UC1 of the box's size) that have depth at both times, and where the
 /// flow says that they were. `camera` is without distortion.
-std::vector<MovedPixel> moved_pixels(const cv::Mat& mask, const cv::Rect& box, const cv::Mat& flow,
-                                     const RgbdImage& now, const RgbdImage& before, const Camera& camera,
-                                     int samples);
+std::vector<MovedPixel> moved_pixels(const cv::Mat& mask, const cv::Rect& box, const RgbdImage& now,
+                                     const EarlierImage& before, const Camera& camera, int samples);
 
 /// How far from where it was seen a motion puts a pixel [px].
 double error_px(const MovedPixel& moved, const Camera& camera, const Pose& motion);

@@ -44,11 +44,11 @@ struct StillPixel {
   double flow_grey_error = 0;
 };
 
-// Two images, their flow, and what the camera's own motion between them tells of each pixel.
+// Two images, and what the camera's own motion between them tells of each pixel.
 class StillWorld {
  public:
-  StillWorld(const RgbdImage& now, const RgbdImage& before, const Camera& camera)
-      : now_(now), before_(before), camera_(camera), flow_(exact_flow(now, before)) {
+  StillWorld(const RgbdImage& now, const EarlierImage& before, const Camera& camera)
+      : now_(now), before_(before), camera_(camera) {
     const FlowOptions whole{FlowOptions::Preset::medium, 1};
     grey_now_ = flow_image(now.rgb, whole);
     grey_before_ = flow_image(before.rgb, whole);
@@ -64,9 +64,10 @@ class StillWorld {
   StillPixel judge(const MovedPixel& moved) const;
   std::vector<StillPixel> judged(const std::vector<MovedPixel>& pixels) const;
 
-  RgbdImage now_, before_;
+  RgbdImage now_;
+  EarlierImage before_;
   Camera camera_;
-  cv::Mat flow_, grey_now_, grey_before_;
+  cv::Mat grey_now_, grey_before_;
   std::vector<MovedPixel> all_;
   Pose motion_;
 };
@@ -75,8 +76,8 @@ bool StillWorld::find_background(double gate_px) {
   constexpr int kSamples = 3000;
   constexpr double kBend = 0.1;  // share by which a rolling shutter bends a fast motion
   const cv::Size size = now_.depth.size();
-  all_ = moved_pixels(cv::Mat(size, CV_8UC1, cv::Scalar(255)), cv::Rect({0, 0}, size), flow_, now_, before_,
-                      camera_, kSamples);
+  all_ = moved_pixels(cv::Mat(size, CV_8UC1, cv::Scalar(255)), cv::Rect({0, 0}, size), now_, before_, camera_,
+                      kSamples);
   std::vector<double> moved_px;
   for (const MovedPixel& pixel : all_) moved_px.push_back(error_px(pixel, camera_, Pose{}));
   if (moved_px.empty()) return false;
@@ -87,7 +88,7 @@ bool StillWorld::find_background(double gate_px) {
 }
 
 std::vector<StillPixel> StillWorld::pixels(const cv::Mat& mask, const cv::Rect& box, int samples) const {
-  return judged(moved_pixels(mask, box, flow_, now_, before_, camera_, samples));
+  return judged(moved_pixels(mask, box, now_, before_, camera_, samples));
 }
 
 std::vector<StillPixel> StillWorld::judged(const std::vector<MovedPixel>& pixels) const {
@@ -137,7 +138,7 @@ bool has_moved(const std::vector<StillPixel>& pixels, const Gates& gates) {
 
 }  // namespace
 
-std::optional<cv::Mat> moving_parts(const cv::Mat& parts, const RgbdImage& now, const RgbdImage& before,
+std::optional<cv::Mat> moving_parts(const cv::Mat& parts, const RgbdImage& now, const EarlierImage& before,
                                     const cv::Mat& keeps, const Camera& lens,
                                     const MotionSplitOptions& options) {
   StillWorld world(now, before, without_distortion(lens));

@@ -16,7 +16,7 @@ namespace uniquadric {
 /// moving_ratio times what the image's do: on a plain wall flow errs, and nothing contradicts rest. Pixels
 /// that were out of view do not count. `keeps` (CV_16UC1 ids, 0 none; may be empty): parts that lie on it by
 /// half stay.
-std::optional<cv::Mat> moving_parts(const cv::Mat& parts, const RgbdImage& now, const RgbdImage& before,
+std::optional<cv::Mat> moving_parts(const cv::Mat& parts, const RgbdImage& now, const EarlierImage& before,
                                     const cv::Mat& keeps, const Camera& camera,
                                     const MotionSplitOptions& options);
 

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <set>
 
 #include "estimator/perception/moving_parts.h"
@@ -99,27 +101,46 @@ cv::Mat masks_of_boxes(std::vector<BoxPrompt> boxes, const GrabcutOptions& optio
   return masks;
 }
 
-// The image some frames earlier that a motion is seen against; nothing at the start.
-std::optional<RgbdImage> earlier_image(const Sequence& sequence, std::int64_t frame, int frames) {
-  if (frame < frames) return std::nullopt;
-  const SequenceFrame& earlier = sequence.frames[frame - frames];
-  if (earlier.depth.empty()) return std::nullopt;
-  return RgbdImage{read_rgb(sequence, earlier), read_depth(sequence, earlier)};
-}
+// The images some frames earlier that a frame's motions are seen against, each read once.
+class EarlierImages {
+ public:
+  EarlierImages(const Sequence& sequence, const SegmenterInput& input) : sequence_(sequence), input_(input) {}
+
+  // Nothing at the start and where there is no depth.
+  const std::optional<EarlierImage>& before(int frames) {
+    const auto [entry, is_new] = images_.try_emplace(frames);
+    if (is_new) entry->second = read(frames);
+    return entry->second;
+  }
+
+ private:
+  std::optional<EarlierImage> read(int frames) const {
+    if (input_.frame.frame < frames) return std::nullopt;
+    const SequenceFrame& earlier = sequence_.frames[input_.frame.frame - frames];
+    if (earlier.depth.empty()) return std::nullopt;
+    return with_flow({read_rgb(sequence_, earlier), read_depth(sequence_, earlier)},
+                     {input_.rgb, input_.depth});
+  }
+
+  const Sequence& sequence_;
+  const SegmenterInput& input_;
+  std::map<int, std::optional<EarlierImage>> images_;
+};
 
 // The parts that are seen to move twice: once may be an error of the flow. Over as long as the background's
 // motion is known: a fast turn leaves less time.
-cv::Mat parts_that_move(const cv::Mat& parts, const Segmenter& segmenter, const Sequence& sequence,
-                        const SegmenterInput& input) {
-  const MotionSplitOptions& options = segmenter.options.motion_split;
+cv::Mat parts_that_move(const cv::Mat& parts, const Camera& camera, const MotionSplitOptions& options,
+                        const SegmenterInput& input, EarlierImages& earlier) {
   const auto moving = [&](const cv::Mat& of, int frames) -> std::optional<cv::Mat> {
-    const auto before = earlier_image(sequence, input.frame.frame, frames);
+    const auto& before = earlier.before(frames);
     if (!before) return std::nullopt;
-    return moving_parts(of, {input.rgb, input.depth}, *before, input.tracked, sequence.camera, options);
+    return moving_parts(of, {input.rgb, input.depth}, *before, input.tracked, camera, options);
   };
   for (int frames = 2 * options.frames; frames > 1; frames /= 2)
-    if (const auto once = moving(parts, frames))
-      if (const auto twice = moving(*once, frames / 2)) return *twice;
+    if (const auto once = moving(parts, frames)) {
+      frames /= 2;
+      if (const auto twice = moving(*once, frames)) return *twice;
+    }
   return cv::Mat::zeros(parts.size(), CV_16UC1);
 }
 
@@ -127,16 +148,14 @@ cv::Mat masks_by_depth_and_motion(const Segmenter& segmenter, const Sequence& se
                                   const SegmenterInput& input, std::uint64_t seed) {
   if (input.depth.empty()) return {};
   RandomStream random(seed, "depth_motion", input.frame.frame);
-  const auto& options = segmenter.options;
-  cv::Mat parts = depth_parts(input.depth, sequence.camera, options.depth_parts, random);
-  const MotionSplitOptions& motion = options.motion_split;
-  const auto before = earlier_image(sequence, input.frame.frame, motion.frames);
-  if (before)
-    parts = split_by_motion(parts, {input.rgb, input.depth}, *before, sequence.camera, motion, random);
-  if (segmenter.prompt_kind == PromptKind::everything && motion.moving_ratio > 0)
-    return parts_that_move(parts, segmenter, sequence, input);
-  return segmenter.prompt_kind == PromptKind::points ? parts_at_points(parts, points_of(segmenter, input))
-                                                     : parts;
+  const Camera& camera = sequence.camera;
+  const MotionSplitOptions& motion = segmenter.options.motion_split;
+  EarlierImages earlier(sequence, input);
+  cv::Mat parts = depth_parts(input.depth, camera, segmenter.options.depth_parts, random);
+  if (const auto& before = earlier.before(motion.frames))
+    parts = split_by_motion(parts, {input.rgb, input.depth}, *before, camera, motion, random);
+  if (segmenter.prompt_kind == PromptKind::points) return parts_at_points(parts, points_of(segmenter, input));
+  return motion.moving_ratio > 0 ? parts_that_move(parts, camera, motion, input, earlier) : parts;
 }
 
 cv::Mat masks_by_sam(const Segmenter& segmenter, const SegmenterInput& input) {

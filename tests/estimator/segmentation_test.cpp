@@ -276,13 +276,14 @@ TEST(DepthParts, TouchingBodiesPartByTheirMotion) {
   const DrawnFrame apart = draw_world({left_before, right_before}, 0),
                    together = draw_world({kLeft, kRight}, 0);
   const RgbdImage now{drawn.rgb, drawn.depth};
-  const cv::Mat split = split_by_motion(parts, now, {apart.rgb, apart.depth}, drawn_camera(), {}, random);
+  const cv::Mat split =
+      split_by_motion(parts, now, with_flow({apart.rgb, apart.depth}, now), drawn_camera(), {}, random);
   const int left = split.at<std::uint16_t>(120, 80), right = split.at<std::uint16_t>(120, 160);
   EXPECT_NE(left, right);
   EXPECT_GT(mask_iou(split == left, drawn.masks == 1), 0.9);
   EXPECT_GT(mask_iou(split == right, drawn.masks == 2), 0.9);
   const cv::Mat whole =
-      split_by_motion(parts, now, {together.rgb, together.depth}, drawn_camera(), {}, random);
+      split_by_motion(parts, now, with_flow({together.rgb, together.depth}, now), drawn_camera(), {}, random);
   EXPECT_EQ(cv::countNonZero(whole != parts), 0);
 }
 
@@ -295,7 +296,8 @@ TEST(MovingParts, OnlyWhatMovesAgainstTheWallStays) {
   const DrawnFrame drawn = draw_world({still, mover}, 0);
   mover.corner_px = at(193);
   const DrawnFrame before = draw_world({still, mover}, 0);
-  const RgbdImage now{drawn.rgb, drawn.depth}, earlier{before.rgb, before.depth};
+  const RgbdImage now{drawn.rgb, drawn.depth};
+  const EarlierImage earlier = with_flow({before.rgb, before.depth}, now);
   const auto moving = moving_parts(drawn.masks, now, earlier, {}, drawn_camera(), {});
   ASSERT_TRUE(moving);
   EXPECT_EQ(cv::countNonZero((*moving != 0) != (drawn.masks == 2)), 0);
@@ -310,17 +312,18 @@ TEST(MovingParts, NothingMovesWhereNothingContradictsRest) {
   const RgbdImage now{drawn.rgb, drawn.depth};
   RgbdImage blank = now;
   blank.rgb = cv::Mat(drawn.rgb.size(), CV_8UC3, cv::Scalar(90, 90, 90));
-  const auto same = moving_parts(drawn.masks, now, now, {}, drawn_camera(), {});
+  const auto same = moving_parts(drawn.masks, now, with_flow(now, now), {}, drawn_camera(), {});
   ASSERT_TRUE(same);
   EXPECT_EQ(cv::countNonZero(*same), 0);
-  const auto plain = moving_parts(drawn.masks, blank, blank, {}, drawn_camera(), {});
+  const auto plain = moving_parts(drawn.masks, blank, with_flow(blank, blank), {}, drawn_camera(), {});
   EXPECT_FALSE(plain && cv::countNonZero(*plain) > 0);
 }
 
 TEST(MovingParts, WithoutDepthNothingIsSaid) {
   const DrawnFrame drawn = draw_world({kLeft}, 0);
   const RgbdImage blind{drawn.rgb, cv::Mat::zeros(drawn.depth.size(), CV_32FC1)};
-  EXPECT_FALSE(moving_parts(drawn.masks, blind, {drawn.rgb, drawn.depth}, {}, drawn_camera(), {}));
+  EXPECT_FALSE(
+      moving_parts(drawn.masks, blind, with_flow({drawn.rgb, drawn.depth}, blind), {}, drawn_camera(), {}));
 }
 
 TEST(Segmentation, BodiesThatAreTrackedArePromptsWhereNoneAreGiven) {
