@@ -219,7 +219,7 @@ TEST_F(Evaluate, SymmetriesThatCannotBeAreRefused) {
     EXPECT_EQ(refused(fine), "accepted") << fine;
 }
 
-// Whichever axis the estimate names first, a can's box may be turned about the can's own axis alone.
+// A can's box may be turned about the can's own axis alone.
 TEST(ShapeSymmetry, ABoxAboutABodyOfRevolutionMayTurn) {
   const Ellipsoid truth{{Eigen::Quaterniond(0.9, 0.1, -0.3, 0.2).normalized(), {1, 2, 3}}, {1, 1, 3}};
   const auto turned = [&](double angle_rad, const Eigen::Vector3d& axis) {
