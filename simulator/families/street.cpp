@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "simulator/families/families.h"
 #include "simulator/families/scene_draft.h"
@@ -20,6 +21,7 @@ constexpr double kFirstThing_m = 6, kBetweenThings_m = 5;
 constexpr double kWidth_m = 2 * (kKerb_m + kPavement_m + kHouse_m);
 constexpr double kFromKerb_m = 0.3;  // of what is parked
 constexpr double kCameraHeight_m = 1.65, kClear_m = 0.4, kBehind_m = 25;
+constexpr double kHouses_m = 10;  // before each end of the street
 constexpr double kCarShare = 0.65;  // of vehicles
 const Vector3d kEgoSize_m(4.5, 1.9, 1.6);
 
@@ -73,17 +75,23 @@ Thing walker(RandomStream& random, bool on_wheels) {
 struct Legs {
   double speed_mps;
   std::string text;
+  double way_m = 0;  // in all its time
 };
 
 // Speeds up and slows down now and then, or stops and goes.
 Legs draw_legs(RandomStream& random, double speed_mps, double duration_s) {
   Legs legs{speed_mps, "["};
   double speed = speed_mps;
+  const auto drives = [&](double acceleration, double lasts_s) {
+    const double moving_s = acceleration < 0 ? std::min(lasts_s, -speed / acceleration) : lasts_s;
+    return (speed + 0.5 * acceleration * moving_s) * moving_s;
+  };
   for (double time_s = 0; time_s < duration_s;) {
     const double lasts_s = random.uniform(1.2, 3);
     const double least = std::max(-3.0, -speed / lasts_s),
                  most = std::min(2.0, (1.4 * speed_mps - speed) / lasts_s);
     const double acceleration = random.uniform(std::min(least, most), most);
+    legs.way_m += drives(acceleration, std::min(lasts_s, duration_s - time_s));
     speed = std::max(0.0, speed + acceleration * lasts_s);
     legs.text += fmt::format("{}{{duration_s: {}, acceleration_mps2: {}}}", time_s > 0 ? ", " : "",
                              yaml_number(lasts_s, 2), yaml_number(acceleration, 2));
@@ -103,13 +111,16 @@ std::string in_line(const std::string& motion) {
   return "      {" + motion + "}\n";
 }
 
-// Along a lane, from `from_m` to `to_m` ahead of the sensor car at the start.
-std::string along_lane(RandomStream& random, const Street& street, const Thing& thing, double lane_m,
+// Along a lane, from `from_m` to `to_m` ahead of the sensor car at the start. Nothing where the way would end in
+// the houses.
+std::optional<std::string> along_lane(RandomStream& random, const Street& street, const Thing& thing, double lane_m,
                        double heading_deg, double relative_speed, double from_m, double to_m) {
   const double x_m = street.start_m + random.uniform(from_m, to_m);
   const double y_m = lane_m + random.uniform(-0.3, 0.3);
   const double speed_mps = street.speed_mps * relative_speed * random.uniform(0.8, 1.2);
   const Legs legs = draw_legs(random, speed_mps, street.duration_s);
+  const double end_m = x_m + (heading_deg == 0 ? 1 : -1) * legs.way_m;
+  if (std::abs(end_m) > 0.5 * street.length_m - kHouses_m) return std::nullopt;
   return in_line(drive_text(x_m, y_m, heading_deg, legs, 0.5 * thing.size_m.z()));
 }
 
@@ -160,20 +171,23 @@ std::string across(RandomStream& random, const Street& street, const Thing& thin
 }
 
 bool add_actor(RandomStream& random, const Street& street, SceneDraft& draft) {
+  const auto add = [&](const Thing& thing, const std::optional<std::string>& motion) {
+    return motion && draft.add(thing, *motion);
+  };
   const double way_m = street.speed_mps * street.duration_s;
-  const double farthest_m = std::min(2 * way_m + 20, street.length_m - kBehind_m - 10);  // before the houses
+  const double farthest_m = std::min(2 * way_m + 20, street.length_m - kBehind_m - kHouses_m);
   const double kind = random.uniform();
   if (kind < 0.22) {
     const Thing thing = vehicle(random, street);
-    return draft.add(thing, along_lane(random, street, thing, kEgoLane_m, 0, 1, 9, 30));
+    return add(thing, along_lane(random, street, thing, kEgoLane_m, 0, 1, 9, 30));
   }
   if (kind < 0.42) {
     const Thing thing = vehicle(random, street);
-    return draft.add(thing, along_lane(random, street, thing, kFastLane_m, 0, 1.3, -16, 15));
+    return add(thing, along_lane(random, street, thing, kFastLane_m, 0, 1.3, -16, 15));
   }
   if (kind < 0.6) {
     const Thing thing = vehicle(random, street);
-    return draft.add(thing, along_lane(random, street, thing, kOncomingLane_m, 180, 1, 20, farthest_m));
+    return add(thing, along_lane(random, street, thing, kOncomingLane_m, 180, 1, 20, farthest_m));
   }
   if (kind < 0.72) {
     const Thing thing = vehicle(random, street);
@@ -185,7 +199,7 @@ bool add_actor(RandomStream& random, const Street& street, SceneDraft& draft) {
   }
   if (kind < 0.9) {
     const Thing thing = walker(random, true);
-    return draft.add(thing, along_lane(random, street, thing, kCycleLane_m, 0, 0.5, 5, 30));
+    return add(thing, along_lane(random, street, thing, kCycleLane_m, 0, 0.5, 5, 30));
   }
   const Thing thing = walker(random, false);
   return draft.add(thing, across(random, street, thing, kOnFoot, 1.4));

@@ -130,6 +130,16 @@ TEST(Street, WhoCrossesComesFromBeyondTheKerbAndTheParkedStandAtIt) {
   EXPECT_GT(parked, 3);
 }
 
+TEST(Street, NobodyDrivesIntoTheHousesAtItsEnds) {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const Scene scene = scene_of("street", seed, {{"difficulty", "1"}, {"frames", "600"}});
+    const double end_m = scene.world.front().semi_axes_m.x(), last_s = seconds_of(scene, 599);
+    for (const Body& body : scene.objects)
+      EXPECT_LT(std::abs(body.motion.at(last_s).translation.x()) + body.semi_axes_m.x(), end_m)
+          << seed << " " << body.name;
+  }
+}
+
 TEST(Families, AFlatMeshIsNamed) {
   const TempFolder temp;
   write_text(temp.path() / "sheet.obj", "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nf 1 2 3\n");
