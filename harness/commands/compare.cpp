@@ -90,10 +90,9 @@ void add_compare(CLI::App& app, Common& common) {
   sub->add_option("--junit", junit, "JUnit XML file to write: a test case for each metric");
   add_force(sub, common)->description("replace the files of --markdown and --junit");
   sub->callback([&common, of_a] {
-    for (const std::string& file : {markdown, junit}) {
-      require_apart(file, {a, b});
-      require_replaceable_file(file, common.force);
-    }
+    for (const std::string& file : {markdown, junit}) require_apart(file, {a, b});
+    require_replaceable_file(markdown, common.force, {"Markdown of a comparison", "**"});
+    require_replaceable_file(junit, common.force, {"XML file", "<?xml"});
     ScoreSelection of_a_side{std::nullopt, metrics}, of_b_side{std::nullopt, metrics};
     if (of_a->count() > 0) of_a_side.variant = variant_a, of_b_side.variant = variant_b;
     const ScoreComparison comparison = compare(a, b, of_a_side, of_b_side, ignored, options);

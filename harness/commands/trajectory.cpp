@@ -42,6 +42,10 @@ std::string (*picture_writer(const std::string& file))(const Picture&) {
   throw InputError(fmt::format("--plot: '{}' does not end in .svg or .png", file));
 }
 
+FileKind picture_kind(const std::string& file) {
+  return file.ends_with(".svg") ? FileKind{"SVG picture", "<svg"} : FileKind{"PNG picture", "\x89PNG"};
+}
+
 // An option that would change nothing is taken for a mistake.
 void require_used(const CLI::App& sub, const std::string& align, const std::string& relation) {
   const bool evo = sub.count("--compat") > 0;
@@ -99,7 +103,7 @@ void add_trajectory(CLI::App& app, Common& common) {
     options.drift = drift;
     options.kitti = kitti;
     require_apart(plot, {reference, estimate_file});
-    require_replaceable_file(plot, common.force);
+    require_replaceable_file(plot, common.force, picture_kind(plot));
     const TrajectoryComparison comparison = compare_trajectories(reference, estimate_file, options);
     if (const auto fault = spread_fault(comparison.pairs.reference, comparison.pairs.estimate);
         fault && !fits_scale(options.alignment))
