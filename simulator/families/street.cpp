@@ -21,7 +21,7 @@ constexpr double kFirstThing_m = 6, kBetweenThings_m = 5;
 constexpr double kWidth_m = 2 * (kKerb_m + kPavement_m + kHouse_m);
 constexpr double kFromKerb_m = 0.3;  // of what is parked
 constexpr double kCameraHeight_m = 1.65, kClear_m = 0.4, kBehind_m = 25;
-constexpr double kHouses_m = 10;  // before each end of the street
+constexpr double kHouses_m = 10;    // before each end of the street
 constexpr double kCarShare = 0.65;  // of vehicles
 const Vector3d kEgoSize_m(4.5, 1.9, 1.6);
 
@@ -111,10 +111,11 @@ std::string in_line(const std::string& motion) {
   return "      {" + motion + "}\n";
 }
 
-// Along a lane, from `from_m` to `to_m` ahead of the sensor car at the start. Nothing where the way would end in
-// the houses.
-std::optional<std::string> along_lane(RandomStream& random, const Street& street, const Thing& thing, double lane_m,
-                       double heading_deg, double relative_speed, double from_m, double to_m) {
+// Along a lane, from `from_m` to `to_m` ahead of the sensor car at the start. Nothing where the way would end
+// in the houses.
+std::optional<std::string> along_lane(RandomStream& random, const Street& street, const Thing& thing,
+                                      double lane_m, double heading_deg, double relative_speed, double from_m,
+                                      double to_m) {
   const double x_m = street.start_m + random.uniform(from_m, to_m);
   const double y_m = lane_m + random.uniform(-0.3, 0.3);
   const double speed_mps = street.speed_mps * relative_speed * random.uniform(0.8, 1.2);
