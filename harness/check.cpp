@@ -13,6 +13,7 @@
 #include "core/sequence/imu_faults.h"
 #include "core/sequence/stamps.h"
 #include "core/sequence/tracks.h"
+#include "estimator/plausibility/plausibility.h"
 
 namespace uniquadric {
 namespace {
@@ -189,6 +190,14 @@ std::vector<std::string> check_sequence(const fs::path& folder) {
       for (const std::string& problem : check_hashes(hashed)) problems.push_back(problem);
   });
   return problems;
+}
+
+std::vector<std::string> check_plausibility(const fs::path& folder) {
+  try {
+    return suspicions(open_sequence(folder), {});
+  } catch (const InputError&) {  // check_sequence tells it
+    return {};
+  }
 }
 
 }  // namespace uniquadric

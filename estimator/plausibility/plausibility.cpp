@@ -1,0 +1,21 @@
+#include "estimator/plausibility/plausibility.h"
+
+#include <iterator>
+
+#include "estimator/plausibility/frame_pairs.h"
+#include "estimator/plausibility/given_poses.h"
+
+namespace uniquadric {
+
+std::vector<std::string> suspicions(const Sequence& sequence, const PlausibilityOptions& options) {
+  std::vector<std::string> found;
+  if (!options.enabled) return found;
+  const auto add = [&](std::vector<std::string> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(found));
+  };
+  const std::vector<FramePair> pairs = frame_pairs(sequence, options.pairs);
+  add(given_pose_suspicions(sequence, pairs));
+  return found;
+}
+
+}  // namespace uniquadric
