@@ -15,12 +15,15 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kFar_px = 30;           // an error that is as good as any larger one
-constexpr double kSound = 0.25;          // of the images' motion: poses that explain the rest are sound
-constexpr double kSound_px = 1.5;        // and poses that are off by less
+constexpr double kFar_px = 150;          // an error that is as good as any larger one
+constexpr double kSound = 0.1;           // of the images' motion: poses that explain the rest are sound
+constexpr double kSound_px = 1;          // and poses that are off by less
+constexpr double kUseless = 0.6;         // of the images' motion, unexplained: named without a cause, too
 constexpr double kMuchBetter = 0.45;     // of the error as given, where a hypothesis explains it
 constexpr double kLeastMotion_px = 2;    // of a pair that says something
 constexpr std::size_t kLeastPairs = 4;
+constexpr double kLeastWay_m = 0.015, kSameWay = 0.9;  // of a pair that tells a scale; the cosine of both ways
+constexpr double kScaleOff = 0.06, kScaleSigmas = 5;   // of the logarithm: beyond, scales differ
 
 using Change = std::function<Pose(const Pose&)>;  // from the pose in the file to the pose it was meant to be
 
@@ -140,8 +143,10 @@ std::string best_cause(const Sequence& sequence, const std::vector<const FramePa
   std::vector<Hypothesis> list = wrong_forms();
   for (Hypothesis& other : other_times(sequence)) list.push_back(std::move(other));
   double best_px = kMuchBetter * given_px;
-  std::string cause = fmt::format("poses do not fit the images: off by {:.1f} px where these move by {:.1f} px",
-                                  given_px, motion_px);
+  std::string cause;
+  if (given_px > kUseless * motion_px)
+    cause = fmt::format("poses do not fit the images: off by {:.1f} px where these move by {:.1f} px", given_px,
+                        motion_px);
   for (const Hypothesis& hypothesis : list) {
     const auto px = error_px(sequence, pairs, hypothesis);
     debug("  {} {:.2f}", hypothesis.cause, px.value_or(-1));
@@ -150,6 +155,30 @@ std::string best_cause(const Sequence& sequence, const std::vector<const FramePa
     cause = fmt::format("{}: off by {:.1f} px as they are, {:.1f} px then", hypothesis.cause, given_px, *px);
   }
   return cause;
+}
+
+// Of the way by odometry over the way by given poses, in each pair; for poses that fit otherwise.
+std::optional<std::string> scale_cause(const Sequence& sequence, const std::vector<const FramePair*>& pairs) {
+  std::vector<double> logs;
+  for (const FramePair* pair : pairs) {
+    const auto a = pose_near(*sequence.given_camera, sequence.frames[pair->first].stamp_ns);
+    const auto b = pose_near(*sequence.given_camera, sequence.frames[pair->second].stamp_ns);
+    if (!a || !b) continue;
+    const Eigen::Vector3d given = relative_pose(*b, *a).translation, seen = pair->b_from_a->translation;
+    if (given.norm() < kLeastWay_m || seen.norm() < kLeastWay_m) continue;
+    if (given.normalized().dot(seen.normalized()) < kSameWay) continue;
+    logs.push_back(std::log(seen.norm() / given.norm()));
+  }
+  if (logs.size() < kLeastPairs) return std::nullopt;
+  const double middle = quantile(logs, 0.5);
+  std::vector<double> off;
+  for (const double value : logs) off.push_back(std::abs(value - middle));
+  const double sigma = kMadToSigma * quantile(off, 0.5) / std::sqrt(static_cast<double>(logs.size()));
+  debug("scale {:.3f} sigma {:.4f} n {}", std::exp(middle), sigma, logs.size());
+  if (std::abs(middle) < kScaleOff || std::abs(middle) < kScaleSigmas * sigma) return std::nullopt;
+  return fmt::format(
+      "sequence.yaml: depth.units_per_m: depth and the poses of camera_given.tum differ in scale: ways by depth are {:.3g} times as long",
+      std::exp(middle));
 }
 
 }  // namespace
@@ -161,9 +190,12 @@ std::vector<std::string> given_pose_suspicions(const Sequence& sequence, const s
   if (moved.size() < kLeastPairs) return {};
   const auto given_px = error_px(sequence, moved, {"", [](const Pose& p) { return p; }});
   debug("given: {} px of {}", given_px.value_or(-1), motion_px);
-  if (!given_px || *given_px < std::max(kSound_px, kSound * motion_px)) return {};
-  return {(sequence.folder / "camera_given.tum").string() + ": " +
-          best_cause(sequence, moved, *given_px, motion_px)};
+  if (!given_px) return {};
+  if (const auto cause = scale_cause(sequence, moved)) return {(sequence.folder / *cause).string()};
+  if (*given_px < std::max(kSound_px, kSound * motion_px)) return {};
+  const std::string cause = best_cause(sequence, moved, *given_px, motion_px);
+  if (cause.empty()) return {};
+  return {(sequence.folder / "camera_given.tum").string() + ": " + cause};
 }
 
 }  // namespace uniquadric
