@@ -22,8 +22,12 @@ constexpr int kSameShift_px = 2;     // registered all the same
 constexpr int kMostLate = 6;         // frames
 constexpr std::size_t kLeastEdges = 100;  // in a frame
 constexpr std::size_t kLeastFrames = 4;
-constexpr double kBetter = 1.35;     // times the contrast as it is
-constexpr double kLeastContrast = 0.08;  // of the best alignment over the usual one; less says nothing
+// How much better another alignment must be, as a multiple of the contrast as it is, and how clear: the edges
+// of a few small masks lie on many others by chance.
+struct Clarity {
+  double better = 1.35, contrast = 0.1;
+};
+constexpr Clarity kOfDepth, kOfMasks{2.2, 0.15};
 constexpr double kMostFrames = 0.7;  // of the frames must agree
 
 using Points = std::vector<cv::Point>;
@@ -184,12 +188,12 @@ bool agrees(const Score& better, const Score& as_is) {
   return static_cast<double>(count) >= kMostFrames * static_cast<double>(better.frames.size());
 }
 
-std::optional<std::string> judged(const std::vector<Frame>& frames, const char* what) {
+std::optional<std::string> judged(const std::vector<Frame>& frames, const char* what, const Clarity& clarity) {
   if (frames.size() < kLeastFrames) return std::nullopt;
   const double usual = usual_strength(frames);
   const Score as_is = as_it_is(frames), unmoved = score(frames, "", shifted(0, 0));
   std::optional<std::string> cause;
-  double best = std::max(kBetter * (as_is.mean() - usual), kLeastContrast);
+  double best = std::max(clarity.better * (as_is.mean() - usual), clarity.contrast);
   const auto look = [&](const Score& other, const Score& base) {
     if (other.mean() - usual <= best || !agrees(other, base)) return;
     best = other.mean() - usual;
@@ -202,7 +206,7 @@ std::optional<std::string> judged(const std::vector<Frame>& frames, const char* 
     look(other, as_is);
   }
   if (!cause) return std::nullopt;
-  return fmt::format("{} looks {}", what, *cause);
+  return fmt::format("{}, by its edges and those of colour: {}", what, *cause);
 }
 
 using Edges = std::function<Points(const SequenceFrame&)>;
@@ -230,17 +234,17 @@ std::vector<Frame> chosen_frames(const Sequence& sequence, int wanted, const Edg
 
 std::vector<std::string> edge_suspicions(const Sequence& sequence, int frames) {
   std::vector<std::string> found;
-  const auto look = [&](const char* list, const char* what, const Edges& edges_of) {
+  const auto look = [&](const char* list, const char* what, const Clarity& clarity, const Edges& edges_of) {
     try {
-      if (const auto cause = judged(chosen_frames(sequence, frames, edges_of), what))
+      if (const auto cause = judged(chosen_frames(sequence, frames, edges_of), what, clarity))
         found.push_back((sequence.folder / list).string() + ": " + *cause);
     } catch (const InputError&) {  // is told by who reads all images
     }
   };
-  look("depth.txt", "depth", [&](const SequenceFrame& frame) {
+  look("depth.txt", "depth", kOfDepth, [&](const SequenceFrame& frame) {
     return frame.depth.empty() ? Points() : depth_edges(read_depth(sequence, frame));
   });
-  look("masks.txt", "the masks", [&](const SequenceFrame& frame) {
+  look("masks.txt", "masks", kOfMasks, [&](const SequenceFrame& frame) {
     return frame.masks.empty() ? Points() : mask_edges(read_masks(sequence, frame));
   });
   return found;

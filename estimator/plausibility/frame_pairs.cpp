@@ -21,6 +21,7 @@ constexpr int kFastThreshold = 8;       // grey levels, as of the tracker
 constexpr double kLongest_s = 0.35;     // between the frames of a pair, where there are nearer ones
 constexpr double kLeastFollowed = 0.4;  // of the corners; fewer, and nearer frames are taken
 constexpr int kLeastPoints = 20;
+constexpr double kLeastShare = 0.3;  // of the points with depth, that one motion explains
 
 struct View {
   cv::Mat gray, depth;
@@ -90,7 +91,7 @@ std::optional<FramePair> pair_from(const Sequence& sequence, std::size_t first) 
     if (second >= sequence.frames.size()) continue;
     const double time_s = seconds(sequence.frames[first].stamp_ns, sequence.frames[second].stamp_ns);
     if (gap > 1 && time_s > kLongest_s) continue;
-    FramePair pair{first, second, followed(sequence.camera, a, read_view(sequence, sequence.frames[second]), corners), {}};
+    FramePair pair{first, second, followed(sequence.camera, a, read_view(sequence, sequence.frames[second]), corners)};
     const double least = std::max<double>(kLeastPoints, kLeastFollowed * static_cast<double>(corners.size()));
     if (static_cast<double>(pair.points.size()) < least) continue;
     fit_pair(sequence.camera, pair);
@@ -109,7 +110,7 @@ std::optional<Eigen::Vector2d> moved_pixel(const PointPair& point, const Camera&
   return Eigen::Vector2d(camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy);
 }
 
-double fit_pair(const Camera& camera, FramePair& pair) {
+void fit_pair(const Camera& camera, FramePair& pair) {
   std::vector<PointSighting> sightings;
   std::vector<PointPair*> sources;
   for (PointPair& point : pair.points) {
@@ -127,11 +128,11 @@ double fit_pair(const Camera& camera, FramePair& pair) {
   RandomStream random(0, "plausibility", pair.first);
   const auto fit = fit_rigid_motion(sightings, without_distortion(camera), std::nullopt, options, random);
   pair.b_from_a.reset();
-  if (!fit) return 0;
+  pair.share = 0;
+  if (!fit) return;
   for (std::size_t i = 0; i < sources.size(); ++i) sources[i]->is_inlier = fit->inlier[i];
-  const double share = static_cast<double>(fit->inliers) / static_cast<double>(sources.size());
-  if (fit->inliers >= kLeastPoints / 2 && share >= 0.3) pair.b_from_a = fit->camera_from_body;
-  return share;
+  pair.share = static_cast<double>(fit->inliers) / static_cast<double>(sources.size());
+  if (fit->inliers >= kLeastPoints / 2 && pair.share >= kLeastShare) pair.b_from_a = fit->camera_from_body;
 }
 
 std::vector<FramePair> frame_pairs(const Sequence& sequence, int pairs) {

@@ -25,6 +25,7 @@ struct FramePair {
   std::size_t first = 0, second = 0;  ///< of sequence.frames
   std::vector<PointPair> points;
   std::optional<Pose> b_from_a;  ///< by depth and pixels; nothing where too few points agree
+  double share = 1;              ///< of the points with depth that agree
 };
 
 /// As many pairs of frames as asked for, evenly spread over the sequence. The frames of a pair lie as far
@@ -35,7 +36,7 @@ std::vector<FramePair> frame_pairs(const Sequence& sequence, int pairs);
 std::optional<Eigen::Vector2d> moved_pixel(const PointPair& point, const Camera& camera,
                                            const Pose& b_from_a);
 
-/// The share of points with depth in both frames whose motion is one rigid one; fits `b_from_a`.
-double fit_pair(const Camera& camera, FramePair& pair);
+/// Fits `b_from_a` and `share` to the points with depth in both frames.
+void fit_pair(const Camera& camera, FramePair& pair);
 
 }  // namespace uniquadric

@@ -22,6 +22,7 @@ constexpr double kUseless = 0.6;         // of the images' motion, unexplained: 
 constexpr double kMuchBetter = 0.45;     // of the error as given, where a hypothesis explains it
 constexpr double kLeastMotion_px = 2;    // of a pair that says something
 constexpr std::size_t kLeastPairs = 4;
+constexpr double kLeastShare = 0.4;       // of a pair's points that one motion explains
 constexpr double kLeastWay_m = 0.015, kSameWay = 0.9;  // of a pair that tells a scale; the cosine of both ways
 constexpr double kScaleOff = 0.06, kScaleSigmas = 5;   // of the logarithm: beyond, scales differ
 
@@ -128,7 +129,7 @@ std::vector<const FramePair*> moving(const Sequence& sequence, const std::vector
   std::vector<const FramePair*> result;
   motion_px = 0;
   for (const FramePair& pair : pairs) {
-    if (!pair.b_from_a) continue;
+    if (!pair.b_from_a || pair.share < kLeastShare) continue;
     const double moved_px = error_px(pair, sequence.camera, Pose());
     if (moved_px < kLeastMotion_px) continue;
     result.push_back(&pair);
