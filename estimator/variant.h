@@ -40,7 +40,7 @@ struct Variant {
   BodyOptions body;
   Backend backend = Backend::single_frame;
   PlausibilityOptions plausibility;  // of the sequence, before anything is estimated
-  bool write_features = false;  // features.csv, a row a sighting: megabytes
+  bool write_features = false;       // features.csv, a row a sighting: megabytes
   Feedback feedback = Feedback::perception;
   JoinedOptions joined;  // of Feedback::backend
 };

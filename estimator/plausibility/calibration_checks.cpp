@@ -4,13 +4,12 @@
 
 #include <cmath>
 
-#include "estimator/plausibility/debug.h"
 #include "estimator/plausibility/self_calibration.h"
 
 namespace uniquadric {
 namespace {
 
-constexpr double kSquare = 0.1;      // of fx over fy, logarithm: pixels are square
+constexpr double kSquare = 0.1;       // of fx over fy, logarithm: pixels are square
 constexpr double kNearMiddle = 0.05;  // of the image's side
 constexpr double kOffMiddle = 0.2;    // of the image's side, of a principal point
 constexpr double kFocalOff = 0.08;    // logarithm
@@ -19,17 +18,24 @@ constexpr double kAlike = 0.6;  // both focal lengths' change, as a share of it
 constexpr std::size_t kLeastPairs = 6;
 constexpr double kLeastShare = 0.4;
 
-bool is_near(double place, double side) { return std::abs(place / side - 0.5) < kNearMiddle; }
+bool is_near(double place, double side) {
+  return std::abs(place / side - 0.5) < kNearMiddle;
+}
 
 std::vector<std::string> unusual(const Camera& c) {
   std::vector<std::string> found;
   if (std::abs(std::log(c.fx / c.fy)) > kSquare)
     found.push_back(fmt::format("fx: {} is unlike fy: {}, as of no square pixels", c.fx, c.fy));
-  const bool is_off = std::abs(c.cx / c.width - 0.5) > kOffMiddle || std::abs(c.cy / c.height - 0.5) > kOffMiddle;
-  if (is_near(c.cx, c.height) && is_near(c.cy, c.width) && !(is_near(c.cx, c.width) && is_near(c.cy, c.height)))
-    found.push_back(fmt::format("cx: {} and cy: {} look swapped for an image of {}x{}", c.cx, c.cy, c.width, c.height));
+  const bool is_off =
+      std::abs(c.cx / c.width - 0.5) > kOffMiddle || std::abs(c.cy / c.height - 0.5) > kOffMiddle;
+  if (is_near(c.cx, c.height) && is_near(c.cy, c.width) &&
+      !(is_near(c.cx, c.width) && is_near(c.cy, c.height)))
+    found.push_back(
+        fmt::format("cx: {} and cy: {} look swapped for an image of {}x{}", c.cx, c.cy, c.width, c.height));
   else if (is_off)
-    found.push_back(fmt::format("cx: {}, cy: {} lie far from the middle of an image of {}x{}: of another size?", c.cx, c.cy, c.width, c.height));
+    found.push_back(
+        fmt::format("cx: {}, cy: {} lie far from the middle of an image of {}x{}: of another size?", c.cx,
+                    c.cy, c.width, c.height));
   return found;
 }
 
@@ -44,8 +50,6 @@ std::vector<std::string> intrinsic_suspicions(const Sequence& sequence, const st
   if (found.empty() && usable.size() >= kLeastPairs) {
     const auto fit = self_calibrate(sequence.camera, usable);
     if (fit) {
-      debug("self: fx {:.3f}+-{:.3f} fy {:.3f}+-{:.3f} cx {:.1f}+-{:.1f} cy {:.1f}+-{:.1f}", fit->log_fx,
-            fit->sigma[0], fit->log_fy, fit->sigma[1], fit->cx_px, fit->sigma[2], fit->cy_px, fit->sigma[3]);
       const double focal = 0.5 * (fit->log_fx + fit->log_fy), sigma = std::max(fit->sigma[0], fit->sigma[1]);
       const bool is_one = std::abs(fit->log_fx - fit->log_fy) < kAlike * std::abs(focal);
       if (is_one && sigma < kMostSigma && std::abs(focal) > std::max(kFocalOff, kSigmas * sigma))

@@ -4,15 +4,14 @@
 
 #include "core/base/quantile.h"
 #include "estimator/perception/ideal_ray.h"
-#include "estimator/plausibility/debug.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr std::size_t kLeastPairs = 6;
-constexpr double kBetter = 0.6;      // of the residual as it is, median of the pairs
-constexpr double kMostPairs = 0.8;   // of the pairs must agree
-constexpr double kSigma = 0.004;     // of depth, relative: what points are off by anyway
+constexpr double kBetter = 0.6;     // of the residual as it is, median of the pairs
+constexpr double kMostPairs = 0.8;  // of the pairs must agree
+constexpr double kSigma = 0.004;    // of depth, relative: what points are off by anyway
 
 // Median distance in depth and in space of the points from where the motion puts them, relative.
 double residual(const Camera& camera, const FramePair& pair) {
@@ -36,7 +35,8 @@ FramePair by_ray_length(const Camera& camera, FramePair pair) {
 
 }  // namespace
 
-std::vector<std::string> depth_form_suspicions(const Sequence& sequence, const std::vector<FramePair>& pairs) {
+std::vector<std::string> depth_form_suspicions(const Sequence& sequence,
+                                               const std::vector<FramePair>& pairs) {
   std::vector<double> ratios;
   std::size_t better = 0;
   for (const FramePair& pair : pairs) {
@@ -49,10 +49,11 @@ std::vector<std::string> depth_form_suspicions(const Sequence& sequence, const s
   }
   if (ratios.size() < kLeastPairs) return {};
   const double ratio = quantile(ratios, 0.5);
-  debug("ray length: ratio {:.3f} better {} of {}", ratio, better, ratios.size());
-  if (ratio > kBetter || static_cast<double>(better) < kMostPairs * static_cast<double>(ratios.size())) return {};
-  return {fmt::format("{}: depth looks like the length of the ray in place of z: points move {:.1f} times as rigidly then",
-                      (sequence.folder / "depth.txt").string(), 1 / ratio)};
+  if (ratio > kBetter || static_cast<double>(better) < kMostPairs * static_cast<double>(ratios.size()))
+    return {};
+  return {fmt::format(
+      "{}: depth looks like the length of the ray in place of z: points move {:.1f} times as rigidly then",
+      (sequence.folder / "depth.txt").string(), 1 / ratio)};
 }
 
 }  // namespace uniquadric

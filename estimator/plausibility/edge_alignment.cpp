@@ -5,21 +5,20 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <optional>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "core/base/error.h"
-#include "estimator/plausibility/debug.h"
 
 namespace uniquadric {
 namespace {
 
-constexpr int kWidth_px = 320;       // that images are thinned out to
-constexpr double kJump = 0.05;       // of depth between neighbours, relative: an edge
-constexpr int kHole_px = 4;          // without depth at an edge, at most
-constexpr int kReach_px = 10;        // of shifts that are tried
-constexpr int kSameShift_px = 2;     // registered all the same
-constexpr int kMostLate = 6;         // frames
+constexpr int kWidth_px = 320;            // that images are thinned out to
+constexpr double kJump = 0.05;            // of depth between neighbours, relative: an edge
+constexpr int kHole_px = 4;               // without depth at an edge, at most
+constexpr int kReach_px = 10;             // of shifts that are tried
+constexpr int kSameShift_px = 2;          // registered all the same
+constexpr int kMostLate = 6;              // frames
 constexpr std::size_t kLeastEdges = 100;  // in a frame
 constexpr std::size_t kLeastFrames = 4;
 // How much better another alignment must be, as a multiple of the contrast as it is, and how clear: the edges
@@ -32,7 +31,9 @@ constexpr double kMostFrames = 0.7;  // of the frames must agree
 
 using Points = std::vector<cv::Point>;
 
-int thinning(const cv::Size& size) { return std::max(1, size.width / kWidth_px); }
+int thinning(const cv::Size& size) {
+  return std::max(1, size.width / kWidth_px);
+}
 
 // Gradients, cut off at the strong ones, 0 to 1.
 cv::Mat color_edges(const cv::Mat& rgb) {
@@ -153,15 +154,18 @@ Score as_it_is(const std::vector<Frame>& frames) {
 std::vector<Score> other_alignments(const std::vector<Frame>& frames) {
   const int w = frames.front().colors.cols - 1, h = frames.front().colors.rows - 1;
   std::vector<Score> list;
-  list.push_back(score(frames, "mirrored left to right", [w](cv::Point p) { return cv::Point(w - p.x, p.y); }));
+  list.push_back(
+      score(frames, "mirrored left to right", [w](cv::Point p) { return cv::Point(w - p.x, p.y); }));
   list.push_back(score(frames, "upside down", [h](cv::Point p) { return cv::Point(p.x, h - p.y); }));
   list.push_back(
       score(frames, "turned by 180 degrees", [w, h](cv::Point p) { return cv::Point(w - p.x, h - p.y); }));
   for (int dy = -kReach_px; dy <= kReach_px; ++dy)
     for (int dx = -kReach_px; dx <= kReach_px; ++dx)
       if (std::max(std::abs(dx), std::abs(dy)) > kSameShift_px)
-        list.push_back(score(frames, fmt::format("not registered to colour: shifted by about {}, {} px of {}", -dx, -dy, w + 1),
-                             shifted(dx, dy)));
+        list.push_back(
+            score(frames,
+                  fmt::format("not registered to colour: shifted by about {}, {} px of {}", -dx, -dy, w + 1),
+                  shifted(dx, dy)));
   return list;
 }
 
@@ -170,7 +174,9 @@ std::vector<Score> other_frames(const std::vector<Frame>& frames, double usual) 
   std::vector<Score> list;
   for (int k = -kMostLate; k <= kMostLate; ++k) {
     if (k == 0) continue;
-    Score result{fmt::format("{} by {} frame{}", k > 0 ? "late" : "early", std::abs(k), std::abs(k) > 1 ? "s" : ""), {}};
+    Score result{
+        fmt::format("{} by {} frame{}", k > 0 ? "late" : "early", std::abs(k), std::abs(k) > 1 ? "s" : ""),
+        {}};
     std::size_t missing = 0;
     for (const Frame& frame : frames) {
       const Points& edges = frame.others[k + kMostLate];
@@ -188,7 +194,7 @@ bool agrees(const Score& better, const Score& as_is) {
   return static_cast<double>(count) >= kMostFrames * static_cast<double>(better.frames.size());
 }
 
-std::optional<std::string> judged(const std::vector<Frame>& frames, const char* what, const Clarity& clarity) {
+std::optional<std::string> judged(const std::vector<Frame>& frames, const Clarity& clarity) {
   if (frames.size() < kLeastFrames) return std::nullopt;
   const double usual = usual_strength(frames);
   const Score as_is = as_it_is(frames), unmoved = score(frames, "", shifted(0, 0));
@@ -200,13 +206,10 @@ std::optional<std::string> judged(const std::vector<Frame>& frames, const char* 
     cause = other.cause;
   };
   for (const Score& other : other_alignments(frames)) look(other, as_is);
-  debug("{} edges: usual {:.3f} as is {:.3f} unmoved {:.3f} best {:.3f} {}", what, usual, as_is.mean() - usual, unmoved.mean() - usual, best, cause.value_or(""));
   for (const Score& other : other_frames(frames, usual)) {
-    debug("   {} {:.3f}", other.cause, other.mean() - usual);
     look(other, as_is);
   }
-  if (!cause) return std::nullopt;
-  return fmt::format("{}, by its edges and those of colour: {}", what, *cause);
+  return cause;
 }
 
 using Edges = std::function<Points(const SequenceFrame&)>;
@@ -223,7 +226,8 @@ std::vector<Frame> chosen_frames(const Sequence& sequence, int wanted, const Edg
     frame.colors = color_edges(read_rgb(sequence, sequence.frames[at]));
     for (int k = -kMostLate; k <= kMostLate; ++k) {
       const int other = at + k;
-      frame.others.push_back(k != 0 && other >= 0 && other < count ? edges_of(sequence.frames[other]) : Points());
+      frame.others.push_back(k != 0 && other >= 0 && other < count ? edges_of(sequence.frames[other])
+                                                                   : Points());
     }
     frames.push_back(std::move(frame));
   }
@@ -232,22 +236,21 @@ std::vector<Frame> chosen_frames(const Sequence& sequence, int wanted, const Edg
 
 }  // namespace
 
-std::vector<std::string> edge_suspicions(const Sequence& sequence, int frames) {
-  std::vector<std::string> found;
-  const auto look = [&](const char* list, const char* what, const Clarity& clarity, const Edges& edges_of) {
-    try {
-      if (const auto cause = judged(chosen_frames(sequence, frames, edges_of), what, clarity))
-        found.push_back((sequence.folder / list).string() + ": " + *cause);
-    } catch (const InputError&) {  // is told by who reads all images
-    }
+std::vector<std::string> edge_suspicions(const Sequence& sequence, EdgesOf what, int frames) {
+  const bool is_depth = what == EdgesOf::depth;
+  const Edges edges_of = [&](const SequenceFrame& frame) {
+    if ((is_depth ? frame.depth : frame.masks).empty()) return Points();
+    return is_depth ? depth_edges(read_depth(sequence, frame)) : mask_edges(read_masks(sequence, frame));
   };
-  look("depth.txt", "depth", kOfDepth, [&](const SequenceFrame& frame) {
-    return frame.depth.empty() ? Points() : depth_edges(read_depth(sequence, frame));
-  });
-  look("masks.txt", "masks", kOfMasks, [&](const SequenceFrame& frame) {
-    return frame.masks.empty() ? Points() : mask_edges(read_masks(sequence, frame));
-  });
-  return found;
+  try {
+    const auto cause = judged(chosen_frames(sequence, frames, edges_of), is_depth ? kOfDepth : kOfMasks);
+    if (!cause) return {};
+    return {fmt::format("{}: {} (by edges, against those of colour)",
+                        (sequence.folder / (is_depth ? "depth.txt" : "masks.txt")).string(),
+                        fmt::format("{} {}", is_depth ? "depth looks" : "masks look", *cause))};
+  } catch (const InputError&) {  // is told by who reads all images
+    return {};
+  }
 }
 
 }  // namespace uniquadric

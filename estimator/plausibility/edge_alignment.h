@@ -7,8 +7,10 @@
 
 namespace uniquadric {
 
-/// Whether edges of depth, and of masks, lie on edges of colour, and where they lie better: mirrored, turned,
-/// shifted, or on the colour of another frame. One sentence for each of both that does not fit.
-std::vector<std::string> edge_suspicions(const Sequence& sequence, int frames);
+enum class EdgesOf { depth, masks };
+
+/// Whether edges of depth, or of masks, lie on edges of colour, or where they lie better: mirrored, turned,
+/// shifted, or on the colour of another frame. One sentence, or nothing.
+std::vector<std::string> edge_suspicions(const Sequence& sequence, EdgesOf what, int frames);
 
 }  // namespace uniquadric

@@ -65,8 +65,8 @@ void read_off_depth(const cv::Mat& depth, const Eigen::Vector2d& raw, double& de
 std::vector<PointPair> followed(const Camera& camera, const View& a, const View& b,
                                 const std::vector<Eigen::Vector2d>& corners) {
   const PointFlowOptions options;
-  const auto found = follow_points(make_flow_image(a.gray, options), make_flow_image(b.gray, options), corners,
-                                   corners, options);
+  const auto found = follow_points(make_flow_image(a.gray, options), make_flow_image(b.gray, options),
+                                   corners, corners, options);
   std::vector<PointPair> points;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (!found[i]) continue;
@@ -91,7 +91,8 @@ std::optional<FramePair> pair_from(const Sequence& sequence, std::size_t first) 
     if (second >= sequence.frames.size()) continue;
     const double time_s = seconds(sequence.frames[first].stamp_ns, sequence.frames[second].stamp_ns);
     if (gap > 1 && time_s > kLongest_s) continue;
-    FramePair pair{first, second, followed(sequence.camera, a, read_view(sequence, sequence.frames[second]), corners)};
+    FramePair pair{first, second,
+                   followed(sequence.camera, a, read_view(sequence, sequence.frames[second]), corners)};
     const double least = std::max<double>(kLeastPoints, kLeastFollowed * static_cast<double>(corners.size()));
     if (static_cast<double>(pair.points.size()) < least) continue;
     fit_pair(sequence.camera, pair);

@@ -15,7 +15,7 @@ namespace uniquadric {
 struct PointPair {
   Eigen::Vector2d raw_a = Eigen::Vector2d::Zero(), raw_b = Eigen::Vector2d::Zero();  ///< on the images
   Eigen::Vector2d a = Eigen::Vector2d::Zero(), b = Eigen::Vector2d::Zero();          ///< undistorted
-  double depth_a_m = 0, depth_b_m = 0;  ///< 0: not measured
+  double depth_a_m = 0, depth_b_m = 0;                                               ///< 0: not measured
   double sigma_a_m = 0, sigma_b_m = 0;
   bool is_inlier = false;  ///< it moves as most do
 };
@@ -26,6 +26,7 @@ struct FramePair {
   std::vector<PointPair> points;
   std::optional<Pose> b_from_a;  ///< by depth and pixels; nothing where too few points agree
   double share = 1;              ///< of the points with depth that agree
+  double least_way_m = 0.015;    ///< of the camera, that is known well enough to tell a scale
 };
 
 /// As many pairs of frames as asked for, evenly spread over the sequence. The frames of a pair lie as far

@@ -9,22 +9,21 @@
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "estimator/plausibility/axis_turns.h"
-#include "estimator/plausibility/debug.h"
 #include "estimator/plausibility/pose_lookup.h"
 
 namespace uniquadric {
 namespace {
 
-constexpr double kFar_px = 150;          // an error that is as good as any larger one
-constexpr double kSound = 0.1;           // of the images' motion: poses that explain the rest are sound
-constexpr double kSound_px = 1;          // and poses that are off by less
-constexpr double kUseless = 0.6;         // of the images' motion, unexplained: named without a cause, too
-constexpr double kMuchBetter = 0.45;     // of the error as given, where a hypothesis explains it
-constexpr double kLeastMotion_px = 2;    // of a pair that says something
+constexpr double kFar_px = 150;        // an error that is as good as any larger one
+constexpr double kSound = 0.1;         // of the images' motion: poses that explain the rest are sound
+constexpr double kSound_px = 1;        // and poses that are off by less
+constexpr double kUseless = 0.6;       // of the images' motion, unexplained: named without a cause, too
+constexpr double kMuchBetter = 0.45;   // of the error as given, where a hypothesis explains it
+constexpr double kLeastMotion_px = 2;  // of a pair that says something
 constexpr std::size_t kLeastPairs = 4;
-constexpr double kLeastShare = 0.4;       // of a pair's points that one motion explains
-constexpr double kLeastWay_m = 0.015, kSameWay = 0.9;  // of a pair that tells a scale; the cosine of both ways
-constexpr double kScaleOff = 0.06, kScaleSigmas = 5;   // of the logarithm: beyond, scales differ
+constexpr double kLeastShare = 0.4;                   // of a pair's points that one motion explains
+constexpr double kSameWay = 0.9;                      // cosine of both ways, of a pair that tells a scale
+constexpr double kScaleOff = 0.06, kScaleSigmas = 5;  // of the logarithm: beyond, scales differ
 
 using Change = std::function<Pose(const Pose&)>;  // from the pose in the file to the pose it was meant to be
 
@@ -36,11 +35,15 @@ struct Hypothesis {
 
 Pose mirrored(const Pose& pose, const Eigen::Vector3d& signs) {
   const Eigen::Matrix3d S = signs.asDiagonal();
-  return {Eigen::Quaterniond(Eigen::Matrix3d(S * pose.rotation.toRotationMatrix() * S)), S * pose.translation};
+  return {Eigen::Quaterniond(Eigen::Matrix3d(S * pose.rotation.toRotationMatrix() * S)),
+          S * pose.translation};
 }
 
 Hypothesis scaled(const std::string& cause, double factor) {
-  return {cause, [factor](Pose p) { p.translation *= factor; return p; }};
+  return {cause, [factor](Pose p) {
+            p.translation *= factor;
+            return p;
+          }};
 }
 
 std::vector<Hypothesis> wrong_forms() {
@@ -72,7 +75,9 @@ std::vector<Hypothesis> wrong_forms() {
   list.push_back(scaled("positions look like kilometres, or depth like millimetres", 1e3));
   for (const AxisTurn& turn : proper_axis_turns())
     if (!turn.matrix.isIdentity())
-      list.push_back({fmt::format("poses look like those of other camera axes (their x y z is {} of the optical frame, whose z looks forward)", turn.name),
+      list.push_back({fmt::format("poses look like those of other camera axes (their x y z is {} of the "
+                                  "optical frame, whose z looks forward)",
+                                  turn.name),
                       [turn](Pose p) {
                         p.rotation = p.rotation * Eigen::Quaterniond(turn.matrix);
                         return p;
@@ -91,8 +96,7 @@ std::vector<Hypothesis> other_times(const Sequence& sequence) {
   for (int k = -8; k <= 8; ++k)
     if (k != 0)
       list.push_back({fmt::format("poses look {} by {} frames", k > 0 ? "late" : "early", std::abs(k)),
-                      [](const Pose& p) { return p; },
-                      static_cast<std::int64_t>(k * period_ns(sequence))});
+                      [](const Pose& p) { return p; }, static_cast<std::int64_t>(k * period_ns(sequence))});
   return list;
 }
 
@@ -113,8 +117,10 @@ std::optional<double> error_px(const Sequence& sequence, const std::vector<const
   double sum = 0;
   std::size_t count = 0;
   for (const FramePair* pair : pairs) {
-    const auto a = pose_near(*sequence.given_camera, sequence.frames[pair->first].stamp_ns + hypothesis.late_ns);
-    const auto b = pose_near(*sequence.given_camera, sequence.frames[pair->second].stamp_ns + hypothesis.late_ns);
+    const auto a =
+        pose_near(*sequence.given_camera, sequence.frames[pair->first].stamp_ns + hypothesis.late_ns);
+    const auto b =
+        pose_near(*sequence.given_camera, sequence.frames[pair->second].stamp_ns + hypothesis.late_ns);
     if (!a || !b) continue;
     sum += error_px(*pair, sequence.camera, relative_pose(hypothesis.change(*b), hypothesis.change(*a)));
     ++count;
@@ -146,11 +152,10 @@ std::string best_cause(const Sequence& sequence, const std::vector<const FramePa
   double best_px = kMuchBetter * given_px;
   std::string cause;
   if (given_px > kUseless * motion_px)
-    cause = fmt::format("poses do not fit the images: off by {:.1f} px where these move by {:.1f} px", given_px,
-                        motion_px);
+    cause = fmt::format("poses do not fit the images: off by {:.1f} px where these move by {:.1f} px",
+                        given_px, motion_px);
   for (const Hypothesis& hypothesis : list) {
     const auto px = error_px(sequence, pairs, hypothesis);
-    debug("  {} {:.2f}", hypothesis.cause, px.value_or(-1));
     if (!px || *px >= best_px) continue;
     best_px = *px;
     cause = fmt::format("{}: off by {:.1f} px as they are, {:.1f} px then", hypothesis.cause, given_px, *px);
@@ -166,7 +171,7 @@ std::optional<std::string> scale_cause(const Sequence& sequence, const std::vect
     const auto b = pose_near(*sequence.given_camera, sequence.frames[pair->second].stamp_ns);
     if (!a || !b) continue;
     const Eigen::Vector3d given = relative_pose(*b, *a).translation, seen = pair->b_from_a->translation;
-    if (given.norm() < kLeastWay_m || seen.norm() < kLeastWay_m) continue;
+    if (seen.norm() < pair->least_way_m || !(given.norm() > 0)) continue;
     if (given.normalized().dot(seen.normalized()) < kSameWay) continue;
     logs.push_back(std::log(seen.norm() / given.norm()));
   }
@@ -175,22 +180,22 @@ std::optional<std::string> scale_cause(const Sequence& sequence, const std::vect
   std::vector<double> off;
   for (const double value : logs) off.push_back(std::abs(value - middle));
   const double sigma = kMadToSigma * quantile(off, 0.5) / std::sqrt(static_cast<double>(logs.size()));
-  debug("scale {:.3f} sigma {:.4f} n {}", std::exp(middle), sigma, logs.size());
   if (std::abs(middle) < kScaleOff || std::abs(middle) < kScaleSigmas * sigma) return std::nullopt;
   return fmt::format(
-      "sequence.yaml: depth.units_per_m: depth and the poses of camera_given.tum differ in scale: ways by depth are {:.3g} times as long",
+      "sequence.yaml: depth.units_per_m: depth and the poses of camera_given.tum differ in scale: ways by "
+      "depth are {:.3g} times as long",
       std::exp(middle));
 }
 
 }  // namespace
 
-std::vector<std::string> given_pose_suspicions(const Sequence& sequence, const std::vector<FramePair>& pairs) {
+std::vector<std::string> given_pose_suspicions(const Sequence& sequence,
+                                               const std::vector<FramePair>& pairs) {
   if (!sequence.given_camera || sequence.given_camera->empty() || sequence.frames.size() < 2) return {};
   double motion_px = 0;
   const std::vector<const FramePair*> moved = moving(sequence, pairs, motion_px);
   if (moved.size() < kLeastPairs) return {};
   const auto given_px = error_px(sequence, moved, {"", [](const Pose& p) { return p; }});
-  debug("given: {} px of {}", given_px.value_or(-1), motion_px);
   if (!given_px) return {};
   if (const auto cause = scale_cause(sequence, moved)) return {(sequence.folder / *cause).string()};
   if (*given_px < std::max(kSound_px, kSound * motion_px)) return {};

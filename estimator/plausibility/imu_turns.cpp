@@ -7,21 +7,21 @@
 
 #include "core/base/seconds.h"
 #include "estimator/plausibility/axis_turns.h"
-#include "estimator/plausibility/debug.h"
 
 namespace uniquadric {
 namespace {
 
-constexpr double kLeastTurn_rad = 0.02;   // usual one: less is lost in the noise of images
+constexpr double kLeastTurn_rad = 0.02;  // usual one: less is lost in the noise of images
 constexpr std::size_t kLeastTurns = 4;
-constexpr double kSound = 0.2;       // disagreement that anything may explain
+constexpr double kSound = 0.2;        // disagreement that anything may explain
 constexpr double kMuchBetter = 0.45;  // of the disagreement as it is
 constexpr double kUseless = 0.75;     // named without a cause, too
 constexpr int kMostLate_ms = 300, kLateStep_ms = 10, kLeastLate_ms = 30;
-constexpr double kWindow_s = 0.2;       // over which a hand's accelerations are averaged
+constexpr double kWindow_s = 0.2;  // over which a hand's accelerations are averaged
 constexpr double kLeastGravityTurn_rad = 0.25;
 constexpr double kGravityStays = 0.12;  // relative scatter of gravity that a moving sensor may have
 constexpr double kUpsideDown = -0.5;    // cosine of up and the image's up
+constexpr double kSideways = 0.8;       // cosine of up and the image's side
 
 struct Best {
   double disagreement = 0;
@@ -38,16 +38,19 @@ void look(const std::vector<Turn>& turns, const std::vector<std::optional<Eigen:
 void look_at_axes(const ImuCalibration& imu, const std::vector<Turn>& turns,
                   const std::vector<std::optional<Eigen::Vector3d>>& others, Best& best) {
   const Eigen::Matrix3d place = imu.camera_from_imu.rotation.toRotationMatrix();
-  look(turns, others, [&](const auto& w) { return Eigen::Vector3d(place.transpose() * w); },
-       "its place looks inverted (imu_from_camera in place of sequence.yaml's camera_from_imu)", best);
+  look(
+      turns, others, [&](const auto& w) { return Eigen::Vector3d(place.transpose() * w); },
+      "its place looks inverted (imu_from_camera in place of sequence.yaml's camera_from_imu)", best);
   for (const double scale : {1.0, std::numbers::pi / 180})
     for (const AxisTurn& axes : axis_turns()) {
       if (scale == 1 && axes.matrix.isIdentity()) continue;
       std::string cause = scale == 1 ? "" : "angular velocities look like deg/s";
       if (!axes.matrix.isIdentity())
-        cause += fmt::format("{}the gyroscope's x y z look like {}", cause.empty() ? "" : ", and ", axes.name);
-      look(turns, others,
-           [&](const auto& w) { return Eigen::Vector3d(scale * (place * (axes.matrix * w))); }, cause, best);
+        cause +=
+            fmt::format("{}the gyroscope's x y z look like {}", cause.empty() ? "" : ", and ", axes.name);
+      look(
+          turns, others, [&](const auto& w) { return Eigen::Vector3d(scale * (place * (axes.matrix * w))); },
+          cause, best);
     }
 }
 
@@ -61,7 +64,6 @@ std::optional<std::string> gyroscope_suspicion(const ImuCalibration& imu,
   const ChangeOfTurn as_it_is = [&](const Eigen::Vector3d& w) { return Eigen::Vector3d(place * w); };
   const auto others = turns_by(samples, turns, 0);
   const auto now = disagreement(turns, others, as_it_is);
-  debug("gyro: {:.3f} turn {:.3f}", now.value_or(-1), usual_turn(turns));
   if (!now || *now < kSound) return std::nullopt;
   Best best{kMuchBetter * *now, ""};
   look_at_axes(imu, turns, others, best);
@@ -71,7 +73,6 @@ std::optional<std::string> gyroscope_suspicion(const ImuCalibration& imu,
            fmt::format("its stamps look {} by {:.2f} s", late_ms > 0 ? "late" : "early",
                        1e-3 * std::abs(late_ms)),
            best);
-  debug("   best {:.3f} {}", best.disagreement, best.cause);
   if (best.cause.empty()) {
     if (*now < kUseless) return std::nullopt;
     return fmt::format("the gyroscope does not turn as the camera does: they differ by {:.0f} % of the turns",
@@ -102,7 +103,8 @@ std::vector<Force> windows_of(const std::vector<ImuSample>& samples) {
     sum.imu += samples[i].specific_force_mps2;
     ++count;
     if (seconds(begin_ns, samples[i].stamp_ns) < kWindow_s) {
-      if (2 * seconds(begin_ns, samples[i].stamp_ns) < kWindow_s) sum.first_from_now = turned.toRotationMatrix();
+      if (2 * seconds(begin_ns, samples[i].stamp_ns) < kWindow_s)
+        sum.first_from_now = turned.toRotationMatrix();
       continue;
     }
     sum.imu /= count;
@@ -128,7 +130,8 @@ double scatter(const std::vector<Force>& forces, const Eigen::Matrix3d& axes) {
 double widest_turn(const std::vector<Force>& forces) {
   double widest = 0;
   for (const Force& force : forces)
-    widest = std::max(widest, rotation_angle(forces.front().first_from_now.transpose() * force.first_from_now));
+    widest =
+        std::max(widest, rotation_angle(forces.front().first_from_now.transpose() * force.first_from_now));
   return widest;
 }
 
@@ -140,23 +143,26 @@ std::optional<std::string> gravity_suspicion(const ImuCalibration& imu,
   if (samples.size() < 2) return std::nullopt;
   const std::vector<Force> forces = windows_of(samples);
   if (forces.size() < kLeastWindows) return std::nullopt;
-  double up = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  // up, in the camera's axes
   for (const Force& force : forces)
-    up -= (imu.camera_from_imu.rotation * force.imu.normalized()).y() / static_cast<double>(forces.size());
+    mean += imu.camera_from_imu.rotation * force.imu.normalized() / static_cast<double>(forces.size());
+  const double up = -mean.y();
   const double now = scatter(forces, Eigen::Matrix3d::Identity());
-  debug("gravity: up {:.2f} scatter {:.3f} turn {:.2f}", up, now, widest_turn(forces));
   if (up < kUpsideDown)
     return "gravity points up in the image: the accelerometer may be negated, or the camera upside down";
+  if (std::abs(mean.x()) > kSideways)
+    return "gravity points sideways in the image: the accelerometer's axes may be swapped, or the camera on "
+           "its side";
   if (widest_turn(forces) < kLeastGravityTurn_rad || now < kGravityStays) return std::nullopt;
   double best = kMuchBetter * now;
   std::string name;
   for (const AxisTurn& axes : axis_turns())
     if (const double value = scatter(forces, axes.matrix); value < best) best = value, name = axes.name;
-  debug("   best {:.3f} {}", best, name);
   if (name.empty()) return std::nullopt;
   return fmt::format(
-      "the accelerometer's x y z look like {} of the gyroscope: gravity scatters by {:.0f} % as it is, {:.0f} % then", name,
-      100 * now, 100 * best);
+      "the accelerometer's x y z look like {} of the gyroscope: gravity scatters by {:.0f} % as it is, "
+      "{:.0f} % then",
+      name, 100 * now, 100 * best);
 }
 
 }  // namespace uniquadric

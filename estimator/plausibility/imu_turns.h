@@ -16,6 +16,7 @@ std::optional<std::string> gyroscope_suspicion(const ImuCalibration& imu,
                                                const std::vector<Turn>& turns);
 
 /// Whether gravity stays where it is as the gyroscope turns, and points down in the image.
-std::optional<std::string> gravity_suspicion(const ImuCalibration& imu, const std::vector<ImuSample>& samples);
+std::optional<std::string> gravity_suspicion(const ImuCalibration& imu,
+                                             const std::vector<ImuSample>& samples);
 
 }  // namespace uniquadric

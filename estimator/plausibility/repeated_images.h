@@ -7,8 +7,10 @@
 
 namespace uniquadric {
 
-/// Depth images or masks that are the same in frames whose colour has moved, and colour that is the same in
-/// all frames where others move.
-std::vector<std::string> repeat_suspicions(const Sequence& sequence, const std::vector<FramePair>& pairs);
+/// Depth images, or masks, that are the same in frames whose colour has moved.
+std::vector<std::string> repeated_depth_suspicions(const Sequence& sequence,
+                                                   const std::vector<FramePair>& pairs);
+std::vector<std::string> repeated_mask_suspicions(const Sequence& sequence,
+                                                  const std::vector<FramePair>& pairs);
 
 }  // namespace uniquadric

@@ -13,18 +13,18 @@
 #include "estimator/perception/ideal_ray.h"
 #include "estimator/perception/scan_watch.h"
 #include "estimator/plausibility/axis_turns.h"
-#include "estimator/plausibility/debug.h"
 #include "estimator/plausibility/turns.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr std::size_t kScans = 14;
-constexpr std::size_t kPoints = 6000;  // of a scan that are put to the others
+constexpr std::size_t kPoints = 6000;                  // of a scan that are put to the others
 constexpr double kFarthest_m = 150, kNearest_m = 0.1;  // usual range of a LiDAR's points
 constexpr double kMostRange_m = 1e9;
-constexpr double kStep_s = 0.2;  // of the motions that are compared
-constexpr double kLeastTurn_rad = 0.02, kSound = 0.25, kMuchBetter = 0.45;
+constexpr double kLeastWay_m = 0.3;  // between scans, whose planes are known to centimetres
+constexpr double kStep_s = 0.2;      // of the motions that are compared
+constexpr double kLeastTurn_rad = 0.02, kSound = 0.25, kMuchBetter = 0.45, kUseless = 0.75;
 constexpr std::size_t kLeastTurns = 4;
 constexpr double kBentTurn_rad = 0.02;  // within a scan, that bends it
 
@@ -71,7 +71,8 @@ std::vector<std::vector<LidarPoint>> watch_points(const Sequence& part, ScanMoti
     watch.look(scan, std::move(points));
   }
   const std::string list = (part.folder / "lidar.txt").string();
-  for (const std::string& fault : watch.faults(part.lidar->rate_hz)) motion.faults.push_back(list + ": " + fault);
+  for (const std::string& fault : watch.faults(part.lidar->rate_hz))
+    motion.faults.push_back(list + ": " + fault);
   motion.have_times = std::ranges::count(watch.is_of_an_instant(), true) * 2 < std::ssize(part.scans);
   return all;
 }
@@ -82,8 +83,8 @@ LidarOdometry odometry_of(const Sequence& part, const std::vector<std::vector<Li
   options.use_imu = false;
   options.first_sweeps = 5;
   options.first_passes = 2;
-  LidarOdometry odometry({part.lidar->camera_from_lidar, {}, {}, part.lidar->noise.value_or(LidarDataSheet())},
-                         {}, options);
+  LidarOdometry odometry(
+      {part.lidar->camera_from_lidar, {}, {}, part.lidar->noise.value_or(LidarDataSheet())}, {}, options);
   const std::int64_t period_ns = std::llround(1e9 / part.lidar->rate_hz);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::int64_t start_ns = part.scans[i].stamp_ns;
@@ -126,7 +127,7 @@ void add_pairs(const Sequence& sequence, const LidarOdometry& odometry, ScanMoti
                to = odometry.world_from_camera(sequence.frames[b].stamp_ns);
     if (!from || !to) continue;
     const Pose b_from_a = relative_pose(*to, *from);
-    motion.pairs.push_back({a, b, drawn_points(sequence.camera, b_from_a), b_from_a});
+    motion.pairs.push_back({a, b, drawn_points(sequence.camera, b_from_a), b_from_a, 1, kLeastWay_m});
   }
 }
 
@@ -145,54 +146,88 @@ ScanMotion scan_motion(const Sequence& sequence) {
   return motion;
 }
 
-std::vector<std::string> scan_turn_suspicions(const Sequence& sequence, const ScanMotion& motion) {
-  if (!sequence.imu || motion.pairs.empty()) return {};
-  std::vector<ImuSample> samples;
-  try {
-    samples = read_imu_csv(sequence.folder / "imu.csv");
-  } catch (const InputError&) {
-    return {};
-  }
-  std::vector<Turn> turns = turns_of(sequence, motion.pairs);
-  std::vector<std::optional<Eigen::Vector3d>> by_imu = turns_by(samples, turns, 0);
-  const Eigen::Matrix3d place = sequence.imu->camera_from_imu.rotation.toRotationMatrix(),
-                        lidar = sequence.lidar->camera_from_lidar.rotation.toRotationMatrix();
-  const double usual = usual_turn(turns);
-  std::vector<std::string> found;
-  const double scan_turn = usual / (kStep_s * sequence.lidar->rate_hz);
-  if (!motion.have_times && scan_turn > kBentTurn_rad)
-    found.push_back(fmt::format("{}: the points have no times within a scan, in which the sensor turns by {:.2f} rad",
-                                (sequence.folder / "lidar.txt").string(), scan_turn));
-  if (turns.size() < kLeastTurns || usual < kLeastTurn_rad) return found;
-  // What the scans say is changed, and the gyroscope stays.
-  std::vector<Turn> reference;
+namespace {
+
+std::string file_of(const Sequence& sequence) {
+  return (sequence.folder / "lidar.txt").string();
+}
+
+// Scans whose points have no times, while the gyroscope turns.
+std::optional<std::string> bent_scans(const Sequence& sequence, const std::vector<ImuSample>& samples) {
+  std::vector<Turn> scans;
+  for (const SequenceScan& scan : sequence.scans)
+    scans.push_back({scan.stamp_ns, scan.stamp_ns + std::llround(1e9 / sequence.lidar->rate_hz), {}});
+  std::vector<double> angles_rad;
+  for (const auto& turn : turns_by(samples, scans, 0))
+    if (turn) angles_rad.push_back(turn->norm());
+  if (angles_rad.empty()) return std::nullopt;
+  const double usual_rad = quantile(std::move(angles_rad), 0.5);
+  if (usual_rad <= kBentTurn_rad) return std::nullopt;
+  return fmt::format(
+      "{}: the points of a scan all have one time, and the IMU turns by {:.2f} rad within a scan",
+      file_of(sequence), usual_rad);
+}
+
+// Turns by the gyroscope, and those of the scans that they are compared with; camera axes.
+struct Compared {
+  std::vector<Turn> imu;
   std::vector<std::optional<Eigen::Vector3d>> scans;
-  for (std::size_t i = 0; i < turns.size(); ++i)
-    if (by_imu[i]) {
-      reference.push_back({turns[i].from_ns, turns[i].to_ns, place * *by_imu[i]});
-      scans.emplace_back(turns[i].vector);
-    }
-  const auto now = disagreement(reference, scans, [](const auto& w) { return w; });
-  debug("lidar turns: {:.3f} usual {:.3f} n {}", now.value_or(-1), usual, scans.size());
-  if (!now || *now < kSound) return found;
-  double best = kMuchBetter * *now;
+};
+
+Compared compared(const Sequence& sequence, const std::vector<ImuSample>& samples,
+                  const std::vector<Turn>& turns) {
+  Compared both;
+  const auto by_imu = turns_by(samples, turns, 0);
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    if (!by_imu[i]) continue;
+    both.imu.push_back(
+        {turns[i].from_ns, turns[i].to_ns, sequence.imu->camera_from_imu.rotation * *by_imu[i]});
+    both.scans.emplace_back(turns[i].vector);
+  }
+  return both;
+}
+
+// What would make the scans turn as the IMU does; empty for nothing.
+std::string cause_of(const Compared& both, const Eigen::Matrix3d& camera_from_lidar, double now) {
+  double best = kMuchBetter * now;
   std::string cause;
   const auto look = [&](const Eigen::Matrix3d& change, const std::string& text) {
     const auto value =
-        disagreement(reference, scans, [&](const auto& w) { return Eigen::Vector3d(change * w); });
+        disagreement(both.imu, both.scans, [&](const auto& w) { return Eigen::Vector3d(change * w); });
     if (value && *value < best) best = *value, cause = text;
   };
-  look(lidar.transpose() * lidar.transpose(),
+  look(camera_from_lidar.transpose() * camera_from_lidar.transpose(),
        "the LiDAR's place looks inverted (lidar_from_camera in place of sequence.yaml's camera_from_lidar)");
   for (const AxisTurn& axes : proper_axis_turns())
     if (!axes.matrix.isIdentity())
-      look(lidar * axes.matrix * lidar.transpose(),
-           fmt::format("the LiDAR turns against the IMU as if its axes were others or mirrored (x y z of turns: {})", axes.name));
-  debug("   best {:.3f} {}", best, cause);
-  if (cause.empty() && *now > 0.75) cause = "scans and gyroscope do not turn alike";
-  if (!cause.empty())
-    found.push_back(fmt::format("{}: {}: {:.0f} % of the turns off", (sequence.folder / "lidar.txt").string(), cause, 100 * *now));
-  return found;
+      look(camera_from_lidar * axes.matrix * camera_from_lidar.transpose(),
+           fmt::format(
+               "the LiDAR's axes look like others or mirrored: its turns about x y z fit the IMU's as {}",
+               axes.name));
+  if (cause.empty() && now > kUseless) cause = "the scans do not turn as the IMU does";
+  return cause;
+}
+
+}  // namespace
+
+std::vector<std::string> scan_turn_suspicions(const Sequence& sequence, const ScanMotion& motion) {
+  if (!sequence.imu || !sequence.lidar) return {};
+  try {
+    const std::vector<ImuSample> samples = read_imu_csv(sequence.folder / "imu.csv");
+    if (!motion.have_times)
+      if (const auto text = bent_scans(sequence, samples)) return {*text};
+    const std::vector<Turn> turns = turns_of(sequence, motion.pairs);
+    if (turns.size() < kLeastTurns || usual_turn(turns) < kLeastTurn_rad) return {};
+    const Compared both = compared(sequence, samples, turns);
+    const auto now = disagreement(both.imu, both.scans, [](const Eigen::Vector3d& w) { return w; });
+    if (!now || *now < kSound) return {};
+    const std::string cause =
+        cause_of(both, sequence.lidar->camera_from_lidar.rotation.toRotationMatrix(), *now);
+    if (cause.empty()) return {};
+    return {fmt::format("{}: {}: {:.0f} % of the turns off", file_of(sequence), cause, 100 * *now)};
+  } catch (const InputError&) {  // is told by who checks the file
+    return {};
+  }
 }
 
 }  // namespace uniquadric

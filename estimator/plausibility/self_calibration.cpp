@@ -10,10 +10,10 @@ namespace uniquadric {
 namespace {
 
 constexpr int kIterations = 15;
-constexpr double kPixelSigma = 0.4;      // of a followed corner [px]
-constexpr double kDepthFloor = 0.002;    // of a depth, relative, besides its own sigma
-constexpr double kGateSigmas = 4;        // of the residuals' own scatter
-constexpr double kStep = 1e-5;           // of numeric derivatives
+constexpr double kPixelSigma = 0.4;    // of a followed corner [px]
+constexpr double kDepthFloor = 0.002;  // of a depth, relative, besides its own sigma
+constexpr double kGateSigmas = 4;      // of the residuals' own scatter
+constexpr double kStep = 1e-5;         // of numeric derivatives
 
 using Vector4d = Eigen::Vector4d;
 using Row10 = Eigen::Matrix<double, 3, 10>;
@@ -44,8 +44,10 @@ Row10 jacobian(const Camera& camera, const PointPair& point, const Vector4d& cha
     const auto at = [&](double step) {
       Vector4d moved = change;
       Vector6d xi = Vector6d::Zero();
-      if (i < 4) moved[i] += i < 2 ? step : 100 * step;
-      else xi[i - 4] = step;
+      if (i < 4)
+        moved[i] += i < 2 ? step : 100 * step;
+      else
+        xi[i - 4] = step;
       return residual(point, changed(camera, moved), exp_se3(xi) * pose);
     };
     J.col(i) = (at(kStep) - at(-kStep)) / (2 * (i == 2 || i == 3 ? 100 : 1) * kStep);
@@ -123,7 +125,8 @@ std::optional<SelfCalibration> self_calibrate(const Camera& camera,
     step.head<2>() = step.head<2>().cwiseMax(-0.2).cwiseMin(0.2);
     change += step;
     for (std::size_t i = 0; i < states.size(); ++i) {
-      const Vector6d xi = -sums[i].H.block<6, 6>(4, 4).ldlt().solve(sums[i].g.tail<6>() + sums[i].H.block<6, 4>(4, 0) * step);
+      const Vector6d xi =
+          -sums[i].H.block<6, 6>(4, 4).ldlt().solve(sums[i].g.tail<6>() + sums[i].H.block<6, 4>(4, 0) * step);
       if (!xi.allFinite()) return std::nullopt;
       states[i].b_from_a = exp_se3(xi) * states[i].b_from_a;
       states[i].b_from_a.rotation.normalize();
@@ -132,7 +135,8 @@ std::optional<SelfCalibration> self_calibrate(const Camera& camera,
   if (all.count < 1) return std::nullopt;
   const Eigen::Matrix4d covariance = all.H.inverse() * std::max(1.0, all.cost / all.count);
   if (!covariance.allFinite()) return std::nullopt;
-  return SelfCalibration{change[0], change[1], change[2], change[3], covariance.diagonal().cwiseAbs().cwiseSqrt()};
+  return SelfCalibration{change[0], change[1], change[2], change[3],
+                         covariance.diagonal().cwiseAbs().cwiseSqrt()};
 }
 
 }  // namespace uniquadric

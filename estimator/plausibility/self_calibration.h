@@ -15,7 +15,9 @@ struct SelfCalibration {
   Eigen::Vector4d sigma = Eigen::Vector4d::Zero();  ///< of these four in turn
 };
 
-/// Joint least squares over the pairs' motions and the intrinsics, robust. Nothing where the pairs do not say.
-std::optional<SelfCalibration> self_calibrate(const Camera& camera, const std::vector<const FramePair*>& pairs);
+/// Joint least squares over the pairs' motions and the intrinsics, robust. Nothing where the pairs do not
+/// say.
+std::optional<SelfCalibration> self_calibrate(const Camera& camera,
+                                              const std::vector<const FramePair*>& pairs);
 
 }  // namespace uniquadric

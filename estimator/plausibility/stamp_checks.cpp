@@ -26,14 +26,15 @@ std::optional<Span> span_of(const std::vector<std::int64_t>& stamps_ns) {
 
 double usual_step_s(const std::vector<std::int64_t>& stamps_ns) {
   std::vector<double> steps_s;
-  for (std::size_t i = 1; i < stamps_ns.size(); ++i) steps_s.push_back(seconds(stamps_ns[i - 1], stamps_ns[i]));
+  for (std::size_t i = 1; i < stamps_ns.size(); ++i)
+    steps_s.push_back(seconds(stamps_ns[i - 1], stamps_ns[i]));
   return steps_s.empty() ? 0 : upper_median(std::move(steps_s));
 }
 
 std::optional<std::string> rate_cause(const std::vector<std::int64_t>& stamps_ns) {
   const double step_s = usual_step_s(stamps_ns);
   if (step_s == 0) return std::nullopt;
-  const char* unit = step_s > 1 / kLeastRate_hz ? "milliseconds in place of seconds"
+  const char* unit = step_s > 1 / kLeastRate_hz  ? "milliseconds in place of seconds"
                      : step_s < 1 / kMostRate_hz ? "seconds in a smaller unit, as if divided by 1000 or more"
                                                  : nullptr;
   if (!unit) return std::nullopt;

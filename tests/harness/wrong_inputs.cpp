@@ -22,13 +22,15 @@ WrongInput poses(const std::string& name, const std::function<void(Pose&)>& chan
 
 WrongInput depths(const std::string& name, const std::function<cv::Mat(const cv::Mat&)>& change) {
   return {name, [change](Sequence& s) {
-            for (const SequenceFrame& f : s.frames) write_png(s.folder / f.depth, change(read_image(s.folder / f.depth)));
+            for (const SequenceFrame& f : s.frames)
+              write_png(s.folder / f.depth, change(read_image(s.folder / f.depth)));
           }};
 }
 
 WrongInput masks(const std::string& name, const std::function<cv::Mat(const cv::Mat&)>& change) {
   return {name, [change](Sequence& s) {
-            for (const SequenceFrame& f : s.frames) write_png(s.folder / f.masks, change(read_image(s.folder / f.masks)));
+            for (const SequenceFrame& f : s.frames)
+              write_png(s.folder / f.masks, change(read_image(s.folder / f.masks)));
           }};
 }
 
@@ -82,7 +84,8 @@ void scale_stamps(std::vector<Stamped>& list, double factor) {
 }
 
 void scale_arrivals(Sequence& s) {
-  for (SequenceFrame& frame : s.frames) frame.masks_arrival_ns = std::max(frame.masks_arrival_ns, frame.stamp_ns);
+  for (SequenceFrame& frame : s.frames)
+    frame.masks_arrival_ns = std::max(frame.masks_arrival_ns, frame.stamp_ns);
 }
 
 void mirror_y(Pose& pose) {
@@ -91,7 +94,9 @@ void mirror_y(Pose& pose) {
   pose.translation = S * pose.translation;
 }
 
-Eigen::Quaterniond turn(const Eigen::Matrix3d& columns) { return Eigen::Quaterniond(columns); }
+Eigen::Quaterniond turn(const Eigen::Matrix3d& columns) {
+  return Eigen::Quaterniond(columns);
+}
 
 // Each image's depth as the distance from the camera.
 void ray_lengths(Sequence& s) {
@@ -168,7 +173,10 @@ std::vector<WrongInput> wrong_calibration() {
       camera("focal length off by 20 %", [](Camera& c) { c.fx *= 1.2, c.fy *= 1.2; }),
       camera("focal length of half the image", [](Camera& c) { c.fx *= 2, c.fy *= 2, c.cx *= 2, c.cy *= 2; }),
       camera("principal point at the corner", [](Camera& c) { c.cx = c.cy = 0; }),
-      camera("distortion of another lens", [](Camera& c) { c.distortion = {-0.35, 0.12, 0, 0, 0}; }),
+      camera("distortion of another lens",
+             [](Camera& c) {
+               c.distortion = {-0.35, 0.12, 0, 0, 0};
+             }),
   };
 }
 
@@ -219,7 +227,8 @@ std::vector<WrongInput> wrong_imu() {
           [](ImuSample& i) { std::swap(i.angular_velocity_radps, i.specific_force_mps2); }),
       imu("IMU late by 0.15 s", [](ImuSample& i) { i.stamp_ns += 150 * kMs; }),
       imu("IMU on another clock", [](ImuSample& i) { i.stamp_ns += 1'000'000 * kMs; }),
-      {"IMU's place inverted", [](Sequence& s) { s.imu->camera_from_imu = s.imu->camera_from_imu.inverse(); }},
+      {"IMU's place inverted",
+       [](Sequence& s) { s.imu->camera_from_imu = s.imu->camera_from_imu.inverse(); }},
   };
 }
 
@@ -234,7 +243,9 @@ std::vector<WrongInput> wrong_scans() {
        [](Sequence& s) { s.lidar->camera_from_lidar = s.lidar->camera_from_lidar.inverse(); }},
       {"scans repeated",
        [](Sequence& s) {
-         for (std::size_t i = 1; i < s.scans.size(); i += 2) fs::copy_file(s.folder / s.scans[i - 1].file, s.folder / s.scans[i].file, fs::copy_options::overwrite_existing);
+         for (std::size_t i = 1; i < s.scans.size(); i += 2)
+           fs::copy_file(s.folder / s.scans[i - 1].file, s.folder / s.scans[i].file,
+                         fs::copy_options::overwrite_existing);
        }},
       {"scans late by 0.2 s",
        [](Sequence& s) {
@@ -254,10 +265,13 @@ std::vector<WrongInput> joined(Lists... lists) {
 }  // namespace
 
 std::vector<WrongInput> wrong_camera_inputs() {
-  return joined(wrong_poses(), wrong_depth(), wrong_calibration(), wrong_stamps(), wrong_masks(), wrong_imu());
+  return joined(wrong_poses(), wrong_depth(), wrong_calibration(), wrong_stamps(), wrong_masks(),
+                wrong_imu());
 }
 
-std::vector<WrongInput> wrong_scan_inputs() { return joined(wrong_scans()); }
+std::vector<WrongInput> wrong_scan_inputs() {
+  return joined(wrong_scans());
+}
 
 void write_wrong(const WrongInput& input, const fs::path& from, const fs::path& to) {
   fs::copy(from, to, fs::copy_options::recursive);
