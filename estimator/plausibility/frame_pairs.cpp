@@ -91,8 +91,10 @@ std::optional<FramePair> pair_from(const Sequence& sequence, std::size_t first) 
     if (second >= sequence.frames.size()) continue;
     const double time_s = seconds(sequence.frames[first].stamp_ns, sequence.frames[second].stamp_ns);
     if (gap > 1 && time_s > kLongest_s) continue;
-    FramePair pair{first, second,
-                   followed(sequence.camera, a, read_view(sequence, sequence.frames[second]), corners)};
+    FramePair pair;
+    pair.first = first;
+    pair.second = second;
+    pair.points = followed(sequence.camera, a, read_view(sequence, sequence.frames[second]), corners);
     const double least = std::max<double>(kLeastPoints, kLeastFollowed * static_cast<double>(corners.size()));
     if (static_cast<double>(pair.points.size()) < least) continue;
     fit_pair(sequence.camera, pair);

@@ -39,49 +39,51 @@ Pose mirrored(const Pose& pose, const Eigen::Vector3d& signs) {
           S * pose.translation};
 }
 
-Hypothesis scaled(const std::string& cause, double factor) {
-  return {cause, [factor](Pose p) {
-            p.translation *= factor;
-            return p;
-          }};
+Pose with_rotation(const Pose& pose, const Eigen::Quaterniond& rotation) {
+  return {rotation, pose.translation};
 }
 
 std::vector<Hypothesis> wrong_forms() {
+  const auto as_w_first = [](const Pose& p) {
+    const Eigen::Quaterniond& q = p.rotation;
+    return with_rotation(p, Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()));
+  };
   std::vector<Hypothesis> list;
-  list.push_back({"poses look inverted (camera_from_world in place of world_from_camera)",
-                  [](const Pose& p) { return p.inverse(); }});
-  list.push_back({"quaternions look like w x y z in place of x y z w", [](Pose p) {
-                    const Eigen::Quaterniond q = p.rotation;
-                    p.rotation = Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w());
-                    return p;
-                  }});
-  list.push_back({"rotations look inverted, positions do not", [](Pose p) {
-                    p.rotation = p.rotation.conjugate();
-                    return p;
-                  }});
+  const auto add = [&](std::string cause, Change change) {
+    list.push_back({std::move(cause), std::move(change), 0});
+  };
+  add("poses look inverted (camera_from_world in place of world_from_camera)",
+      [](const Pose& p) { return p.inverse(); });
+  add("quaternions look like w x y z in place of x y z w", as_w_first);
+  add("rotations look inverted, positions do not",
+      [](const Pose& p) { return with_rotation(p, p.rotation.conjugate()); });
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::Vector3d signs = Eigen::Vector3d::Ones();
     signs[axis] = -1;
-    list.push_back({fmt::format("poses look left-handed ({} axis mirrored)", "xyz"[axis]),
-                    [signs](const Pose& p) { return mirrored(p, signs); }});
-    list.push_back({fmt::format("positions look mirrored along {}", "xyz"[axis]), [signs](Pose p) {
-                      p.translation = signs.cwiseProduct(p.translation);
-                      return p;
-                    }});
+    add(fmt::format("poses look left-handed ({} axis mirrored)", "xyz"[axis]),
+        [signs](const Pose& p) { return mirrored(p, signs); });
+    add(fmt::format("positions look mirrored along {}", "xyz"[axis]), [signs](const Pose& p) {
+      return Pose{p.rotation, signs.cwiseProduct(p.translation)};
+    });
   }
-  list.push_back(scaled("positions look like millimetres", 1e-3));
-  list.push_back(scaled("positions look like centimetres", 1e-2));
-  list.push_back(scaled("positions look like feet", 0.3048));
-  list.push_back(scaled("positions look like kilometres, or depth like millimetres", 1e3));
+  for (const auto& [unit, metres] : {std::pair("millimetres", 1e-3), {"centimetres", 1e-2}, {"feet", 0.3048}})
+    add(fmt::format("positions look like {}", unit), [metres](const Pose& p) {
+      return Pose{p.rotation, metres * p.translation};
+    });
+  return list;
+}
+
+// The camera's axes are others: x forward, y up, ...
+std::vector<Hypothesis> other_axes() {
+  std::vector<Hypothesis> list;
   for (const AxisTurn& turn : proper_axis_turns())
     if (!turn.matrix.isIdentity())
-      list.push_back({fmt::format("poses look like those of other camera axes (their x y z is {} of the "
-                                  "optical frame, whose z looks forward)",
-                                  turn.name),
-                      [turn](Pose p) {
-                        p.rotation = p.rotation * Eigen::Quaterniond(turn.matrix);
-                        return p;
-                      }});
+      list.push_back(
+          {fmt::format("poses look like those of other camera axes (x y z is {} of the optical frame, "
+                       "whose z looks forward)",
+                       turn.name),
+           [q = Eigen::Quaterniond(turn.matrix)](const Pose& p) { return with_rotation(p, p.rotation * q); },
+           0});
   return list;
 }
 
@@ -148,7 +150,8 @@ std::vector<const FramePair*> moving(const Sequence& sequence, const std::vector
 std::string best_cause(const Sequence& sequence, const std::vector<const FramePair*>& pairs, double given_px,
                        double motion_px) {
   std::vector<Hypothesis> list = wrong_forms();
-  for (Hypothesis& other : other_times(sequence)) list.push_back(std::move(other));
+  for (const auto& more : {other_axes(), other_times(sequence)})
+    list.insert(list.end(), more.begin(), more.end());
   double best_px = kMuchBetter * given_px;
   std::string cause;
   if (given_px > kUseless * motion_px)

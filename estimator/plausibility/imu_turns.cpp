@@ -35,23 +35,24 @@ void look(const std::vector<Turn>& turns, const std::vector<std::optional<Eigen:
   best = {*value, cause};
 }
 
-void look_at_axes(const ImuCalibration& imu, const std::vector<Turn>& turns,
-                  const std::vector<std::optional<Eigen::Vector3d>>& others, Best& best) {
+void look_at_axes(const ImuCalibration& imu, const std::vector<ImuSample>& samples,
+                  const std::vector<Turn>& turns, Best& best) {
+  constexpr double kDegrees = std::numbers::pi / 180;
   const Eigen::Matrix3d place = imu.camera_from_imu.rotation.toRotationMatrix();
+  const auto as_they_are = turns_by(samples, turns, 0), by_degrees = turns_by(samples, turns, 0, kDegrees);
   look(
-      turns, others, [&](const auto& w) { return Eigen::Vector3d(place.transpose() * w); },
+      turns, as_they_are, [&](const auto& w) { return Eigen::Vector3d(place.transpose() * w); },
       "its place looks inverted (imu_from_camera in place of sequence.yaml's camera_from_imu)", best);
-  for (const double scale : {1.0, std::numbers::pi / 180})
-    for (const AxisTurn& axes : axis_turns()) {
-      if (scale == 1 && axes.matrix.isIdentity()) continue;
-      std::string cause = scale == 1 ? "" : "angular velocities look like deg/s";
-      if (!axes.matrix.isIdentity())
-        cause +=
-            fmt::format("{}the gyroscope's x y z look like {}", cause.empty() ? "" : ", and ", axes.name);
-      look(
-          turns, others, [&](const auto& w) { return Eigen::Vector3d(scale * (place * (axes.matrix * w))); },
-          cause, best);
-    }
+  for (const AxisTurn& axes : axis_turns()) {
+    const ChangeOfTurn change = [&](const Eigen::Vector3d& w) {
+      return Eigen::Vector3d(place * (axes.matrix * w));
+    };
+    const std::string text =
+        axes.matrix.isIdentity() ? "" : fmt::format("the gyroscope's x y z look like {}", axes.name);
+    if (!text.empty()) look(turns, as_they_are, change, text, best);
+    look(turns, by_degrees, change,
+         "angular velocities look like deg/s" + (text.empty() ? text : ", and " + text), best);
+  }
 }
 
 }  // namespace
@@ -66,7 +67,7 @@ std::optional<std::string> gyroscope_suspicion(const ImuCalibration& imu,
   const auto now = disagreement(turns, others, as_it_is);
   if (!now || *now < kSound) return std::nullopt;
   Best best{kMuchBetter * *now, ""};
-  look_at_axes(imu, turns, others, best);
+  look_at_axes(imu, samples, turns, best);
   for (int late_ms = -kMostLate_ms; late_ms <= kMostLate_ms; late_ms += kLateStep_ms)
     if (std::abs(late_ms) >= kLeastLate_ms)
       look(turns, turns_by(samples, turns, late_ms * 1'000'000LL), as_it_is,

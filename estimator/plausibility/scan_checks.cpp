@@ -156,7 +156,8 @@ std::string file_of(const Sequence& sequence) {
 std::optional<std::string> bent_scans(const Sequence& sequence, const std::vector<ImuSample>& samples) {
   std::vector<Turn> scans;
   for (const SequenceScan& scan : sequence.scans)
-    scans.push_back({scan.stamp_ns, scan.stamp_ns + std::llround(1e9 / sequence.lidar->rate_hz), {}});
+    scans.push_back({scan.stamp_ns, scan.stamp_ns + std::llround(1e9 / sequence.lidar->rate_hz),
+                     Eigen::Vector3d::Zero()});
   std::vector<double> angles_rad;
   for (const auto& turn : turns_by(samples, scans, 0))
     if (turn) angles_rad.push_back(turn->norm());

@@ -10,7 +10,7 @@ namespace {
 
 // From one time to another, readings held between samples.
 std::optional<Eigen::Vector3d> integrated(const std::vector<ImuSample>& samples, std::int64_t from_ns,
-                                          std::int64_t to_ns) {
+                                          std::int64_t to_ns, double scale) {
   if (samples.empty() || from_ns < samples.front().stamp_ns || to_ns > samples.back().stamp_ns)
     return std::nullopt;
   auto sample = std::upper_bound(samples.begin(), samples.end(), from_ns,
@@ -19,7 +19,7 @@ std::optional<Eigen::Vector3d> integrated(const std::vector<ImuSample>& samples,
   for (std::int64_t now_ns = from_ns; now_ns < to_ns && sample != samples.end(); ++sample) {
     const std::int64_t next_ns = std::min(sample->stamp_ns, to_ns);
     const Eigen::Vector3d rate =
-        0.5 * (std::prev(sample)->angular_velocity_radps + sample->angular_velocity_radps);
+        0.5 * scale * (std::prev(sample)->angular_velocity_radps + sample->angular_velocity_radps);
     turned = turned * exp_so3(seconds(now_ns, next_ns) * rate);
     now_ns = next_ns;
   }
@@ -38,10 +38,11 @@ std::vector<Turn> turns_of(const Sequence& sequence, const std::vector<FramePair
 }
 
 std::vector<std::optional<Eigen::Vector3d>> turns_by(const std::vector<ImuSample>& samples,
-                                                     const std::vector<Turn>& turns, std::int64_t late_ns) {
+                                                     const std::vector<Turn>& turns, std::int64_t late_ns,
+                                                     double scale) {
   std::vector<std::optional<Eigen::Vector3d>> result;
   for (const Turn& turn : turns)
-    result.push_back(integrated(samples, turn.from_ns + late_ns, turn.to_ns + late_ns));
+    result.push_back(integrated(samples, turn.from_ns + late_ns, turn.to_ns + late_ns, scale));
   return result;
 }
 

@@ -21,9 +21,11 @@ struct Turn {
 /// By the pairs that have a motion.
 std::vector<Turn> turns_of(const Sequence& sequence, const std::vector<FramePair>& pairs);
 
-/// The same intervals by a gyroscope, its own axes, `late_ns` later; nothing for those beyond its readings.
+/// The same intervals by a gyroscope, its own axes, `late_ns` later, its rates times `scale`; nothing for
+/// those beyond its readings.
 std::vector<std::optional<Eigen::Vector3d>> turns_by(const std::vector<ImuSample>& samples,
-                                                     const std::vector<Turn>& turns, std::int64_t late_ns);
+                                                     const std::vector<Turn>& turns, std::int64_t late_ns,
+                                                     double scale = 1);
 
 /// Mean difference of turns and of others that are to be the same, over the mean of the turns; where others
 /// are missing they do not count. Nothing where more than half are missing.
