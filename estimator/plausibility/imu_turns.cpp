@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kLeastTurn_rad = 0.02;  // usual one: less is lost in the noise of images
 constexpr std::size_t kLeastTurns = 4;
-constexpr double kSound = 0.2;        // disagreement that anything may explain
+constexpr double kLeastOff_deg = 8;   // of the IMU's place, that is told
+constexpr double kSound = 0.12;       // disagreement that anything may explain
 constexpr double kMuchBetter = 0.45;  // of the disagreement as it is
 constexpr double kUseless = 0.75;     // named without a cause, too
 constexpr int kMostLate_ms = 300, kLateStep_ms = 10, kLeastLate_ms = 30;
@@ -55,6 +56,18 @@ void look_at_axes(const ImuCalibration& imu, const std::vector<ImuSample>& sampl
   }
 }
 
+// Any other place; for where no usual mistake explains it.
+void look_at_place(const Eigen::Matrix3d& place, const std::vector<Turn>& turns,
+                   const std::vector<std::optional<Eigen::Vector3d>>& others, Best& best) {
+  const Eigen::Matrix3d found = best_rotation(turns, others);
+  const double off_deg = 180 / std::numbers::pi * rotation_angle(found * place.transpose());
+  if (off_deg < kLeastOff_deg) return;
+  look(
+      turns, others, [&](const auto& w) { return Eigen::Vector3d(found * w); },
+      fmt::format("its place in sequence.yaml (camera_from_imu) looks turned by {:.0f} degrees", off_deg),
+      best);
+}
+
 }  // namespace
 
 std::optional<std::string> gyroscope_suspicion(const ImuCalibration& imu,
@@ -74,6 +87,7 @@ std::optional<std::string> gyroscope_suspicion(const ImuCalibration& imu,
            fmt::format("its stamps look {} by {:.2f} s", late_ms > 0 ? "late" : "early",
                        1e-3 * std::abs(late_ms)),
            best);
+  if (best.cause.empty()) look_at_place(place, turns, others, best);
   if (best.cause.empty()) {
     if (*now < kUseless) return std::nullopt;
     return fmt::format("the gyroscope does not turn as the camera does: they differ by {:.0f} % of the turns",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "core/base/error.h"
@@ -24,7 +25,7 @@ constexpr double kFarthest_m = 150, kNearest_m = 0.1;  // usual range of a LiDAR
 constexpr double kMostRange_m = 1e9;
 constexpr double kLeastWay_m = 0.3;  // between scans, whose planes are known to centimetres
 constexpr double kStep_s = 0.2;      // of the motions that are compared
-constexpr double kLeastTurn_rad = 0.02, kSound = 0.25, kMuchBetter = 0.45, kUseless = 0.75;
+constexpr double kLeastTurn_rad = 0.02, kSound = 0.15, kLeastOff_deg = 8, kMuchBetter = 0.45, kUseless = 0.75;
 constexpr std::size_t kLeastTurns = 4;
 constexpr double kBentTurn_rad = 0.02;  // within a scan, that bends it
 
@@ -205,6 +206,14 @@ std::string cause_of(const Compared& both, const Eigen::Matrix3d& camera_from_li
            fmt::format(
                "the LiDAR's axes look like others or mirrored: its turns about x y z fit the IMU's as {}",
                axes.name));
+  if (cause.empty()) {
+    const Eigen::Matrix3d found = best_rotation(both.imu, both.scans);
+    if (const double off_deg = 180 / std::numbers::pi * rotation_angle(found); off_deg > kLeastOff_deg)
+      look(found, fmt::format(
+                      "the LiDAR's place in sequence.yaml (camera_from_lidar) looks turned by {:.0f} degrees "
+                      "against the IMU's",
+                      off_deg));
+  }
   if (cause.empty() && now > kUseless) cause = "the scans do not turn as the IMU does";
   return cause;
 }

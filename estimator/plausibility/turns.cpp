@@ -1,5 +1,6 @@
 #include "estimator/plausibility/turns.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 
 #include "core/base/quantile.h"
@@ -59,6 +60,17 @@ std::optional<double> disagreement(const std::vector<Turn>& turns,
   }
   if (2 * count <= turns.size() || !(sum > 0)) return std::nullopt;
   return difference / sum;
+}
+
+Eigen::Matrix3d best_rotation(const std::vector<Turn>& turns,
+                              const std::vector<std::optional<Eigen::Vector3d>>& others) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < turns.size(); ++i)
+    if (others[i]) sum += turns[i].vector * others[i]->transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d signs = Eigen::Vector3d::Ones();
+  signs.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
 double usual_turn(const std::vector<Turn>& turns) {

@@ -34,6 +34,10 @@ std::optional<double> disagreement(const std::vector<Turn>& turns,
                                    const std::vector<std::optional<Eigen::Vector3d>>& others,
                                    const ChangeOfTurn& change);
 
+/// The rotation that lays the others on the turns best (Kabsch); the identity where all are missing.
+Eigen::Matrix3d best_rotation(const std::vector<Turn>& turns,
+                              const std::vector<std::optional<Eigen::Vector3d>>& others);
+
 /// Median angle [rad]; 0 for none.
 double usual_turn(const std::vector<Turn>& turns);
 
