@@ -23,6 +23,7 @@
 #include "estimator/backend.h"
 #include "estimator/carve.h"
 #include "estimator/factors/solver_log.h"
+#include "estimator/plausibility/plausibility.h"
 #include "estimator/single_frame.h"
 
 namespace uniquadric {
@@ -298,6 +299,10 @@ void warn_of_the_calibration(const Sequence& sequence) {
     warn(fmt::format("{}: {}", (sequence.folder / "sequence.yaml").string(), fault));
 }
 
+void warn_of_suspicions(const Sequence& sequence, const Variant& variant) {
+  for (const std::string& suspicion : suspicions(sequence, variant.plausibility)) warn(suspicion);
+}
+
 void warn_of_the_camera(const Perception& perception, bool has_images) {
   const Gap gap = longest_gap(perception.frames());
   if (gap.duration_s > kLongGap_s)
@@ -334,6 +339,7 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
   const Variant variant = options.camera_only ? of_camera_alone(wanted, sequence) : wanted;
   refuse_to_keep_joined(variant, options);
   warn_of_the_calibration(sequence);
+  warn_of_suspicions(sequence, variant);
   PendingFolder pending(out, "estimate", options.force);
   const auto threads = static_cast<std::size_t>(threads_to_use(options.threads));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -385,6 +391,7 @@ void keep_perception(const fs::path& sequence_folder, const Variant& variant,
   if (options.verify) require_unchanged_texts(sequence_folder);
   const Sequence sequence = open_sequence(sequence_folder);
   warn_of_the_calibration(sequence);
+  warn_of_suspicions(sequence, variant);
   kept_perception(sequence, variant, options, options.force ? Replace::always : Replace::its_own);
 }
 

@@ -41,6 +41,7 @@ void visit(Io& io, Variant& o) {
     inner.number("envelope_margin", o.joined.envelope_margin, 0.0, 100.0);
     inner.number("envelope_slack_m", o.joined.envelope_slack_m, 0.0, 100.0);
   });
+  io.flag("plausibility", o.plausibility.enabled);
   io.flag("smooth", o.smooth);
   io.flag("write_features", o.write_features);
 }

@@ -6,6 +6,7 @@
 #include "estimator/objects/body_estimator.h"
 #include "estimator/objects/joined_backend.h"
 #include "estimator/perception/perceive.h"
+#include "estimator/plausibility/plausibility_options.h"
 #include "estimator/shape/obb_ransac.h"
 
 namespace uniquadric {
@@ -38,7 +39,8 @@ struct Variant {
   bool smooth = false;  // of `single_frame`: one size a track, its trajectory smoothed at the end
   BodyOptions body;
   Backend backend = Backend::single_frame;
-  bool write_features = false;  // features.csv, a row a sighting: megabytes
+  PlausibilityOptions plausibility;  // of the sequence, before anything is estimated
+  bool write_features = false;       // features.csv, a row a sighting: megabytes
   Feedback feedback = Feedback::perception;
   JoinedOptions joined;  // of Feedback::backend
 };

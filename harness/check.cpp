@@ -13,6 +13,7 @@
 #include "core/sequence/imu_faults.h"
 #include "core/sequence/stamps.h"
 #include "core/sequence/tracks.h"
+#include "estimator/plausibility/plausibility.h"
 
 namespace uniquadric {
 namespace {
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 using Problems = std::vector<std::string>;
 
 constexpr double kRateTolerance = 0.01;  // ours: relative; stamps of recordings are rounded to 0.1 ms or so
+constexpr double kMostCutOff = 0.01;     // ours: of a depth image's pixels; recordings have up to 0.2 %
 constexpr double kGap = 1.5;             // ours: periods; more than that and something is missing
 
 void add(Problems& problems, const fs::path& path, const std::string& what) {
@@ -67,7 +69,9 @@ void check_depth(const Sequence& sequence, const SequenceFrame& frame, Problems&
   const fs::path path = sequence.folder / frame.depth;
   const cv::Mat units = read_image(path);
   if (cv::countNonZero(units) == 0) add(problems, path, "has no depth at any pixel");
-  if (const int full = cv::countNonZero(units == kDepthCutOff))
+  // a sensor says of some pixels so that it gave up
+  if (const int full = cv::countNonZero(units == kDepthCutOff);
+      full > kMostCutOff * static_cast<double>(units.total()))
     add(problems, path, fmt::format("is cut off at the 16 bits' end at {} pixels", full));
 }
 
@@ -189,6 +193,14 @@ std::vector<std::string> check_sequence(const fs::path& folder) {
       for (const std::string& problem : check_hashes(hashed)) problems.push_back(problem);
   });
   return problems;
+}
+
+std::vector<std::string> check_plausibility(const fs::path& folder) {
+  try {
+    return suspicions(open_sequence(folder), {});
+  } catch (const InputError&) {  // check_sequence tells it
+    return {};
+  }
 }
 
 }  // namespace uniquadric

@@ -23,6 +23,10 @@ namespace uniquadric {
 /// - `hashes.txt` of either folder
 std::vector<std::string> check_sequence(const std::filesystem::path& folder);
 
+/// What in a sequence folder (or the folder that holds it) is well-formed but hardly right
+/// (estimator/plausibility); nothing of other folders, and of a sequence that does not open.
+std::vector<std::string> check_plausibility(const std::filesystem::path& folder);
+
 /// The part of the truth, `problems` being added to. `folder` is the truth's.
 void check_truth(const Sequence& sequence, const std::filesystem::path& folder,
                  std::vector<std::string>& problems);

@@ -16,7 +16,8 @@ namespace {
 constexpr double kGap = 3.5;          // ours: times the usual, as of scans: one or two may be lost on the way
 constexpr double kLeastGap_s = 0.05;  // ours: half a scan of most; shorter ones bend no sweep
 constexpr double kGravityTolerance = 0.2;  // ours: relative; a sensor's own motion cancels over its readings
-constexpr double kMostTurn_radps = 10;     // ours: 573 deg/s, half of the time
+constexpr double kSteady_s = 1;  // ours: accelerations of hands and vehicles cancel, turns are small yet
+constexpr double kMostTurn_radps = 10;  // ours: 573 deg/s, half of the time
 
 double usual_step_s(const std::vector<ImuSample>& samples, const ImuCalibration& calibration) {
   std::vector<double> steps_s;
@@ -48,14 +49,30 @@ std::optional<std::string> gap_fault(const std::vector<ImuSample>& samples, doub
   return text;
 }
 
+bool is_gravity(double force_mps2, double expected_mps2) {
+  return std::abs(force_mps2 - expected_mps2) <= kGravityTolerance * expected_mps2;
+}
+
+// The mean over stretches of time in which vibration cancels.
+double steady_force_mps2(const std::vector<ImuSample>& samples) {
+  const double time_s = seconds(samples.front().stamp_ns, samples.back().stamp_ns);
+  const auto stretches = std::clamp<std::size_t>(std::llround(time_s / kSteady_s), 1, samples.size());
+  std::vector<double> norms_mps2;
+  for (std::size_t i = 0; i < stretches; ++i) {
+    const std::size_t begin = i * samples.size() / stretches, end = (i + 1) * samples.size() / stretches;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t at = begin; at < end; ++at) sum += samples[at].specific_force_mps2;
+    norms_mps2.push_back(sum.norm() / static_cast<double>(end - begin));
+  }
+  return upper_median(std::move(norms_mps2));
+}
+
 std::optional<std::string> force_fault(const std::vector<ImuSample>& samples, double gravity_mps2) {
   double mean_mps2 = 0;
   for (const ImuSample& sample : samples)
     mean_mps2 += sample.specific_force_mps2.norm() / static_cast<double>(samples.size());
-  const auto is_near = [&](double expected) {
-    return std::abs(mean_mps2 - expected) <= kGravityTolerance * expected;
-  };
-  if (is_near(gravity_mps2)) return std::nullopt;
+  const auto is_near = [&](double expected) { return is_gravity(mean_mps2, expected); };
+  if (is_near(gravity_mps2) || is_gravity(steady_force_mps2(samples), gravity_mps2)) return std::nullopt;
   return fmt::format("the specific force is {:.4g} m/s^2 on average, where gravity_mps2 is {:.4g}{}",
                      mean_mps2, gravity_mps2, is_near(1) ? ": in g?" : "");
 }
