@@ -8,6 +8,7 @@
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "estimator/ego/ego_map.h"
+#include "estimator/perception/rolling_shutter.h"
 
 namespace uniquadric {
 namespace {
@@ -76,6 +77,7 @@ struct RgbdOdometry::State {
   Pose presumed;                          // the same, where it is not known: the last known, moved on
   std::optional<Eigen::Vector3d> up;      // in the map's world, the first camera
   double fixed_lag_s = 1;
+  double rolling_shutter_s = 0;
   Trajectory causal, lagged;      // map_from_camera, as known at each frame and a fixed lag after it
   std::size_t lagged_frames = 0;  // of the frames: those in `lagged`
   int frames_seen = 0;
@@ -88,6 +90,8 @@ struct RgbdOdometry::State {
   Pose found_again(const EgoMap& by, const FramePose& frame) const;
   void settle_frames();
   void begin_map(const Pose& pose, std::int64_t frame, const std::vector<Feature>& features);
+  void await_motion(const SequenceFrame& frame, const std::vector<Feature>& features);
+  void begin_with(const SequenceFrame& frame, const TrackedFeatures& features);
   bool follow(std::int64_t frame, const TrackedFeatures& features);
   bool is_young() const { return given_up.empty() && std::ssize(frames) < options.young_frames; }
   bool is_hopeless(std::int64_t stamp_ns) const;
@@ -168,6 +172,26 @@ void RgbdOdometry::State::begin_map(const Pose& pose, std::int64_t frame,
   insert_keyframe(frame, features);
 }
 
+// A rolling shutter's frame before the first motion: its place is the world's origin, the map begins later.
+void RgbdOdometry::State::await_motion(const SequenceFrame& frame, const std::vector<Feature>& features) {
+  presumed = {};
+  camera_from_world = presumed;
+  before.push_back({frame.frame, frame.stamp_ns, 0, {}, features});
+  causal = lagged = {{frame.stamp_ns, presumed}};
+}
+
+// The first motion tells where the features of the frame before would have been seen at its stamp.
+void RgbdOdometry::State::begin_with(const SequenceFrame& frame, const TrackedFeatures& features) {
+  if (!before.empty() && features.background_motion) {
+    const RollingShutter shutter(camera, rolling_shutter_s);
+    const Vector6d twist =
+        log_se3(*features.background_motion) / seconds(before.back().stamp_ns, frame.stamp_ns);
+    for (Feature& f : before.back().features)
+      if (f.depth_m > 0) f.pixel = shutter.at_stamp(f.pixel, f.depth_m, twist).value_or(f.pixel);
+  }
+  begin_map(before.empty() ? Pose{} : presumed, frame.frame, features.background);
+}
+
 // Places the camera in the map; false where it is lost.
 bool RgbdOdometry::State::follow(std::int64_t frame, const TrackedFeatures& features) {
   const auto prior = camera_from_world ? std::optional(presumed) : std::nullopt;
@@ -230,8 +254,9 @@ void RgbdOdometry::State::begin_anew(std::int64_t frame, const std::vector<Featu
 }
 
 RgbdOdometry::RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed,
-                           double fixed_lag_s)
+                           double fixed_lag_s, double rolling_shutter_s)
     : state_(std::make_unique<State>()) {
+  state_->rolling_shutter_s = rolling_shutter_s;
   state_->camera = without_distortion(camera);
   state_->options = options;
   state_->seed = seed;
@@ -250,7 +275,8 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
   if (features.background_motion) s.presumed = *features.background_motion * s.presumed;
   if (s.map.keyframes.empty()) {
     if (!can_begin) return;
-    s.begin_map(Pose{}, frame.frame, seen);
+    if (features.background_at_rows) return s.await_motion(frame, seen);
+    s.begin_with(frame, features);
   } else if (s.depth_changed && can_begin) {
     s.begin_anew(frame.frame, seen);
   } else if (!s.follow(frame.frame, features)) {
