@@ -9,6 +9,8 @@ namespace uniquadric {
 namespace {
 
 constexpr int kMostFailures = 3;  // of a track before it is forgotten for good
+constexpr int kMostRounds = 4;    // of pose and twist in turn
+constexpr double kShareOfMiddleRows = 0.15;  // of the sightings that must agree at first
 
 struct Sightings {
   std::vector<PointSighting> of;
@@ -114,6 +116,45 @@ void move_to_stamp(const FrameView& view, const TrackedBody& body, PointTrack& t
   track.depth->depth_m = 1 / inverse_depth;
 }
 
+// Twist and pose by those sightings that count, of tracks as they lie; moves all tracks by it.
+bool fit_twist(const FrameView& view, TrackedBody& body, const Pose& pose, const Pose& before,
+               const Sightings& sightings, const std::vector<bool>& counts) {
+  const Vector6d mean = log_se3(pose * before.inverse()) / (1e-9 * static_cast<double>(view.step_ns));
+  std::vector<PointSighting> agreed;
+  std::vector<double> delays_s;
+  for (std::size_t i = 0; i < sightings.of.size(); ++i) {
+    if (!counts[i]) continue;
+    agreed.push_back(sightings.of[i]);
+    delays_s.push_back(view.shutter.delay_s(body.tracks[sightings.places[i]].pixel.y()));
+  }
+  const auto fit = fit_moving_pose(agreed, delays_s, view.camera, {pose, body.twist}, mean,
+                                   view.options.motion.pixel_sigma, view.options.rolling_shutter);
+  if (!fit) return false;
+  body.camera_from_map = fit->camera_from_body;
+  body.twist = fit->twist;
+  for (auto& track : body.tracks) move_to_stamp(view, body, track);
+  return true;
+}
+
+// A hand may turn otherwise than in the last frame, so that only rows near the middle agree at first: they
+// tell the twist by which the next ones do.
+void follow_twist(const FrameView& view, TrackedBody& body, Pose& pose) {
+  const auto before = *body.camera_from_map;
+  RigidMotionOptions options = view.options.motion;
+  options.min_share = std::min(options.min_share, kShareOfMiddleRows);
+  int agreed = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Sightings sightings = sightings_of(body, pose);
+    RandomStream random(view.seed, "rolling_shutter", view.frame, body.label);
+    const auto fit = fit_rigid_motion(sightings.of, view.camera, pose, options, random);
+    if (!fit || fit->inliers <= agreed) break;
+    agreed = fit->inliers;
+    if (!fit_twist(view, body, fit->camera_from_body, before, sightings, fit->inlier)) break;
+    pose = *body.camera_from_map;
+  }
+  body.camera_from_map = before;
+}
+
 // The first motion tells where the rows saw what was taken for seen at the stamp: that is measured anew.
 void begin_landmarks_anew(const FrameView& view, TrackedBody& body) {
   for (auto& track : body.tracks) {
@@ -150,11 +191,12 @@ bool fit_pose(const FrameView& view, TrackedBody& body, const Pose& prior, int p
 
 void move_body(const FrameView& view, TrackedBody& body) {
   const auto before = body.camera_from_map;
-  const auto prior = expected_pose(view, body);
+  auto prior = expected_pose(view, body);
   body.motion.reset();
   if (!before) return;
   const auto with_landmark = std::count_if(body.tracks.begin(), body.tracks.end(),
                                            [](const auto& t) { return t.landmark.has_value(); });
+  if (view.shutter.is_on() && body.twist_known && view.step_ns > 0) follow_twist(view, body, *prior);
   bool known = fit_pose(view, body, *prior, 0);
   const bool is_first = view.shutter.is_on() && !body.twist_known;
   if (known) find_twist(view, body, *before);
@@ -177,15 +219,8 @@ void find_twist(const FrameView& view, TrackedBody& body, const Pose& before) {
     return begin_landmarks_anew(view, body);
   }
   const Sightings sightings = sightings_of(body, *body.camera_from_map);
-  std::vector<double> delays_s;
-  for (const std::size_t i : sightings.places)
-    delays_s.push_back(view.shutter.delay_s(body.tracks[i].pixel.y()));
-  const auto fit = fit_moving_pose(sightings.of, delays_s, view.camera, {*body.camera_from_map, body.twist}, mean,
-                                   view.options.motion.pixel_sigma, view.options.rolling_shutter);
-  if (!fit) return;
-  body.camera_from_map = fit->camera_from_body;
-  body.twist = fit->twist;
-  for (auto& track : body.tracks) move_to_stamp(view, body, track);
+  fit_twist(view, body, *body.camera_from_map, before, sightings,
+            std::vector<bool>(sightings.of.size(), true));
 }
 
 void set_motion(const FrameView& view, TrackedBody& body, const Pose& before) {
