@@ -136,25 +136,6 @@ bool fit_twist(const FrameView& view, TrackedBody& body, const Pose& pose, const
   return true;
 }
 
-// A hand may turn otherwise than in the last frame, so that only rows near the middle agree at first: they
-// tell the twist by which the next ones do.
-void follow_twist(const FrameView& view, TrackedBody& body, Pose& pose) {
-  const auto before = *body.camera_from_map;
-  RigidMotionOptions options = view.options.motion;
-  options.min_share = std::min(options.min_share, kShareOfMiddleRows);
-  int agreed = 0;
-  for (int round = 0; round < kMostRounds; ++round) {
-    const Sightings sightings = sightings_of(body, pose);
-    RandomStream random(view.seed, "rolling_shutter", view.frame, body.label);
-    const auto fit = fit_rigid_motion(sightings.of, view.camera, pose, options, random);
-    if (!fit || fit->inliers <= agreed) break;
-    agreed = fit->inliers;
-    if (!fit_twist(view, body, fit->camera_from_body, before, sightings, fit->inlier)) break;
-    pose = *body.camera_from_map;
-  }
-  body.camera_from_map = before;
-}
-
 // The first motion tells where the rows saw what was taken for seen at the stamp: that is measured anew.
 void begin_landmarks_anew(const FrameView& view, TrackedBody& body) {
   for (auto& track : body.tracks) {
@@ -196,7 +177,7 @@ void move_body(const FrameView& view, TrackedBody& body) {
   if (!before) return;
   const auto with_landmark = std::count_if(body.tracks.begin(), body.tracks.end(),
                                            [](const auto& t) { return t.landmark.has_value(); });
-  if (view.shutter.is_on() && body.twist_known && view.step_ns > 0) follow_twist(view, body, *prior);
+  prior = follow_twist(view, body, *prior);
   bool known = fit_pose(view, body, *prior, 0);
   const bool is_first = view.shutter.is_on() && !body.twist_known;
   if (known) find_twist(view, body, *before);
@@ -207,6 +188,26 @@ void move_body(const FrameView& view, TrackedBody& body) {
   }
   if (!known) return give_up(view, body, with_landmark >= 2 * view.options.motion.min_inliers);
   set_motion(view, body, *before);
+}
+
+Pose follow_twist(const FrameView& view, TrackedBody& body, const Pose& expected) {
+  if (!view.shutter.is_on() || !body.twist_known || view.step_ns <= 0) return expected;
+  RigidMotionOptions options = view.options.motion;
+  options.min_share = std::min(options.min_share, kShareOfMiddleRows);
+  const Pose before = *body.camera_from_map;
+  Pose pose = expected;
+  int agreed = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Sightings sightings = sightings_of(body, pose);
+    RandomStream random(view.seed, "rolling_shutter", view.frame, body.label);
+    const auto fit = fit_rigid_motion(sightings.of, view.camera, pose, options, random);
+    if (!fit || fit->inliers <= agreed) break;
+    agreed = fit->inliers;
+    if (!fit_twist(view, body, fit->camera_from_body, before, sightings, fit->inlier)) break;
+    pose = *body.camera_from_map;
+  }
+  body.camera_from_map = before;
+  return pose;
 }
 
 void find_twist(const FrameView& view, TrackedBody& body, const Pose& before) {

@@ -239,6 +239,7 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
   view.seed = s.seed;
   FlowImage flow_image = make_flow_image(view.gray, s.options.flow);
   if (!s.last_image.pyramid.empty()) s.follow_all(view, flow_image);
+  if (const auto expected = expected_pose(view, s.bodies[0])) follow_twist(view, s.bodies[0], *expected);
   const auto scale = s.depth_scale.judge(view, s.bodies[0], frame.stamp_ns);
   if (scale != DepthScaleWatch::Verdict::believed) s.ignore_depth(view);
   std::map<int, std::pair<std::optional<Pose>, int>> before;

@@ -52,6 +52,11 @@ void move_body(const FrameView& view, TrackedBody& body);
 /// changed, without a consensus. `pass` tells the random numbers of two calls in one frame apart.
 bool fit_pose(const FrameView& view, TrackedBody& body, const Pose& prior, int pass);
 
+/// A hand may turn otherwise than in the last frame, so that only rows near the middle agree at first: they
+/// tell the twist by which the next ones do. Moves the body's tracks by it, and returns where the body is
+/// then; `expected`, and nothing moved, without a rolling shutter or a twist in the last frame.
+Pose follow_twist(const FrameView& view, TrackedBody& body, const Pose& expected);
+
 /// Finds the body's twist and, with it, its pose once more, from how it moved since `before` and from the rows
 /// of this frame, and moves its tracks by it. Landmarks of a presumed twist are given up. With a rolling
 /// shutter alone.
