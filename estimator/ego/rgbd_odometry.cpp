@@ -13,6 +13,7 @@
 namespace uniquadric {
 namespace {
 
+constexpr int kRowRounds = 3;      // of a pose and what moves its rows, in turn
 constexpr int kUprightTries = 10;  // frames in which the floor is looked for
 
 double median_depth(const std::vector<Feature>& features) {
@@ -31,6 +32,7 @@ struct FramePose {
   Pose camera_from_keyframe;
   std::vector<Feature> features;
   std::optional<Pose> motion{};  // of the background since the frame before
+  std::optional<Vector6d> presumed_twist{};  // of the background, where the features are still at their rows
 };
 
 // A map and the frames it placed. `before`: those that came earlier and had no place in the map of then.
@@ -85,6 +87,8 @@ struct RgbdOdometry::State {
 
   std::optional<RigidMotion> locate(const EgoMap& by, const std::vector<Feature>& features,
                                     const std::optional<Pose>& prior, std::int64_t frame) const;
+  std::optional<Pose> located(const EgoMap& by, const FramePose& frame, const Pose& prior) const;
+  std::optional<Pose> locate_rows(const EgoMap& by, const FramePose& frame, const Pose& prior) const;
   bool wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const;
   void insert_keyframe(std::int64_t frame, const std::vector<Feature>& features);
   Pose found_again(const EgoMap& by, const FramePose& frame) const;
@@ -109,6 +113,41 @@ std::optional<RigidMotion> RgbdOdometry::State::locate(const EgoMap& by, const s
                                                        std::int64_t frame) const {
   RandomStream random(seed, "ego", frame);
   return fit_rigid_motion(sightings_of(by, features), camera, prior, options.pose, random);
+}
+
+std::optional<Pose> RgbdOdometry::State::located(const EgoMap& by, const FramePose& frame,
+                                                 const Pose& prior) const {
+  if (frame.presumed_twist) return locate_rows(by, frame, prior);
+  const auto fit = locate(by, frame.features, prior, frame.frame);
+  return fit ? std::optional(fit->camera_from_body) : std::nullopt;
+}
+
+// A frame whose features are at their rows: its pose and the background's twist in turn.
+std::optional<Pose> RgbdOdometry::State::locate_rows(const EgoMap& by, const FramePose& frame,
+                                                     const Pose& prior) const {
+  const RollingShutter shutter(camera, rolling_shutter_s);
+  MovingPose moving{prior, *frame.presumed_twist};
+  for (int round = 0; round < kRowRounds; ++round) {
+    std::vector<Feature> features;
+    for (Feature f : frame.features)
+      if (f.depth_m > 0 && by.points.contains(f.track)) features.push_back(f);
+    std::vector<double> delays_s, agreed_s;
+    for (Feature& f : features) {
+      delays_s.push_back(shutter.delay_s(f.pixel.y()));
+      f.pixel = shutter.at_stamp(f.pixel, f.depth_m, moving.twist).value_or(f.pixel);
+    }
+    const auto fit = locate(by, features, moving.camera_from_body, frame.frame);
+    if (!fit) return std::nullopt;
+    std::vector<PointSighting> agreed;
+    const auto sightings = sightings_of(by, features);
+    for (std::size_t i = 0; i < sightings.size(); ++i)
+      if (fit->inlier[i]) agreed.push_back(sightings[i]), agreed_s.push_back(delays_s[i]);
+    const auto refined = fit_moving_pose(agreed, agreed_s, camera, {fit->camera_from_body, moving.twist},
+                                         *frame.presumed_twist, options.pose.pixel_sigma, {});
+    if (!refined) return fit->camera_from_body;
+    moving = *refined;
+  }
+  return moving.camera_from_body;
 }
 
 bool RgbdOdometry::State::wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const {
@@ -180,15 +219,11 @@ void RgbdOdometry::State::await_motion(const SequenceFrame& frame, const std::ve
   causal = lagged = {{frame.stamp_ns, presumed}};
 }
 
-// The first motion tells where the features of the frame before would have been seen at its stamp.
+// The first motion tells about how the camera moved in the frame before.
 void RgbdOdometry::State::begin_with(const SequenceFrame& frame, const TrackedFeatures& features) {
-  if (!before.empty() && features.background_motion) {
-    const RollingShutter shutter(camera, rolling_shutter_s);
-    const Vector6d twist =
+  if (!before.empty() && features.background_motion)
+    before.back().presumed_twist =
         log_se3(*features.background_motion) / seconds(before.back().stamp_ns, frame.stamp_ns);
-    for (Feature& f : before.back().features)
-      if (f.depth_m > 0) f.pixel = shutter.at_stamp(f.pixel, f.depth_m, twist).value_or(f.pixel);
-  }
   begin_map(before.empty() ? Pose{} : presumed, frame.frame, features.background);
 }
 
@@ -322,9 +357,9 @@ void RgbdOdometry::State::append(const EgoMap& of, const std::vector<FramePose>&
   for (auto frame = earlier.rbegin(); frame != earlier.rend(); ++frame) {
     if (motion) next = motion->inverse() * next;
     motion = frame->motion;
-    const auto fit = locate(adjusted, frame->features, next, frame->frame);
-    if (!fit) continue;
-    next = fit->camera_from_body;
+    const auto pose = located(adjusted, *frame, next);
+    if (!pose) continue;
+    next = *pose;
     first.push_back(world_from_camera(*frame, next));
   }
   trajectory.insert(trajectory.end(), first.rbegin(), first.rend());
