@@ -14,6 +14,7 @@ namespace uniquadric {
 namespace {
 
 constexpr int kRowRounds = 3;      // of a pose and what moves its rows, in turn
+constexpr double kRowDepthShare = 0.05;  // of depth, its sigma where it was looked up at the row's place
 constexpr int kUprightTries = 10;  // frames in which the floor is looked for
 
 double median_depth(const std::vector<Feature>& features) {
@@ -135,6 +136,7 @@ std::optional<Pose> RgbdOdometry::State::locate_rows(const EgoMap& by, const Fra
     for (Feature& f : features) {
       delays_s.push_back(shutter.delay_s(f.pixel.y()));
       f.pixel = shutter.at_stamp(f.pixel, f.depth_m, moving.twist).value_or(f.pixel);
+      f.depth_sigma_m = std::max(f.depth_sigma_m, kRowDepthShare * f.depth_m);
     }
     const auto fit = locate(by, features, moving.camera_from_body, frame.frame);
     if (!fit) return std::nullopt;
