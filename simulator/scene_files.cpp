@@ -62,6 +62,7 @@ void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t f
   sequence.seed = seed;
   sequence.camera = scene.told_camera();
   sequence.rate_hz = scene.rate_hz;
+  sequence.rolling_shutter_s = scene.imaging.rolling_shutter_s;
   sequence.depth_units_per_m = depth_units_per_m(scene.depth_noise);
   for (std::int64_t frame = 0; frame < frames; ++frame)
     sequence.frames.push_back(list_frame(scene, seed, frame));

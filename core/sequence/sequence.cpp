@@ -41,6 +41,21 @@ int count_different(const cv::Mat& image) {
   return static_cast<int>(std::count(is_there.begin(), is_there.end(), 1));
 }
 
+// At most a frame: an image is read out before the next one begins.
+double read_rolling_shutter(const ConfigNode& camera, double rate_hz) {
+  const double readout_s = camera.get<double>("rolling_shutter_s", 0);
+  if (readout_s < 0)
+    camera.at("rolling_shutter_s").fail(fmt::format("expected at least 0, found {}", readout_s));
+  if (readout_s * rate_hz > 1)
+    camera.at("rolling_shutter_s")
+        .fail(fmt::format("is {} s, longer than a frame, {} s", readout_s, 1 / rate_hz));
+  return readout_s;
+}
+
+std::string rolling_shutter_yaml(double readout_s) {
+  return readout_s > 0 ? fmt::format(", rolling_shutter_s: {}", readout_s) : "";
+}
+
 cv::Mat read_of_kind(const Sequence& sequence, const fs::path& file, ImageKind kind) {
   const fs::path path = sequence.folder / file;
   const cv::Mat image = read_image(path);
@@ -69,6 +84,7 @@ Sequence open_sequence(const fs::path& given_folder) {
   const ConfigNode camera = root.at("camera");
   sequence.camera = read_camera(camera);
   sequence.rate_hz = camera.positive("rate_hz");
+  sequence.rolling_shutter_s = read_rolling_shutter(camera, sequence.rate_hz);
   camera.refuse_unknown_keys();
   if (const auto depth = root.find("depth")) {
     sequence.depth_units_per_m = depth->positive("units_per_m");
@@ -108,7 +124,8 @@ void write_sequence_index(const fs::path& folder, const Sequence& sequence) {
                                  yaml_quoted(sequence.program), yaml_quoted(sequence.name));
   if (!sequence.scene_hash.empty())
     yaml += fmt::format("scene_hash: \"{}\"\nseed: {}\n", sequence.scene_hash, sequence.seed);
-  yaml += fmt::format("camera: {{{}, rate_hz: {}}}\n", camera_yaml(sequence.camera), sequence.rate_hz);
+  yaml += fmt::format("camera: {{{}, rate_hz: {}{}}}\n", camera_yaml(sequence.camera), sequence.rate_hz,
+                      rolling_shutter_yaml(sequence.rolling_shutter_s));
   yaml += fmt::format("depth: {{units_per_m: {}}}\n", sequence.depth_units_per_m);
   if (sequence.imu) yaml += fmt::format("imu: {{{}}}\n", imu_yaml(*sequence.imu));
   if (sequence.lidar) yaml += fmt::format("lidar: {{{}}}\n", lidar_yaml(*sequence.lidar));

@@ -37,6 +37,7 @@ struct Sequence {
   std::uint64_t seed = 0;
   Camera camera;
   double rate_hz = 0;                      ///< nominal frame rate
+  double rolling_shutter_s = 0;            ///< from a colour image's first row to its last; stamp: the middle
   double depth_units_per_m = 5000;         ///< value of a depth pixel at 1 m
   std::optional<ImuCalibration> imu;       ///< of imu.csv, when there is one
   std::optional<LidarCalibration> lidar;   ///< of the scans, when there are any

@@ -8,10 +8,13 @@
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "estimator/ego/ego_map.h"
+#include "estimator/perception/rolling_shutter.h"
 
 namespace uniquadric {
 namespace {
 
+constexpr int kRowRounds = 3;      // of a pose and what moves its rows, in turn
+constexpr double kRowDepthShare = 0.05;  // of depth, its sigma where it was looked up at the row's place
 constexpr int kUprightTries = 10;  // frames in which the floor is looked for
 
 double median_depth(const std::vector<Feature>& features) {
@@ -30,6 +33,7 @@ struct FramePose {
   Pose camera_from_keyframe;
   std::vector<Feature> features;
   std::optional<Pose> motion{};  // of the background since the frame before
+  std::optional<Vector6d> presumed_twist{};  // of the background, where the features are still at their rows
 };
 
 // A map and the frames it placed. `before`: those that came earlier and had no place in the map of then.
@@ -76,6 +80,7 @@ struct RgbdOdometry::State {
   Pose presumed;                          // the same, where it is not known: the last known, moved on
   std::optional<Eigen::Vector3d> up;      // in the map's world, the first camera
   double fixed_lag_s = 1;
+  double rolling_shutter_s = 0;
   Trajectory causal, lagged;      // map_from_camera, as known at each frame and a fixed lag after it
   std::size_t lagged_frames = 0;  // of the frames: those in `lagged`
   int frames_seen = 0;
@@ -83,11 +88,15 @@ struct RgbdOdometry::State {
 
   std::optional<RigidMotion> locate(const EgoMap& by, const std::vector<Feature>& features,
                                     const std::optional<Pose>& prior, std::int64_t frame) const;
+  std::optional<Pose> located(const EgoMap& by, const FramePose& frame, const Pose& prior) const;
+  std::optional<Pose> locate_rows(const EgoMap& by, const FramePose& frame, const Pose& prior) const;
   bool wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const;
   void insert_keyframe(std::int64_t frame, const std::vector<Feature>& features);
   Pose found_again(const EgoMap& by, const FramePose& frame) const;
   void settle_frames();
   void begin_map(const Pose& pose, std::int64_t frame, const std::vector<Feature>& features);
+  void await_motion(const SequenceFrame& frame, const std::vector<Feature>& features);
+  void begin_with(const SequenceFrame& frame, const TrackedFeatures& features);
   bool follow(std::int64_t frame, const TrackedFeatures& features);
   bool is_young() const { return given_up.empty() && std::ssize(frames) < options.young_frames; }
   bool is_hopeless(std::int64_t stamp_ns) const;
@@ -105,6 +114,42 @@ std::optional<RigidMotion> RgbdOdometry::State::locate(const EgoMap& by, const s
                                                        std::int64_t frame) const {
   RandomStream random(seed, "ego", frame);
   return fit_rigid_motion(sightings_of(by, features), camera, prior, options.pose, random);
+}
+
+std::optional<Pose> RgbdOdometry::State::located(const EgoMap& by, const FramePose& frame,
+                                                 const Pose& prior) const {
+  if (frame.presumed_twist) return locate_rows(by, frame, prior);
+  const auto fit = locate(by, frame.features, prior, frame.frame);
+  return fit ? std::optional(fit->camera_from_body) : std::nullopt;
+}
+
+// A frame whose features are at their rows: its pose and the background's twist in turn.
+std::optional<Pose> RgbdOdometry::State::locate_rows(const EgoMap& by, const FramePose& frame,
+                                                     const Pose& prior) const {
+  const RollingShutter shutter(camera, rolling_shutter_s);
+  MovingPose moving{prior, *frame.presumed_twist};
+  for (int round = 0; round < kRowRounds; ++round) {
+    std::vector<Feature> features;
+    for (Feature f : frame.features)
+      if (f.depth_m > 0 && by.points.contains(f.track)) features.push_back(f);
+    std::vector<double> delays_s, agreed_s;
+    for (Feature& f : features) {
+      delays_s.push_back(shutter.delay_s(f.pixel.y()));
+      f.pixel = shutter.at_stamp(f.pixel, f.depth_m, moving.twist).value_or(f.pixel);
+      f.depth_sigma_m = std::max(f.depth_sigma_m, kRowDepthShare * f.depth_m);
+    }
+    const auto fit = locate(by, features, moving.camera_from_body, frame.frame);
+    if (!fit) return std::nullopt;
+    std::vector<PointSighting> agreed;
+    const auto sightings = sightings_of(by, features);
+    for (std::size_t i = 0; i < sightings.size(); ++i)
+      if (fit->inlier[i]) agreed.push_back(sightings[i]), agreed_s.push_back(delays_s[i]);
+    const auto refined = fit_moving_pose(agreed, agreed_s, camera, {fit->camera_from_body, moving.twist},
+                                         *frame.presumed_twist, options.pose.pixel_sigma, {});
+    if (!refined) return fit->camera_from_body;
+    moving = *refined;
+  }
+  return moving.camera_from_body;
 }
 
 bool RgbdOdometry::State::wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const {
@@ -166,6 +211,22 @@ void RgbdOdometry::State::begin_map(const Pose& pose, std::int64_t frame,
   camera_from_world = pose;
   depth_changed = false;
   insert_keyframe(frame, features);
+}
+
+// A rolling shutter's frame before the first motion: its place is the world's origin, the map begins later.
+void RgbdOdometry::State::await_motion(const SequenceFrame& frame, const std::vector<Feature>& features) {
+  presumed = {};
+  camera_from_world = presumed;
+  before.push_back({frame.frame, frame.stamp_ns, 0, {}, features});
+  causal = lagged = {{frame.stamp_ns, presumed}};
+}
+
+// The first motion tells about how the camera moved in the frame before.
+void RgbdOdometry::State::begin_with(const SequenceFrame& frame, const TrackedFeatures& features) {
+  if (!before.empty() && features.background_motion)
+    before.back().presumed_twist =
+        log_se3(*features.background_motion) / seconds(before.back().stamp_ns, frame.stamp_ns);
+  begin_map(before.empty() ? Pose{} : presumed, frame.frame, features.background);
 }
 
 // Places the camera in the map; false where it is lost.
@@ -230,8 +291,9 @@ void RgbdOdometry::State::begin_anew(std::int64_t frame, const std::vector<Featu
 }
 
 RgbdOdometry::RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed,
-                           double fixed_lag_s)
+                           double fixed_lag_s, double rolling_shutter_s)
     : state_(std::make_unique<State>()) {
+  state_->rolling_shutter_s = rolling_shutter_s;
   state_->camera = without_distortion(camera);
   state_->options = options;
   state_->seed = seed;
@@ -250,7 +312,8 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
   if (features.background_motion) s.presumed = *features.background_motion * s.presumed;
   if (s.map.keyframes.empty()) {
     if (!can_begin) return;
-    s.begin_map(Pose{}, frame.frame, seen);
+    if (features.background_at_rows) return s.await_motion(frame, seen);
+    s.begin_with(frame, features);
   } else if (s.depth_changed && can_begin) {
     s.begin_anew(frame.frame, seen);
   } else if (!s.follow(frame.frame, features)) {
@@ -296,9 +359,9 @@ void RgbdOdometry::State::append(const EgoMap& of, const std::vector<FramePose>&
   for (auto frame = earlier.rbegin(); frame != earlier.rend(); ++frame) {
     if (motion) next = motion->inverse() * next;
     motion = frame->motion;
-    const auto fit = locate(adjusted, frame->features, next, frame->frame);
-    if (!fit) continue;
-    next = fit->camera_from_body;
+    const auto pose = located(adjusted, *frame, next);
+    if (!pose) continue;
+    next = *pose;
     first.push_back(world_from_camera(*frame, next));
   }
   trajectory.insert(trajectory.end(), first.rbegin(), first.rend());

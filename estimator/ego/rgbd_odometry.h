@@ -53,8 +53,9 @@ struct EgoOptions {
 /// by the floor where the first frames show one, else by the camera's own up.
 class RgbdOdometry {
  public:
-  /// `fixed_lag_s`: of lagged_trajectory().
-  RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed, double fixed_lag_s = 1);
+  /// `fixed_lag_s`: of lagged_trajectory(). `rolling_shutter_s`: as in Sequence.
+  RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed, double fixed_lag_s = 1,
+               double rolling_shutter_s = 0);
   ~RgbdOdometry();
 
   /// Frames in their order. `depth` and `masks` as in FeatureTracker::track; only to find the floor.

@@ -76,6 +76,11 @@ void visit(Io& io, FeatureOptions& o) {
   });
   io.section("depth", [&](auto& inner) { visit(inner, o.depth); });
   io.section("motion", [&](auto& inner) { visit(inner, o.motion); });
+  io.section("rolling_shutter", [&](auto& inner) {
+    inner.flag("enabled", o.rolling_shutter.enabled);
+    inner.positive("velocity_sigma_mps", o.rolling_shutter.velocity_sigma_mps);
+    inner.positive("turn_sigma_radps", o.rolling_shutter.turn_sigma_radps);
+  });
   io.section("gallery", [&](auto& inner) { visit(inner, o.gallery); });
 }
 

@@ -24,7 +24,7 @@ Feature feature_of(const FrameView& view, const PointTrack& track) {
   Feature feature;
   feature.track = track.id;
   feature.pixel = track.undistorted;
-  feature.rim = !view.regions.contains_patch(track.pixel);
+  feature.rim = !view.regions.contains_patch(track.at_stamp);
   if (track.depth) {
     feature.depth_m = track.depth->depth_m;
     feature.depth_sigma_m = track.depth->sigma_m;
@@ -66,35 +66,12 @@ void describe(const FrameView& view, std::vector<PointTrack>& corners) {
 
 }  // namespace
 
-bool FrameView::place(PointTrack& track, const Eigen::Vector2d& pixel) const {
-  if (!place_roughly(track, pixel)) return false;
-  track.depth = fit_plane_depth(depth, regions.labels, pixel, options.depth);
-  return true;
-}
-
-bool FrameView::place_roughly(PointTrack& track, const Eigen::Vector2d& pixel) const {
-  const auto ray = lens.unproject(pixel);
-  if (!ray) return false;
-  track.pixel = pixel;
-  track.undistorted = Eigen::Vector2d(camera.fx * ray->x() + camera.cx, camera.fy * ray->y() + camera.cy);
-  PlaneDepthOptions quick = options.depth;
-  quick.half_wide_px = 0;
-  track.depth = fit_plane_depth(depth, regions.labels, pixel, quick);
-  return true;
-}
-
-bool FrameView::belongs(int label, const PointTrack& track) const {
-  const auto hint = hints.find(label);
-  if (hint == hints.end() || !hint->second.envelope || !track.depth) return true;
-  return hint->second.envelope(seen_point(camera, track, options.motion.pixel_sigma).point);
-}
-
-int FrameView::most_tracks(int label) const {
-  return label == 0 ? options.gallery.background_tracks : options.gallery.body_tracks;
-}
-
 struct FeatureTracker::State {
+  State(const Camera& camera, double rolling_shutter_s)
+      : lens(camera), camera(without_distortion(camera)), shutter(camera, rolling_shutter_s) {}
+
   Camera lens, camera;  // as it is, without distortion
+  RollingShutter shutter;
   FeatureOptions options;
   std::uint64_t seed = 0;
   FlowImage last_image;
@@ -104,6 +81,7 @@ struct FeatureTracker::State {
   DepthScaleWatch depth_scale;
 
   void follow_all(const FrameView& view, const FlowImage& image);
+  void presume_twists();
   void find_corners(const FrameView& view);
   void ignore_depth(FrameView& view);
   void begin_anew(FrameView& view, const cv::Mat& depth);
@@ -120,7 +98,7 @@ void FeatureTracker::State::follow_all(const FrameView& view, const FlowImage& i
       points.push_back(track.pixel);
       seeds.push_back(track.pixel);
       if (!pose || !track.landmark) continue;
-      const auto pixel = lens.project(*pose * track.landmark->point);
+      const auto pixel = shutter.seen_at(*pose * track.landmark->point, body.twist);
       if (pixel && lens.contains(*pixel)) seeds.back() = *pixel;
     }
   }
@@ -130,8 +108,9 @@ void FeatureTracker::State::follow_all(const FrameView& view, const FlowImage& i
     std::vector<PointTrack> kept;
     for (auto& track : body.tracks) {
       const auto& pixel = found[i++];
-      const bool placed = pixel && view.place_roughly(track, *pixel);
-      const bool on_mask = placed && view.regions.label(*pixel) == label && view.regions.is_inside(*pixel);
+      const bool placed = pixel && view.place_roughly(track, *pixel, body);
+      const bool on_mask = placed && view.regions.label(track.at_stamp) == label &&
+                           view.regions.is_inside(track.at_stamp);
       track.missed = on_mask ? 0 : track.missed + 1;
       if (placed && track.missed <= options.max_missed && view.belongs(label, track))
         kept.push_back(std::move(track));
@@ -155,9 +134,17 @@ void FeatureTracker::State::begin_anew(FrameView& view, const cv::Mat& depth) {
     anew.label = label;
     anew.motion = body.motion;
     anew.motion_ns = body.motion_ns;
+    anew.twist = body.twist;
     body = std::move(anew);
   }
   view.depth = depth;
+}
+
+// What is not known to move is presumed to be at rest in the world.
+void FeatureTracker::State::presume_twists() {
+  const Vector6d at_rest = bodies[0].twist;
+  for (auto& [label, body] : bodies)
+    if (!body.twist_known) body.twist = at_rest;
 }
 
 // Fills bodies up: lost tracks that should be seen, then new corners, of which some may be recognised.
@@ -173,6 +160,7 @@ void FeatureTracker::State::find_corners(const FrameView& view) {
     return_expected_tracks(view, body, spacing, demand.distance_px, demand.wanted);
     demand.wanted -= static_cast<int>(body.tracks.size() - before);
   }
+  presume_twists();
   std::map<int, std::vector<PointTrack>> corners;
   for (const auto& corner : fast_corners(view.gray, options.fast_threshold)) {
     const int label = view.regions.label(corner.pixel);
@@ -180,7 +168,8 @@ void FeatureTracker::State::find_corners(const FrameView& view) {
     if (demand.wanted <= 0 || !spacing.is_free(corner.pixel) || !view.regions.is_well_inside(corner.pixel))
       continue;
     PointTrack track;
-    if (!view.place(track, corner.pixel) || (!view.depth.empty() && !track.depth) ||
+    if (!view.place(track, corner.pixel, bodies[label]) || (!view.depth.empty() && !track.depth) ||
+        view.regions.label(track.at_stamp) != label || !view.regions.is_well_inside(track.at_stamp) ||
         !view.belongs(label, track))
       continue;
     corners[label].push_back(track);
@@ -221,6 +210,7 @@ TrackedFeatures FeatureTracker::State::result(const FrameView& view) const {
     if (label == 0) {
       result.background = std::move(features);
       result.background_motion = body.motion;
+      result.background_at_rows = view.shutter.is_on() && !body.twist_known;
       continue;
     }
     if (!features.empty()) result.bodies.emplace(label, std::move(features));
@@ -229,10 +219,9 @@ TrackedFeatures FeatureTracker::State::result(const FrameView& view) const {
   return result;
 }
 
-FeatureTracker::FeatureTracker(const Camera& camera, const FeatureOptions& options, std::uint64_t seed)
-    : state_(std::make_unique<State>()) {
-  state_->lens = camera;
-  state_->camera = without_distortion(camera);
+FeatureTracker::FeatureTracker(const Camera& camera, const FeatureOptions& options, std::uint64_t seed,
+                               double rolling_shutter_s)
+    : state_(std::make_unique<State>(camera, options.rolling_shutter.enabled ? rolling_shutter_s : 0)) {
   state_->options = options;
   state_->seed = seed;
 }
@@ -242,7 +231,7 @@ FeatureTracker::~FeatureTracker() = default;
 TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat& image, const cv::Mat& depth,
                                       const cv::Mat& masks, const BodyHints& hints) {
   State& s = *state_;
-  FrameView view{s.lens, s.camera, s.options, hints, gray_of(image), depth, {}};
+  FrameView view{s.lens, s.camera, s.shutter, s.options, hints, gray_of(image), depth, {}};
   view.regions = make_regions(masks, view.gray.size(), s.options.keep_margin_px, s.options.start_margin_px,
                               s.options.flow.window_px / 2);
   view.frame = frame.frame;
@@ -250,6 +239,7 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
   view.seed = s.seed;
   FlowImage flow_image = make_flow_image(view.gray, s.options.flow);
   if (!s.last_image.pyramid.empty()) s.follow_all(view, flow_image);
+  if (const auto expected = expected_pose(view, s.bodies[0])) follow_twist(view, s.bodies[0], *expected);
   const auto scale = s.depth_scale.judge(view, s.bodies[0], frame.stamp_ns);
   if (scale != DepthScaleWatch::Verdict::believed) s.ignore_depth(view);
   std::map<int, std::pair<std::optional<Pose>, int>> before;

@@ -13,6 +13,7 @@
 #include "estimator/perception/plane_depth.h"
 #include "estimator/perception/point_flow.h"
 #include "estimator/perception/rigid_motion.h"
+#include "estimator/perception/rolling_shutter.h"
 
 namespace uniquadric {
 
@@ -51,6 +52,7 @@ struct FeatureOptions {
   int descriptor_half_window_px =
       7;  // of the plane that a descriptor's view is drawn from: its normal counts
   RigidMotionOptions motion;
+  RollingShutterOptions rolling_shutter;
   GalleryOptions gallery;
 };
 
@@ -62,6 +64,9 @@ struct TrackedFeatures {
   /// bodies whose motion enough features agree on.
   std::map<int, Pose> motions;
   std::optional<Pose> background_motion;  ///< the same of the background: the camera's motion, backwards
+  /// Of a rolling shutter's first frames: the background's pixels are where its rows saw them, not where they
+  /// would be at the stamp, as the camera's motion is not known yet.
+  bool background_at_rows = false;
   bool depth_refused = false;             ///< its scale is another one than before: none was used
   bool depth_changed = false;             ///< its scale is another one for good: all features are new
 };
@@ -72,7 +77,9 @@ struct TrackedFeatures {
 /// id back when it is seen again.
 class FeatureTracker {
  public:
-  FeatureTracker(const Camera& camera, const FeatureOptions& options, std::uint64_t seed);
+  /// `rolling_shutter_s` as in Sequence.
+  FeatureTracker(const Camera& camera, const FeatureOptions& options, std::uint64_t seed,
+                 double rolling_shutter_s = 0);
   ~FeatureTracker();
 
   /// Frames in their order. `image` CV_8UC3 or CV_8UC1; `depth` CV_32FC1 [m, 0 none] or empty; `masks`

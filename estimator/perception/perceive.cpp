@@ -219,8 +219,9 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence &&
                            segmenter.source != MaskSource::none;
   if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
-  FeatureTracker features(sequence.camera, options.features, run.seed);
-  RgbdOdometry odometry(sequence.camera, options.odometry, run.seed, options.fixed_lag_s);
+  FeatureTracker features(sequence.camera, options.features, run.seed, sequence.rolling_shutter_s);
+  RgbdOdometry odometry(sequence.camera, options.odometry, run.seed, options.fixed_lag_s,
+                        options.features.rolling_shutter.enabled ? sequence.rolling_shutter_s : 0);
   Trajectory known;  // the camera at each frame, but from features
   std::optional<LidarEgo> lidar;
   if (by_lidar) lidar.emplace(sequence, options.lidar);

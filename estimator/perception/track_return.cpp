@@ -24,9 +24,9 @@ std::optional<PointTrack> found_again(const FrameView& view, const TrackedBody& 
   if (!aligned || aligned->correlation < view.options.min_anchor_correlation ||
       aligned->sigma_px > view.options.max_pixel_sigma)
     return std::nullopt;
-  if (view.regions.label(aligned->pixel) != body.label) return std::nullopt;
   PointTrack track = lost;
-  if (!view.place(track, aligned->pixel) || !view.belongs(body.label, track)) return std::nullopt;
+  if (!view.place(track, aligned->pixel, body) || view.regions.label(track.at_stamp) != body.label ||
+      !view.belongs(body.label, track)) return std::nullopt;
   if (view.depth.empty()) return track;
   const double expected = (pose * lost.landmark->point).z();
   const auto& motion = view.options.motion;
@@ -41,11 +41,11 @@ std::optional<Eigen::Vector2d> expected_pixel(const FrameView& view, const Track
   const Eigen::Vector3d p = *body.camera_from_map * lost.landmark->point;
   const Eigen::Vector3d normal = body.camera_from_map->rotation * lost.landmark->surface().normal;
   if (-normal.dot(p.normalized()) < kMinFacing) return std::nullopt;
-  const auto pixel = view.lens.project(p);
-  if (!pixel || view.regions.label(*pixel) != body.label || !view.regions.is_well_inside(*pixel) ||
-      !spacing.is_free(*pixel))
+  const auto at_stamp = view.lens.project(p);
+  if (!at_stamp || view.regions.label(*at_stamp) != body.label || !view.regions.is_well_inside(*at_stamp))
     return std::nullopt;
-  return pixel;
+  const auto pixel = view.shutter.seen_at(p, body.twist);
+  return pixel && spacing.is_free(*pixel) ? pixel : std::nullopt;
 }
 
 std::vector<GalleryQuery> queries_of(const std::vector<PointTrack>& corners, int label,

@@ -26,6 +26,7 @@ struct TrackLandmark {
 struct PointTrack {
   std::int64_t id = 0;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();        ///< raw image
+  Eigen::Vector2d at_stamp = Eigen::Vector2d::Zero();     ///< raw: where it would be seen at the stamp
   Eigen::Vector2d undistorted = Eigen::Vector2d::Zero();  ///< the same
   std::optional<PlaneDepth> depth;                        ///< of the present frame
   std::optional<TrackLandmark> landmark;
@@ -48,6 +49,8 @@ struct TrackedBody {
   std::optional<Pose> camera_from_map;  ///< at the last frame
   std::optional<Pose> motion;           ///< in the camera's frames, over the last step
   std::int64_t motion_ns = 0;           ///< how long that step was
+  Vector6d twist = Vector6d::Zero();    ///< by which its tracks were moved to the stamp (rolling_shutter.h)
+  bool twist_known = false;             ///< false: presumed, and all landmarks with it
 };
 
 /// Where the map is expected after another `step_ns`, at constant velocity in the camera's frame.

@@ -91,6 +91,25 @@ TEST_F(SequenceFolder, TheLidarsDataSheetReadsBackAndMayBeUnknown) {
   EXPECT_NE(error().find("range_sigma_m: expected at least 0, found -1"), std::string::npos) << error();
 }
 
+TEST_F(SequenceFolder, TheReadOutTimeOfARollingShutterReadsBackAndIsWrittenOnlyWhereThereIsOne) {
+  EXPECT_EQ(read_text(folder() / "sequence.yaml").find("rolling_shutter_s"), std::string::npos);
+  Sequence sequence = open_sequence(folder());
+  EXPECT_EQ(sequence.rolling_shutter_s, 0);
+  sequence.rolling_shutter_s = 0.02;
+  write_sequence_index(folder(), sequence);
+  EXPECT_EQ(open_sequence(folder()).rolling_shutter_s, 0.02);
+}
+
+TEST_F(SequenceFolder, AReadOutTimeIsNeitherNegativeNorLongerThanAFrame) {
+  replace("sequence.yaml", "rate_hz: 30", "rate_hz: 30, rolling_shutter_s: 0.04");
+  EXPECT_NE(error().find("sequence.yaml:4: camera.rolling_shutter_s: is 0.04 s, longer than a frame, 0.0333"),
+            std::string::npos)
+      << error();
+  replace("sequence.yaml", "rolling_shutter_s: 0.04", "rolling_shutter_s: -0.01");
+  EXPECT_NE(error().find("camera.rolling_shutter_s: expected at least 0, found -0.01"), std::string::npos)
+      << error();
+}
+
 TEST_F(SequenceFolder, MasksOfMoreIdsThanThereCanBeBodiesAreRefused) {
   replace("sequence.yaml", "width: 8", "width: 300");
   const Sequence sequence = open_sequence(folder());
