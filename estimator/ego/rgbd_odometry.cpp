@@ -13,9 +13,9 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kRowRounds = 3;      // of a pose and what moves its rows, in turn
+constexpr int kRowRounds = 3;            // of a pose and what moves its rows, in turn
 constexpr double kRowDepthShare = 0.05;  // of depth, its sigma where it was looked up at the row's place
-constexpr int kUprightTries = 10;  // frames in which the floor is looked for
+constexpr int kUprightTries = 10;        // frames in which the floor is looked for
 
 double median_depth(const std::vector<Feature>& features) {
   std::vector<double> depths;
@@ -32,7 +32,7 @@ struct FramePose {
   int keyframe = 0;
   Pose camera_from_keyframe;
   std::vector<Feature> features;
-  std::optional<Pose> motion{};  // of the background since the frame before
+  std::optional<Pose> motion{};              // of the background since the frame before
   std::optional<Vector6d> presumed_twist{};  // of the background, where the features are still at their rows
 };
 

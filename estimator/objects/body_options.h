@@ -116,6 +116,7 @@ void visit(Io& io, LongWindowOptions& o) {
   io.positive("surface_sigma_m", o.surface_sigma_m, kSigma_m);
   io.number("surface_sigma_radii", o.surface_sigma_radii, 0.0, 1.0);
   io.flag("extents", o.extents);
+  io.flag("contacts", o.contacts);
   io.flag("depth_sides", o.depth_sides);
   io.number("max_iterations", o.max_iterations, 1, kMostIterations);
 }

@@ -11,7 +11,7 @@ constexpr double kCloser = 0.9;     // share of the points off a box below which
 constexpr double kNearSide = 0.05;  // radii that a point may be off a side
 
 double share_off_box(const Shape& shape, const SideEvidence& evidence) {
-  const Shape box = with_seen_extents(shape, evidence.views, evidence.radius_m);
+  const Shape box = with_seen_extents(shape, evidence.views, evidence.radius_m, evidence.contacts);
   const Pose box_from_body = box.body_from_object.inverse();
   const double near_m = kNearSide * evidence.radius_m;
   double off = 0;

@@ -13,6 +13,7 @@ struct SideEvidence {
   const std::vector<PointView>& views;
   const Eigen::Matrix3Xd& surface_points;  ///< (3 x n), body frame [m]
   double radius_m;                         ///< of the body's first sphere
+  const std::vector<ContactSide>& contacts;
 };
 
 /// Whether clearly fewer of the surface's points lie off the sides of `other`'s box, as far as views show it,

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "estimator/objects/outline_reach.h"
+#include "estimator/window/contact_sides.h"
 
 namespace uniquadric {
 namespace {
@@ -122,9 +123,14 @@ End end_of(const Side& side, double solved_m, std::optional<double> outlined_m, 
 
 // `about`: what is known of where the body ends in the other axes, without which an outline says little.
 Shape with_ends(Shape shape, const Shape& about, const std::vector<Side>& sides,
-                const std::vector<PointView>& views, double radius_m) {
+                const std::vector<PointView>& views, double radius_m,
+                const std::vector<ContactSide>& contacts) {
   const double spacing_m = point_spacing(shape, views);
   const auto end_at = [&](const Side& side) {
+    for (const ContactSide& contact : contacts)
+      if (contact.direction.dot(side.direction) > kSameSideCosine)
+        return End{contact.position_m - contact.direction.dot(shape.body_from_object.translation),
+                   contact.sigma_m};
     auto outlined_m = reach_by_outlines(about, views, side.axis, side.sign);
     if (outlined_m) *outlined_m += side.direction.dot(about.body_from_object.translation) - side.middle_m;
     const double seen_share =
@@ -164,9 +170,11 @@ PointView point_view(const Camera& camera, const ShapeView& view) {
   return seen;
 }
 
-Shape with_seen_extents(const Shape& shape, const std::vector<PointView>& views, double radius_m) {
+Shape with_seen_extents(const Shape& shape, const std::vector<PointView>& views, double radius_m,
+                        const std::vector<ContactSide>& contacts) {
   const std::vector<Side> sides = sides_of(shape, views);
-  return with_ends(shape, with_ends(shape, shape, sides, views, radius_m), sides, views, radius_m);
+  return with_ends(shape, with_ends(shape, shape, sides, views, radius_m, contacts), sides, views, radius_m,
+                   contacts);
 }
 
 }  // namespace uniquadric

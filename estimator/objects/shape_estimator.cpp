@@ -10,6 +10,7 @@
 #include "estimator/objects/closer_sides.h"
 #include "estimator/objects/seen_extents.h"
 #include "estimator/objects/shape_by_extents.h"
+#include "estimator/window/contact_sides.h"
 
 namespace uniquadric {
 namespace {
@@ -110,8 +111,13 @@ void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObserv
   Eigen::Matrix3Xd smooth = body.normals.cols() > 0 ? body.points : Eigen::Matrix3Xd(3, 0);
   for (const auto& silhouette : {body.silhouette, body.segmented}) {
     if (!silhouette) continue;
-    ShapeView view{keyframe.frame, keyframe.world_from_camera, keyframe.world_from_body, *silhouette, smooth,
-                   body.normals};
+    ShapeView view{keyframe.frame,
+                   keyframe.world_from_camera,
+                   keyframe.world_from_body,
+                   *silhouette,
+                   smooth,
+                   body.normals,
+                   body.contact};
     (view.silhouette.known_at_frame <= keyframe.frame ? views_ : waiting_).push_back(std::move(view));
   }
   // at first often, then now and then: what told the axes apart may only have come into view
@@ -237,6 +243,7 @@ ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evi
   if (needs_box(options)) box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
   DepthEvidence depth;
   if (options.surface_points) depth.surface_points = evidence.surface_points;
+  depth.contacts = evidence.contacts;
   if (options.depth_sides && box) depth.sides.assign(box->sides.begin(), box->sides.end());
   Shape from = start;
   if (fuses(options.axis_prior) && !boxes_.empty()) {  // Alg. 1's boxes say where the quadric is, too
@@ -272,7 +279,8 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
     shape_ = *found;
     return;
   }
-  Evidence evidence{{}, surface_.sample()};
+  Evidence evidence{{}, surface_.sample(), {}};
+  if (window.contacts) evidence.contacts = contact_sides(views_);
   if (window.segmented_outlines) drop_beside_outlines(camera_, views_, evidence.surface_points);
   for (const ShapeView& view : views_) evidence.views.push_back(point_view(camera_, view));
   ShapeSolution best = solve_from(shape_, evidence);
@@ -291,7 +299,7 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
   }
   if (searches && box) {
     ShapeSolution other = solve_from(*box, evidence);
-    const SideEvidence sides{evidence.views, evidence.surface_points, radius_m_};
+    const SideEvidence sides{evidence.views, evidence.surface_points, radius_m_, evidence.contacts};
     if (is_clearly_better(other, best) ||
         (!is_clearly_better(best, other) && has_closer_sides(other.shape, best.shape, sides))) {
       best = std::move(other);
@@ -303,7 +311,8 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
     if (held.cost < best.cost + kTurnGain) best = std::move(held);
   }
   turns_ = (turns_ + turns) % 3;
-  shape_ = window.extents ? with_seen_extents(best.shape, evidence.views, radius_m_) : best.shape;
+  shape_ = window.extents ? with_seen_extents(best.shape, evidence.views, radius_m_, evidence.contacts)
+                          : best.shape;
 }
 
 }  // namespace uniquadric

@@ -76,6 +76,7 @@ class ShapeEstimator {
   struct Evidence {
     std::vector<PointView> views;
     Eigen::Matrix3Xd surface_points;
+    std::vector<ContactSide> contacts;
   };
   ShapeSolution solve_from(const Shape& start, const Evidence& evidence, bool turns = true) const;
   std::optional<Shape> solve_by_extents() const;

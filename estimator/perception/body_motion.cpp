@@ -8,8 +8,8 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kMostFailures = 3;  // of a track before it is forgotten for good
-constexpr int kMostRounds = 4;    // of pose and twist in turn
+constexpr int kMostFailures = 3;             // of a track before it is forgotten for good
+constexpr int kMostRounds = 4;               // of pose and twist in turn
 constexpr double kShareOfMiddleRows = 0.15;  // of the sightings that must agree at first
 
 struct Sightings {
@@ -112,7 +112,8 @@ void move_to_stamp(const FrameView& view, const TrackedBody& body, PointTrack& t
   const double inverse_depth = 1 / plane->depth_m + (moved ? plane->slope_per_px.dot(*moved - place) : 0);
   if (!ray || !(inverse_depth > 0)) return;
   track.at_stamp = *moved;
-  track.undistorted = {view.camera.fx * ray->x() + view.camera.cx, view.camera.fy * ray->y() + view.camera.cy};
+  track.undistorted = {view.camera.fx * ray->x() + view.camera.cx,
+                       view.camera.fy * ray->y() + view.camera.cy};
   track.depth->depth_m = 1 / inverse_depth;
 }
 

@@ -109,8 +109,8 @@ void FeatureTracker::State::follow_all(const FrameView& view, const FlowImage& i
     for (auto& track : body.tracks) {
       const auto& pixel = found[i++];
       const bool placed = pixel && view.place_roughly(track, *pixel, body);
-      const bool on_mask = placed && view.regions.label(track.at_stamp) == label &&
-                           view.regions.is_inside(track.at_stamp);
+      const bool on_mask =
+          placed && view.regions.label(track.at_stamp) == label && view.regions.is_inside(track.at_stamp);
       track.missed = on_mask ? 0 : track.missed + 1;
       if (placed && track.missed <= options.max_missed && view.belongs(label, track))
         kept.push_back(std::move(track));

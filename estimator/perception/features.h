@@ -67,8 +67,8 @@ struct TrackedFeatures {
   /// Of a rolling shutter's first frames: the background's pixels are where its rows saw them, not where they
   /// would be at the stamp, as the camera's motion is not known yet.
   bool background_at_rows = false;
-  bool depth_refused = false;             ///< its scale is another one than before: none was used
-  bool depth_changed = false;             ///< its scale is another one for good: all features are new
+  bool depth_refused = false;  ///< its scale is another one than before: none was used
+  bool depth_changed = false;  ///< its scale is another one for good: all features are new
 };
 
 /// Corners on the background and on each body, tracked from frame to frame by Lucas-Kanade seeded with the

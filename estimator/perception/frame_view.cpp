@@ -3,7 +3,7 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kRounds = 2;              // of depth and place in turn: depth changes little along the way
+constexpr int kRounds = 2;               // of depth and place in turn: depth changes little along the way
 constexpr double kUnknownDepth_m = 1e3;  // so that what turns is moved, and what shifts is not
 
 // What is known of a track's depth before it is measured; nothing of a new one.

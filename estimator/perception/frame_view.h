@@ -57,8 +57,8 @@ bool fit_pose(const FrameView& view, TrackedBody& body, const Pose& prior, int p
 /// then; `expected`, and nothing moved, without a rolling shutter or a twist in the last frame.
 Pose follow_twist(const FrameView& view, TrackedBody& body, const Pose& expected);
 
-/// Finds the body's twist and, with it, its pose once more, from how it moved since `before` and from the rows
-/// of this frame, and moves its tracks by it. Landmarks of a presumed twist are given up. With a rolling
+/// Finds the body's twist and, with it, its pose once more, from how it moved since `before` and from the
+/// rows of this frame, and moves its tracks by it. Landmarks of a presumed twist are given up. With a rolling
 /// shutter alone.
 void find_twist(const FrameView& view, TrackedBody& body, const Pose& before);
 

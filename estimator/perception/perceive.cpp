@@ -93,8 +93,20 @@ SurfacePoints surface_of(int id, const Camera& camera, const PointOptions& optio
   return {object_points(work.depth, work.masks == id, camera, options), {}};
 }
 
+// Without points that may be those of what the body stands on, unless most are near it: a sheet lies on a
+// table.
+void drop_support(const ContactPlane& plane, SurfacePoints& surface) {
+  constexpr double kNoises = 2;
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < surface.points.cols(); ++i)
+    if (plane.normal.dot(surface.points.col(i)) + plane.offset_m > kNoises * plane.noise_m) kept.push_back(i);
+  if (2 * std::ssize(kept) < surface.points.cols()) return;
+  surface.points = Eigen::Matrix3Xd(surface.points(Eigen::all, kept));
+  if (surface.normals.cols() > 0) surface.normals = Eigen::Matrix3Xd(surface.normals(Eigen::all, kept));
+}
+
 // Outlines and depth points of each body. `camera` is the lens as it is: images are not undistorted.
-void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work& work) {
+void look_at_bodies(const Camera& camera, const PerceptionOptions& options, std::uint64_t seed, Work& work) {
   Stopwatch watch(work.result.frame, work.times);
   if (work.masks.empty()) return;
   const std::int64_t frame = work.result.frame;
@@ -108,6 +120,9 @@ void look_at_bodies(const Camera& camera, const PerceptionOptions& options, Work
   for (const int id : ids_in(work.masks)) {
     BodyObservation& body = body_of(work.result, id);
     SurfacePoints surface = surface_of(id, camera, options.points, work);
+    RandomStream random(seed, "contact", frame, id);
+    body.contact = contact_plane(work.depth, work.masks, id, camera, options.contact, random);
+    if (body.contact) drop_support(*body.contact, surface);
     body.points = std::move(surface.points);
     body.normals = std::move(surface.normals);
     if (body.normals.cols() > 0) body.colors = point_colors(work.rgb, camera, body.points);
@@ -356,7 +371,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   const auto look = [&](std::shared_ptr<Work> work) {
     if (keeps_masks && !work->masks.empty())
       write_png(run.masks_folder / fmt::format("{:06}.png", work->result.frame), work->masks);
-    look_at_bodies(sequence.camera, options, *work);
+    look_at_bodies(sequence.camera, options, run.seed, *work);
     auto& bodies = work->result.bodies;
     std::sort(bodies.begin(), bodies.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     return work;

@@ -9,6 +9,7 @@
 #include "estimator/ego/lidar_ego.h"
 #include "estimator/ego/rgbd_odometry.h"
 #include "estimator/perception/aot.h"
+#include "estimator/perception/contact_plane.h"
 #include "estimator/perception/depth_check.h"
 #include "estimator/perception/features.h"
 #include "estimator/perception/lidar_depth.h"
@@ -50,6 +51,7 @@ struct PerceptionOptions {
   FeatureOptions features;
   SilhouetteOptions silhouettes;
   PointOptions points;
+  ContactOptions contact;
   ScanObjectOptions scan_objects;  // of sequences without images
 };
 

@@ -50,15 +50,23 @@ struct Feature {
   bool rim = false;
 };
 
+/// A plane that a body stands on, in the camera's frame: normal . p + offset_m is a point's height above it.
+struct ContactPlane {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit, towards the body
+  double offset_m = 0;
+  double noise_m = 0;  ///< of one pixel's point off it
+};
+
 /// What one frame shows of one body.
 struct BodyObservation {
   int id = 0;                            ///< of the mask tracker, positive
   std::optional<Silhouette> silhouette;  ///< as known at its frame; nothing: hidden, or too small a mask
   std::optional<Silhouette> segmented;   ///< the segmenter's of the same frame, where it came later
   std::vector<Feature> features;
-  Eigen::Matrix3Xd points;     ///< from depth under the mask, camera frame [m]
-  Eigen::Matrix3Xd normals;    ///< of the points, unit, towards the camera; (3 x 0) where none were measured
-  Eigen::Matrix3Xf colors;     ///< of the points, CIE L*a*b*; (3 x 0) where no image shows them
+  Eigen::Matrix3Xd points;   ///< from depth under the mask, camera frame [m]
+  Eigen::Matrix3Xd normals;  ///< of the points, unit, towards the camera; (3 x 0) where none were measured
+  Eigen::Matrix3Xf colors;   ///< of the points, CIE L*a*b*; (3 x 0) where no image shows them
+  std::optional<ContactPlane> contact;  ///< what the body stands on
   std::optional<Pose> motion;  ///< p_now = motion * p_before of the body's points in the two camera frames
 };
 

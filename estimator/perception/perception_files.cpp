@@ -23,7 +23,7 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr int kSchema = 1;
+constexpr int kSchema = 2;
 // The magic, the bodies of each frame, the index of the frames, and where that is.
 constexpr const char* kObservations = "observations.bin";
 constexpr const char* kMasks = "masks";
@@ -157,6 +157,12 @@ void put(Writer& out, const BodyObservation& body) {
     out.put(silhouette.has_value());
     if (silhouette) put(out, *silhouette);
   }
+  out.put(body.contact.has_value());
+  if (body.contact) {
+    out.numbers({body.contact->normal.data(), 3});
+    out.put(body.contact->offset_m);
+    out.put(body.contact->noise_m);
+  }
   out.put(body.motion.has_value());
   if (body.motion) put(out, *body.motion);
   out.put(static_cast<std::uint64_t>(body.features.size()));
@@ -177,6 +183,12 @@ BodyObservation get_body(Reader& in) {
   body.id = static_cast<int>(in.get<std::int64_t>());
   for (auto* silhouette : {&body.silhouette, &body.segmented})
     if (in.get<char>() != 0) *silhouette = get_silhouette(in);
+  if (in.get<char>() != 0) {
+    ContactPlane& contact = body.contact.emplace();
+    in.numbers({contact.normal.data(), 3});
+    contact.offset_m = in.get<double>();
+    contact.noise_m = in.get<double>();
+  }
   if (in.get<char>() != 0) body.motion = get_pose(in);
   body.features.resize(in.count(41));
   for (Feature& feature : body.features) {

@@ -24,6 +24,16 @@ void visit(Io& io, PointOptions& o) {
 }
 
 template <typename Io>
+void visit(Io& io, ContactOptions& o) {
+  io.flag("enabled", o.enabled);
+  io.positive("ring", o.ring);
+  io.positive("threshold", o.threshold);
+  io.number("min_share", o.min_share, 0.0, 1.0);
+  io.number("max_below", o.max_below, 0.0, 1.0);
+  io.number("lowest_share", o.lowest_share, 0.0, 1.0);
+}
+
+template <typename Io>
 void visit(Io& io, DepthCheckOptions& o) {
   io.flag("enabled", o.enabled);
   io.positive("max_change", o.max_change);
@@ -139,6 +149,7 @@ void visit(Io& io, PerceptionOptions& o) {
   io.section("features", [&](auto& inner) { visit(inner, o.features); });
   io.section("silhouettes", [&](auto& inner) { visit(inner, o.silhouettes); });
   io.section("points", [&](auto& inner) { visit(inner, o.points); });
+  io.section("contact", [&](auto& inner) { visit(inner, o.contact); });
   io.section("scan_objects", [&](auto& inner) { visit(inner, o.scan_objects); });
 }
 

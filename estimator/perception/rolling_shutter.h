@@ -46,9 +46,9 @@ struct MovingPose {
   Vector6d twist = Vector6d::Zero();
 };
 
-/// Both by sightings whose pixels were moved to the stamp by `start.twist`, from rows exposed `delays_s` after
-/// it: robust least squares, where a change of the twist moves each pixel by its delay. `expected` is what
-/// the twist is without them. Nothing where the equations have no solution.
+/// Both by sightings whose pixels were moved to the stamp by `start.twist`, from rows exposed `delays_s`
+/// after it: robust least squares, where a change of the twist moves each pixel by its delay. `expected` is
+/// what the twist is without them. Nothing where the equations have no solution.
 std::optional<MovingPose> fit_moving_pose(const std::vector<PointSighting>& sightings,
                                           const std::vector<double>& delays_s, const Camera& camera,
                                           const MovingPose& start, const Vector6d& expected,

@@ -26,7 +26,8 @@ std::optional<PointTrack> found_again(const FrameView& view, const TrackedBody& 
     return std::nullopt;
   PointTrack track = lost;
   if (!view.place(track, aligned->pixel, body) || view.regions.label(track.at_stamp) != body.label ||
-      !view.belongs(body.label, track)) return std::nullopt;
+      !view.belongs(body.label, track))
+    return std::nullopt;
   if (view.depth.empty()) return track;
   const double expected = (pose * lost.landmark->point).z();
   const auto& motion = view.options.motion;

@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 
+#include "estimator/factors/axis_direction.h"
 #include "estimator/factors/conic.h"
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/shape_block.h"
@@ -106,6 +107,24 @@ void add_view(ceres::Problem& problem, const Camera& camera, const ShapeView& vi
     add_tangents(problem, camera, view, body, blocks, options, shares);
   else if (options.semantic != SemanticFactor::none)
     add_conic(problem, camera, view, body, blocks, options);
+}
+
+// The plane touches the body, and the axis next to its normal is parallel to that.
+void add_contacts(ceres::Problem& problem, const std::vector<ContactSide>& contacts, PoseBlock& still,
+                  Blocks& blocks, int exponents) {
+  const Eigen::Matrix3d axes = pose_from_block(blocks.offset).rotation.toRotationMatrix();
+  for (const ContactSide& contact : contacts) {
+    TangentOptions tangent;
+    tangent.exponents = exponents;
+    problem.AddResidualBlock(
+        tangent_factor({contact.direction, -contact.position_m, 1 / contact.sigma_m}, tangent).release(),
+        new ceres::CauchyLoss(kHuberSigmas), still.data(), blocks.offset.data(), blocks.axes.data(),
+        blocks.exponents.data());
+    int axis = 0;
+    (axes.transpose() * contact.direction).cwiseAbs().maxCoeff(&axis);
+    problem.AddResidualBlock(axis_direction_factor(contact.direction, axis, contact.sigma_rad).release(),
+                             nullptr, blocks.offset.data());
+  }
 }
 
 Blocks make_blocks(const std::vector<ShapeView>& views, const Shape& start,
@@ -213,6 +232,7 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
     problem.AddResidualBlock(tangent_factor(plane, tangent).release(), new ceres::CauchyLoss(kHuberSigmas),
                              still.data(), blocks.offset.data(), blocks.axes.data(), blocks.exponents.data());
   }
+  if (options.contacts) add_contacts(problem, depth.contacts, still, blocks, exponents);
   if (problem.HasParameterBlock(still.data())) problem.SetParameterBlockConstant(still.data());
   for (const AxisBelief& belief : axes)
     problem.AddResidualBlock(

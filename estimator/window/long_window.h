@@ -72,6 +72,7 @@ struct LongWindowOptions {
   // surface
   double surface_sigma_radii = 0.02;
   bool extents = true;       // ours: where the body ends along its axes is what its points say, where seen
+  bool contacts = true;      // ours: what stands on a plane ends there, and stands on a face
   bool depth_sides = false;  // ours: how far the accumulated points reach; surface_points say it better
   // ours: of the offset about its start, a solve: a ball has no axes to be found, what nothing holds stays
   PoseSigmas offset_sigmas{0.1, 0.05};
@@ -98,6 +99,7 @@ struct ShapeView {
   Pose world_from_camera, world_from_body;  ///< as the short window left them
   Silhouette silhouette;
   Eigen::Matrix3Xd points, normals;  ///< of depth (3 x n), camera frame [m], if their noise was taken off
+  std::optional<ContactPlane> contact{};  ///< what the body stood on, camera frame
 };
 
 /// A prior on the semi-axes (Eq. 15), each with its own sigma.
@@ -105,10 +107,18 @@ struct AxisBelief {
   Eigen::Vector3d semi_axes_m, sigma_m;
 };
 
+/// A side on which a body stood: a plane that touches it from outside, in its frame.
+struct ContactSide {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< outward, unit
+  double position_m = 0, sigma_m = 0;                    ///< along it, from the frame's origin
+  double sigma_rad = 0;                                  ///< of the direction
+};
+
 /// What depth says of the shape, in the body's frame.
 struct DepthEvidence {
   Eigen::Matrix3Xd surface_points;  ///< (3 x n) [m]
   std::vector<BodySide> sides;
+  std::vector<ContactSide> contacts;
 };
 
 struct ShapeSolution {

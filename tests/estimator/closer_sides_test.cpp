@@ -36,7 +36,7 @@ Eigen::Matrix3Xd points_of_sides(double noise_m) {
 
 bool is_closer(const Shape& other, const Shape& best, double noise_m = 0.003) {
   const Eigen::Matrix3Xd points = points_of_sides(noise_m);
-  return has_closer_sides(other, best, {{}, points, kRadius_m});
+  return has_closer_sides(other, best, {{}, points, kRadius_m, {}});
 }
 
 TEST(CloserSides, AreThoseOfTheBoxThatThePointsAreOf) {
@@ -60,7 +60,7 @@ TEST(CloserSides, AreNeitherOfTwoAlike) {
 
 TEST(CloserSides, OfNoPointsAreNobodys) {
   const Eigen::Matrix3Xd none(3, 0);
-  EXPECT_FALSE(has_closer_sides(box_turned(0), box_turned(0.3), {{}, none, kRadius_m}));
+  EXPECT_FALSE(has_closer_sides(box_turned(0), box_turned(0.3), {{}, none, kRadius_m, {}}));
 }
 
 // The share is (r^2 / (1 + r^2)), r the distance from the nearest side in twentieths of the radius: of one
@@ -73,7 +73,7 @@ TEST(CloserSides, CountByTheirDistanceInTwentiethsOfTheRadius) {
   for (const double factor : {0.98, 1.02}) {
     Shape other = best;
     other.semi_axes_m.x() += near_m - factor * limit_m;
-    EXPECT_EQ(has_closer_sides(other, best, {{}, point, kRadius_m}), factor < 1) << factor;
+    EXPECT_EQ(has_closer_sides(other, best, {{}, point, kRadius_m, {}}), factor < 1) << factor;
   }
 }
 

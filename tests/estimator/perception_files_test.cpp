@@ -22,6 +22,7 @@ SyntheticPerception two_frames() {
   });
   SyntheticPerception perception = synthetic_perception({box}, options);
   perception.frames[1].bodies[0].motion = exp_se3((Vector6d() << 1, 2, 3, 0.1, 0.2, 0.3).finished());
+  perception.frames[1].bodies[0].contact = ContactPlane{{0, 0.6, -0.8}, 1.5, 0.002};
   perception.frames[1].world_from_camera.reset();
   perception.frames[0].lagged_camera = Pose{exp_so3({0.1, 0, 0}), {1, 2, 3}};
   perception.frames[0].final_camera = Pose{exp_so3({0, 0.1, 0}), {4, 5, 6}};
@@ -91,6 +92,9 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   EXPECT_FALSE(b.features.front().rim);
   EXPECT_TRUE(b.features.back().rim);
   EXPECT_EQ(a.motion->translation, b.motion->translation);
+  EXPECT_EQ(a.contact->normal, b.contact->normal);
+  EXPECT_EQ(a.contact->offset_m, b.contact->offset_m);
+  EXPECT_EQ(a.contact->noise_m, b.contact->noise_m);
   EXPECT_EQ(a.silhouette->rot_bbox.angle_rad, b.silhouette->rot_bbox.angle_rad);
   EXPECT_FALSE(frames[0].bodies[0].silhouette->support[3].free);
   ASSERT_TRUE(frames[0].bodies[0].segmented);

@@ -95,7 +95,8 @@ TEST(RollingShutter, RowsTellPoseAndTwist) {
   const Pose start = exp_se3((Vector6d() << 0.01, 0, -0.01, 0.005, 0.005, 0).finished()) * truth;
   RollingShutterOptions open;
   open.velocity_sigma_mps = open.turn_sigma_radps = 100;
-  const auto fit = fit_moving_pose(rows.sightings, rows.delays_s, camera, {start, presumed}, presumed, 0.1, open);
+  const auto fit =
+      fit_moving_pose(rows.sightings, rows.delays_s, camera, {start, presumed}, presumed, 0.1, open);
   ASSERT_TRUE(fit);
   EXPECT_LT((fit->twist - kTwist).norm(), 0.02 * kTwist.norm());  // linear in the change of the twist
   EXPECT_LT(log_se3(fit->camera_from_body * truth.inverse()).norm(), 5e-4);
@@ -144,7 +145,9 @@ struct HandHeld {
 
 // Root mean square of the positions, relative to the second: the first is placed before anything moves.
 double position_error_m(const HandHeld& world, const Trajectory& trajectory) {
-  const auto truth_at = [&](std::int64_t stamp_ns) { return world.world_from_camera(1e-9 * double(stamp_ns)); };
+  const auto truth_at = [&](std::int64_t stamp_ns) {
+    return world.world_from_camera(1e-9 * double(stamp_ns));
+  };
   double sum = 0;
   for (const auto& [stamp_ns, pose] : trajectory) {
     const Pose truth = relative_pose(truth_at(trajectory[1].stamp_ns), truth_at(stamp_ns));

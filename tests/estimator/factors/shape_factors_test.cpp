@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
+#include "estimator/factors/axis_direction.h"
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/shape_block.h"
 #include "estimator/factors/shape_prior.h"
@@ -70,6 +71,17 @@ TEST(ExponentPrior, HoldsBothProfilesTogetherAndLeavesTheOutline) {
   EXPECT_NEAR(residual(1.9, 1.3, 1.3), 0, 1e-12);
   EXPECT_NEAR(residual(1.9, 1.5, 1.3), 2, 1e-9);
   EXPECT_EQ(residual(1.9, 1.5, 1.3), residual(1.2, 1.5, 1.3));
+}
+
+TEST(AxisDirection, IsTheAngleBetweenTheAxisAndTheDirection) {
+  const Eigen::Vector3d direction = Eigen::Vector3d(0.3, -0.8, 0.4).normalized();
+  const auto cost = axis_direction_factor(direction, 1, 0.02);
+  for (const Eigen::Quaterniond& rotation : test_rotations()) {
+    const Pose pose{rotation, {0.1, 0.2, 0.3}};
+    expect_jacobians(*cost, blocks_of(pose_block(pose)));
+    const double sine = (rotation * Eigen::Vector3d::UnitY()).cross(direction).norm();
+    EXPECT_NEAR(residuals_of(*cost, blocks_of(pose_block(pose))).norm(), sine / 0.02, 1e-9);
+  }
 }
 
 TEST(SurfacePoint, IsTheDistanceFromABallAndFromABoxsFace) {
