@@ -299,8 +299,14 @@ void warn_of_the_calibration(const Sequence& sequence) {
     warn(fmt::format("{}: {}", (sequence.folder / "sequence.yaml").string(), fault));
 }
 
-void warn_of_suspicions(const Sequence& sequence, const Variant& variant) {
-  for (const std::string& suspicion : suspicions(sequence, variant.plausibility)) warn(suspicion);
+// Scans are watched as they are read. An IMU whose clock the variant knows, or that it does not use, is not
+// compared.
+void warn_of_suspicions(Sequence sequence, const Variant& variant) {
+  const LidarEgoOptions& lidar = variant.perception.lidar;
+  if (!lidar.odometry.use_imu || lidar.imu_time_offset_ns != 0) sequence.imu.reset();
+  PlausibilityOptions options = variant.plausibility;
+  options.scans = false;
+  for (const std::string& suspicion : suspicions(sequence, options)) warn(suspicion);
 }
 
 void warn_of_the_camera(const Perception& perception, bool has_images) {

@@ -65,7 +65,7 @@ std::vector<std::string> suspicions(const Sequence& sequence, const Plausibility
     add(given_pose_suspicions(sequence, pairs));
     add(imu_suspicions(sequence, turns_of(sequence, pairs)));
   }
-  add(scan_suspicions(sequence));
+  if (options.scans) add(scan_suspicions(sequence));
   return found;
 }
 
