@@ -300,8 +300,9 @@ void warn_of_the_calibration(const Sequence& sequence) {
 }
 
 // Scans are watched as they are read. An IMU whose clock the variant knows, or that it does not use, is not
-// compared.
-void warn_of_suspicions(Sequence sequence, const Variant& variant) {
+// compared. Who kept a perception that is there was warned then.
+void warn_of_suspicions(Sequence sequence, const Variant& variant, const EstimateOptions& run) {
+  if (!run.perception.empty() && fs::exists(run.perception)) return;
   const LidarEgoOptions& lidar = variant.perception.lidar;
   if (!lidar.odometry.use_imu || lidar.imu_time_offset_ns != 0) sequence.imu.reset();
   PlausibilityOptions options = variant.plausibility;
@@ -345,7 +346,7 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
   const Variant variant = options.camera_only ? of_camera_alone(wanted, sequence) : wanted;
   refuse_to_keep_joined(variant, options);
   warn_of_the_calibration(sequence);
-  warn_of_suspicions(sequence, variant);
+  warn_of_suspicions(sequence, variant, options);
   PendingFolder pending(out, "estimate", options.force);
   const auto threads = static_cast<std::size_t>(threads_to_use(options.threads));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -397,7 +398,7 @@ void keep_perception(const fs::path& sequence_folder, const Variant& variant,
   if (options.verify) require_unchanged_texts(sequence_folder);
   const Sequence sequence = open_sequence(sequence_folder);
   warn_of_the_calibration(sequence);
-  warn_of_suspicions(sequence, variant);
+  warn_of_suspicions(sequence, variant, options);
   kept_perception(sequence, variant, options, options.force ? Replace::always : Replace::its_own);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/perception/frame_view.h"
+#include "estimator/perception/ideal_ray.h"
 
 namespace uniquadric {
 namespace {
@@ -112,15 +113,19 @@ void move_to_stamp(const FrameView& view, const TrackedBody& body, PointTrack& t
   const double inverse_depth = 1 / plane->depth_m + (moved ? plane->slope_per_px.dot(*moved - place) : 0);
   if (!ray || !(inverse_depth > 0)) return;
   track.at_stamp = *moved;
-  track.undistorted = {view.camera.fx * ray->x() + view.camera.cx,
-                       view.camera.fy * ray->y() + view.camera.cy};
+  track.undistorted = ideal_pixel(view.camera, *ray);
   track.depth->depth_m = 1 / inverse_depth;
+}
+
+// Of the body, since its pose in the frame before.
+Vector6d mean_twist(const FrameView& view, const Pose& pose, const Pose& before) {
+  return log_se3(pose * before.inverse()) / (1e-9 * static_cast<double>(view.step_ns));
 }
 
 // Twist and pose by those sightings that count, of tracks as they lie; moves all tracks by it.
 bool fit_twist(const FrameView& view, TrackedBody& body, const Pose& pose, const Pose& before,
                const Sightings& sightings, const std::vector<bool>& counts) {
-  const Vector6d mean = log_se3(pose * before.inverse()) / (1e-9 * static_cast<double>(view.step_ns));
+  const Vector6d mean = mean_twist(view, pose, before);
   std::vector<PointSighting> agreed;
   std::vector<double> delays_s;
   for (std::size_t i = 0; i < sightings.of.size(); ++i) {
@@ -213,10 +218,8 @@ Pose follow_twist(const FrameView& view, TrackedBody& body, const Pose& expected
 
 void find_twist(const FrameView& view, TrackedBody& body, const Pose& before) {
   if (!view.shutter.is_on() || view.step_ns <= 0) return;
-  const Vector6d mean =
-      log_se3(*body.camera_from_map * before.inverse()) / (1e-9 * static_cast<double>(view.step_ns));
   if (!body.twist_known) {
-    body.twist = mean;
+    body.twist = mean_twist(view, *body.camera_from_map, before);
     body.twist_known = true;
     return begin_landmarks_anew(view, body);
   }

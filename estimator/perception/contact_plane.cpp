@@ -39,16 +39,12 @@ std::vector<Eigen::Vector3d> points_of(const cv::Mat& depth, const cv::Mat& mask
   return points;
 }
 
-// Heights above a plane that the body may stand on; nothing where it does not.
-std::optional<ContactPlane> touched(Plane plane, const std::vector<Eigen::Vector3d>& body,
+// The plane, if the body, at this depth, stands on it.
+std::optional<ContactPlane> touched(Plane plane, const std::vector<Eigen::Vector3d>& body, double depth_m,
                                     const Camera& camera, const ContactOptions& options) {
   if (plane.offset_m < 0) plane = {-plane.normal, -plane.offset_m, plane.spread};  // towards the camera
-  std::vector<double> heights, depths;
-  for (const Eigen::Vector3d& p : body) {
-    heights.push_back(plane.normal.dot(p) + plane.offset_m);
-    depths.push_back(p.z());
-  }
-  const double depth_m = upper_median(depths);
+  std::vector<double> heights;
+  for (const Eigen::Vector3d& p : body) heights.push_back(plane.normal.dot(p) + plane.offset_m);
   const double noise_m = plane.spread * depth_m;
   const auto at_share = [&](double share) {
     const auto at =
@@ -66,9 +62,10 @@ std::optional<ContactPlane> touched(Plane plane, const std::vector<Eigen::Vector
 std::optional<ContactPlane> contact_plane(const cv::Mat& depth, const cv::Mat& masks, int id,
                                           const Camera& camera, const ContactOptions& options,
                                           RandomStream& random) {
+  if (!options.enabled) return std::nullopt;
   const cv::Mat whole = masks == id;
   const int area = cv::countNonZero(whole);
-  if (!options.enabled || area < kMinPoints) return std::nullopt;
+  if (area < kMinPoints) return std::nullopt;
   const int width_px = kClearPx + static_cast<int>(std::lround(options.ring * std::sqrt(area)));
   const cv::Rect box =
       cv::boundingRect(whole) + cv::Size(2 * width_px, 2 * width_px) - cv::Point(width_px, width_px);
@@ -82,9 +79,10 @@ std::optional<ContactPlane> contact_plane(const cv::Mat& depth, const cv::Mat& m
   if (std::ssize(about) < kMinPoints || std::ssize(body) < kMinPoints) return std::nullopt;
   std::vector<double> depths;
   for (const auto& p : body) depths.push_back(p.z());
-  const double threshold_m = options.threshold * upper_median(std::move(depths));
-  for (const Plane& plane : find_planes(about, threshold_m, options.min_share, kMostPlanes, random))
-    if (const auto contact = touched(plane, body, camera, options)) return contact;
+  const double depth_m = upper_median(std::move(depths));
+  for (const Plane& plane :
+       find_planes(about, options.threshold * depth_m, options.min_share, kMostPlanes, random))
+    if (const auto contact = touched(plane, body, depth_m, camera, options)) return contact;
   return std::nullopt;
 }
 

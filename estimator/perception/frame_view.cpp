@@ -1,5 +1,7 @@
 #include "estimator/perception/frame_view.h"
 
+#include "estimator/perception/ideal_ray.h"
+
 namespace uniquadric {
 namespace {
 
@@ -30,7 +32,7 @@ bool FrameView::place_roughly(PointTrack& track, const Eigen::Vector2d& pixel,
   if (!ray) return false;
   track.pixel = pixel;
   track.at_stamp = *place;
-  track.undistorted = Eigen::Vector2d(camera.fx * ray->x() + camera.cx, camera.fy * ray->y() + camera.cy);
+  track.undistorted = ideal_pixel(camera, *ray);
   track.depth = quick_depth(*place);
   return true;
 }

@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "estimator/perception/ideal_ray.h"
+
 namespace uniquadric {
 namespace {
 
@@ -76,8 +78,7 @@ std::vector<OutlinePoint> outline_points(const MaskRegion& region, const Camera&
   const auto add = [&](double u, double v) {
     const Eigen::Vector2d image(u + region.box.x, v + region.box.y);
     if (!camera.has_distortion()) return points.push_back({image, image});
-    if (const auto ray = camera.unproject(image))
-      points.push_back({image, {camera.fx * ray->x() + camera.cx, camera.fy * ray->y() + camera.cy}});
+    if (const auto ray = camera.unproject(image)) points.push_back({image, ideal_pixel(camera, *ray)});
   };
   for (int v = 0; v < mask.rows; ++v)
     for (int u = 0; u < mask.cols; ++u) {

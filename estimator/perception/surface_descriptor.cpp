@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "estimator/perception/ideal_ray.h"
+
 namespace uniquadric {
 namespace {
 
@@ -83,7 +85,7 @@ Sheet draw_sheet(const cv::Mat& gray, const std::vector<View>& views) {
 void add_views(const Camera& lens, const SurfacePoint& point, std::size_t owner, std::vector<View>& views) {
   const auto ray = lens.unproject(point.pixel);
   if (!ray) return;
-  const Eigen::Vector2d undistorted(lens.fx * ray->x() + lens.cx, lens.fy * ray->y() + lens.cy);
+  const Eigen::Vector2d undistorted = ideal_pixel(lens, *ray);
   const Eigen::Vector3d normal = surface_normal(lens, undistorted, point.surface);
   if (-normal.dot(ray->normalized()) < kMinCosine) return;
   const double z = point.surface.depth_m;

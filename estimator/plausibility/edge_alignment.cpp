@@ -35,6 +35,13 @@ int thinning(const cv::Size& size) {
   return std::max(1, size.width / kWidth_px);
 }
 
+// Pixels of every so manyth row and column.
+cv::Mat thinned_out(const cv::Mat& full) {
+  cv::Mat result;
+  cv::resize(full, result, full.size() / thinning(full.size()), 0, 0, cv::INTER_NEAREST);
+  return result;
+}
+
 // Gradients, cut off at the strong ones, 0 to 1.
 cv::Mat color_edges(const cv::Mat& rgb) {
   cv::Mat gray, dx, dy, strength;
@@ -54,9 +61,7 @@ cv::Mat color_edges(const cv::Mat& rgb) {
 
 // The nearer side of jumps between neighbours along rows and columns, holes passed over.
 Points depth_edges(const cv::Mat& full) {
-  const int step = thinning(full.size());
-  cv::Mat depth;
-  cv::resize(full, depth, full.size() / step, 0, 0, cv::INTER_NEAREST);
+  const cv::Mat depth = thinned_out(full);
   Points points;
   const auto walk = [&](int lines, int length, const auto& at) {
     for (int line = 0; line < lines; ++line) {
@@ -77,9 +82,7 @@ Points depth_edges(const cv::Mat& full) {
 }
 
 Points mask_edges(const cv::Mat& full) {
-  const int step = thinning(full.size());
-  cv::Mat masks;
-  cv::resize(full, masks, full.size() / step, 0, 0, cv::INTER_NEAREST);
+  const cv::Mat masks = thinned_out(full);
   Points points;
   for (int v = 1; v < masks.rows; ++v)
     for (int u = 1; u < masks.cols; ++u) {
@@ -197,18 +200,16 @@ bool agrees(const Score& better, const Score& as_is) {
 std::optional<std::string> judged(const std::vector<Frame>& frames, const Clarity& clarity) {
   if (frames.size() < kLeastFrames) return std::nullopt;
   const double usual = usual_strength(frames);
-  const Score as_is = as_it_is(frames), unmoved = score(frames, "", shifted(0, 0));
+  const Score as_is = as_it_is(frames);
   std::optional<std::string> cause;
   double best = std::max(clarity.better * (as_is.mean() - usual), clarity.contrast);
-  const auto look = [&](const Score& other, const Score& base) {
-    if (other.mean() - usual <= best || !agrees(other, base)) return;
+  const auto look = [&](const Score& other) {
+    if (other.mean() - usual <= best || !agrees(other, as_is)) return;
     best = other.mean() - usual;
     cause = other.cause;
   };
-  for (const Score& other : other_alignments(frames)) look(other, as_is);
-  for (const Score& other : other_frames(frames, usual)) {
-    look(other, as_is);
-  }
+  for (const Score& other : other_alignments(frames)) look(other);
+  for (const Score& other : other_frames(frames, usual)) look(other);
   return cause;
 }
 
@@ -245,9 +246,9 @@ std::vector<std::string> edge_suspicions(const Sequence& sequence, EdgesOf what,
   try {
     const auto cause = judged(chosen_frames(sequence, frames, edges_of), is_depth ? kOfDepth : kOfMasks);
     if (!cause) return {};
-    return {fmt::format("{}: {} (by edges, against those of colour)",
+    return {fmt::format("{}: {} {} (by edges, against those of colour)",
                         (sequence.folder / (is_depth ? "depth.txt" : "masks.txt")).string(),
-                        fmt::format("{} {}", is_depth ? "depth looks" : "masks look", *cause))};
+                        is_depth ? "depth looks" : "masks look", *cause)};
   } catch (const InputError&) {  // is told by who reads all images
     return {};
   }

@@ -50,7 +50,7 @@ std::vector<Eigen::Vector2d> spread_corners(const cv::Mat& gray) {
 std::optional<Eigen::Vector2d> undistorted(const Camera& camera, const Eigen::Vector2d& raw) {
   const auto ray = camera.unproject(raw);
   if (!ray) return std::nullopt;
-  return Eigen::Vector2d(camera.fx * ray->x() + camera.cx, camera.fy * ray->y() + camera.cy);
+  return ideal_pixel(camera, *ray);
 }
 
 void read_off_depth(const cv::Mat& depth, const Eigen::Vector2d& raw, double& depth_m, double& sigma_m) {

@@ -7,8 +7,7 @@
 
 namespace uniquadric {
 
-/// Stamps that no sensor has: frame rates in another unit, clocks that share no time, images repeated while
-/// their stamps go on.
+/// Stamps that no sensor has: frame rates in another unit, clocks that share no time.
 std::vector<std::string> stamp_suspicions(const Sequence& sequence);
 
 }  // namespace uniquadric
