@@ -25,6 +25,7 @@
 #include "estimator/factors/solver_log.h"
 #include "estimator/plausibility/plausibility.h"
 #include "estimator/single_frame.h"
+#include "estimator/upright/upright_backend.h"
 
 namespace uniquadric {
 namespace {
@@ -175,8 +176,12 @@ BackendResult estimate_objects(const Perception& perception, const Variant& vari
     nothing.final.emplace();
     return nothing;
   }
-  return variant.backend == Backend::single_frame ? estimate_single_frames(perception, variant, options.seed)
-                                                  : estimate_windows(perception, variant, options.seed);
+  switch (variant.backend) {
+    case Backend::single_frame: return estimate_single_frames(perception, variant, options.seed);
+    case Backend::windows: return estimate_windows(perception, variant, options.seed);
+    case Backend::upright: return estimate_upright(perception, variant);
+  }
+  throw std::logic_error("no such back end");
 }
 
 // What is known at one time: `pose_of` gives the camera's of a frame, or nothing.

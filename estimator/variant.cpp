@@ -13,6 +13,16 @@ namespace {
 constexpr int kVariantSchema = 1;
 
 template <typename Io>
+void visit(Io& io, UprightBoxOptions& o) {
+  io.positive("acceleration_mps2", o.acceleration_mps2);
+  io.positive("turn_acceleration_radps2", o.turn_acceleration_radps2);
+  io.positive("gate_sigmas", o.gate_sigmas);
+  io.number("lost_after_s", o.lost_after_s, 0.0, 60.0);
+  io.flag("shape_yaw", o.shape_yaw);
+  io.flag("street_sizes", o.street_sizes);
+}
+
+template <typename Io>
 void visit(Io& io, Variant& o) {
   int schema = kVariantSchema;
   io.number("schema", schema, kVariantSchema, kVariantSchema);
@@ -31,7 +41,10 @@ void visit(Io& io, Variant& o) {
   io.section("trajectory", [&](auto& inner) { visit(inner, o.body.trajectory); });
   io.section("carving", [&](auto& inner) { visit(inner, o.body.carving); });
   io.choice("backend", o.backend,
-            Choices<Backend>{{"single_frame", Backend::single_frame}, {"windows", Backend::windows}});
+            Choices<Backend>{{"single_frame", Backend::single_frame},
+                             {"windows", Backend::windows},
+                             {"upright", Backend::upright}});
+  io.section("upright", [&](auto& inner) { visit(inner, o.upright); });
   io.choice(
       "parameterisation", o.body.parameterisation,
       Choices<Parameterisation>{{"object", Parameterisation::object}, {"global", Parameterisation::global}});

@@ -8,6 +8,7 @@
 #include "estimator/perception/perceive.h"
 #include "estimator/plausibility/plausibility_options.h"
 #include "estimator/shape/obb_ransac.h"
+#include "estimator/upright/upright_options.h"
 
 namespace uniquadric {
 
@@ -15,6 +16,7 @@ namespace uniquadric {
 enum class Backend {
   single_frame,  ///< each frame by itself: the paper's baseline
   windows,       ///< the dual sliding window
+  upright,       ///< a box on the ground that moves along its length, by what its ends show
 };
 
 /// Which of an object's 24 equivalent frames a state of `single_frame` is written in.
@@ -43,6 +45,7 @@ struct Variant {
   bool write_features = false;       // features.csv, a row a sighting: megabytes
   Feedback feedback = Feedback::perception;
   JoinedOptions joined;  // of Feedback::backend
+  UprightBoxOptions upright;
 };
 
 /// What is estimated when nobody says what: configs/variants/superquadric.yaml; where depth comes from a

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/base/hungarian.h"
@@ -96,8 +97,27 @@ void ClusterTracker::add(Track& track, std::int64_t stamp_ns, const ClusterBox& 
   track.sights.push_back({stamp_ns, box});
   while (std::ssize(track.sights) > options_.window_scans) track.sights.pop_front();
   const bool along_x = follow_ends(track, 0), along_y = follow_ends(track, 1);
-  track.moving = along_x || along_y ? track.moving + 1 : 0;
-  track.moved |= track.moving >= options_.moving_scans;
+  note_motion(track, along_x || along_y);
+}
+
+// What only seems to move, as more of it comes into view, goes no way to speak of.
+void ClusterTracker::note_motion(Track& track, bool is_moving) const {
+  const Sight& last = track.sights.back();
+  const double extent_m = (last.box.high - last.box.low).head<2>().norm();
+  const Eigen::Vector2d middle = (last.box.low + last.box.high).head<2>() / 2;
+  if (track.seen == 1) track.start = middle;
+  if (is_moving) {
+    const auto before = track.sights.size() > 1 ? std::prev(track.sights.end(), 2) : track.sights.begin();
+    track.way_m += track.velocity_mps.norm() * seconds(before->stamp_ns, last.stamp_ns);
+    ++track.moving;
+    track.resting = 0;
+  } else {
+    track.way_m = 0;
+    track.moving = 0;
+    ++track.resting;
+  }
+  track.moved |= track.moving >= options_.moving_scans && track.way_m >= options_.min_way * extent_m;
+  if (track.resting >= options_.forget_scans && (middle - track.start).norm() < extent_m) track.moved = false;
 }
 
 // From two sights that are apart: their ends that face the sensor, else both, tell the speed.
@@ -163,12 +183,13 @@ std::vector<TrackedCluster> ClusterTracker::track(std::int64_t stamp_ns,
   std::vector<TrackedCluster> result;
   for (std::size_t i = 0; i < clusters.size(); ++i) {
     const bool known = tracks[i] >= 0;
-    if (!known) tracks_.push_back({++last_id_, 0, 0, 0, 0, false, {}, Eigen::Vector2d::Zero()});
+    if (!known) tracks_.emplace_back().id = ++last_id_;
     Track& track = known ? tracks_[tracks[i]] : tracks_.back();
     const bool was_caught = known && track.seen == 1;
     add(track, stamp_ns, clusters[i]);
     if (was_caught) start_moving(track);
-    if (track.seen >= options_.confirm_scans && (track.moved || !options_.moving_only)) ++track.seen_as_body;
+    const bool is_body = track.seen >= options_.confirm_scans && (track.moved || !options_.moving_only);
+    track.seen_as_body = is_body ? track.seen_as_body + 1 : 0;
     result.push_back({track.id, track.velocity_mps, track.seen_as_body});
   }
   std::erase_if(tracks_, [&](const Track& track) { return track.missed > options_.patience_scans; });

@@ -13,7 +13,9 @@ struct ClusterTrackerOptions {
   int window_scans = 6;          // that a velocity is taken from
   int confirm_scans = 5;         // seen so often a track can be a body
   bool moving_only = true;       // of what does not move nobody can say whether it is a body or a house
-  int moving_scans = 3;          // in a row that it has to be seen to move in, once
+  int moving_scans = 5;          // in a row that it has to be seen to move in, once
+  double min_way = 0.3;          // share of its extent, that it has to go then
+  int forget_scans = 10;         // after which what moved, and did not leave its own place, rests again
   double min_speed_mps = 0.7;    // and its speed then
   double max_stretch_mps = 0.7;  // by which its two ends may move apart then
   // of a scan's end that faces the sensor: what it has to move by beside the one that is hidden is four times
@@ -59,13 +61,16 @@ class ClusterTracker {
     ClusterBox box;
   };
   struct Track {
-    int id = 0, seen = 0, seen_as_body = 0, missed = 0, moving = 0;
+    int id = 0, seen = 0, seen_as_body = 0, missed = 0, moving = 0, resting = 0;
     bool moved = false;
+    double way_m = 0;  // since it has been moving
+    Eigen::Vector2d start = Eigen::Vector2d::Zero();  // where it was seen first
     std::deque<Sight> sights;
     Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
   };
   void add(Track& track, std::int64_t stamp_ns, const ClusterBox& box) const;
   bool follow_ends(Track& track, int axis) const;
+  void note_motion(Track& track, bool is_moving) const;
   static void start_moving(Track& track);
   std::vector<int> tracks_of(std::int64_t stamp_ns, const std::vector<ClusterBox>& clusters) const;
   void catch_up(std::int64_t stamp_ns, const std::vector<ClusterBox>& clusters,

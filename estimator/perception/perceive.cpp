@@ -220,12 +220,11 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
               PerceptionWriter& out, std::vector<StageTime>& times) {
   const Sequence sequence = on_camera_clock(recorded, options.lidar_time_offset_ns);
   const bool by_lidar = options.ego == EgoSource::lidar;
-  if (sequence.frames.empty()) {
+  if (sequence.frames.empty() || !options.images) {
     if (!by_lidar)
-      throw InputError(sequence.folder, "has no images: only `ego: {source: lidar}` can follow it");
+      throw InputError(sequence.folder, "has no images to go by: only `ego: {source: lidar}` can follow it");
     warn_of_gap(recorded);
-    return perceive_scans(sequence, options.lidar, options.scan_objects, options.silhouettes, run.seed,
-                          run.quiet, out, times);
+    return perceive_scans(sequence, options.lidar, options.scan_objects, run.seed, run.quiet, out, times);
   }
   const bool is_given = options.ego == EgoSource::given;
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;

@@ -38,6 +38,7 @@ enum class DepthSource {
 
 /// All options of the perception stage.
 struct PerceptionOptions {
+  bool images = true;  // false: bodies come from the scans alone, even where there are images
   std::int64_t lidar_time_offset_ns = 0;  // the LiDAR's clock less the camera's, for all that reads scans
   EgoSource ego = EgoSource::given;
   EgoOptions odometry;     // of EgoSource::rgbd
@@ -52,7 +53,7 @@ struct PerceptionOptions {
   SilhouetteOptions silhouettes;
   PointOptions points;
   ContactOptions contact;
-  ScanObjectOptions scan_objects;  // of sequences without images
+  ScanObjectOptions scan_objects;  // of scans alone
 };
 
 struct PerceiveOptions {

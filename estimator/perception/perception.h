@@ -66,7 +66,13 @@ struct BodyObservation {
   Eigen::Matrix3Xd points;   ///< from depth under the mask, camera frame [m]
   Eigen::Matrix3Xd normals;  ///< of the points, unit, towards the camera; (3 x 0) where none were measured
   Eigen::Matrix3Xf colors;   ///< of the points, CIE L*a*b*; (3 x 0) where no image shows them
+  /// Of the points of a scan: whether the body may go on beyond it, behind what is nearer or where the
+  /// sensor's view ends. Empty: not known.
+  std::vector<bool> cut;
+  double row_gap_m = 0;  ///< between a spinning sensor's rows on it; 0: there are none
   std::optional<ContactPlane> contact;  ///< what the body stands on
+  /// The first frame at which it may be known that this is a body: of a scan's, by how it moves later.
+  std::int64_t known_at_frame = 0;
   std::optional<Pose> motion;  ///< p_now = motion * p_before of the body's points in the two camera frames
 };
 

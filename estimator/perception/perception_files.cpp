@@ -23,7 +23,7 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr int kSchema = 2;
+constexpr int kSchema = 3;
 // The magic, the bodies of each frame, the index of the frames, and where that is.
 constexpr const char* kObservations = "observations.bin";
 constexpr const char* kMasks = "masks";
@@ -176,6 +176,10 @@ void put(Writer& out, const BodyObservation& body) {
   put_columns(out, body.points);
   put_columns(out, body.normals);
   put_columns(out, body.colors);
+  out.put(body.row_gap_m);
+  out.put(body.known_at_frame);
+  out.put(static_cast<std::uint64_t>(body.cut.size()));
+  for (const bool cut : body.cut) out.put(cut);
 }
 
 BodyObservation get_body(Reader& in) {
@@ -201,6 +205,10 @@ BodyObservation get_body(Reader& in) {
   get_columns(in, body.points);
   get_columns(in, body.normals);
   get_columns(in, body.colors);
+  body.row_gap_m = in.get<double>();
+  body.known_at_frame = in.get<std::int64_t>();
+  body.cut.resize(in.count(1));
+  for (std::size_t i = 0; i < body.cut.size(); ++i) body.cut[i] = in.get<char>() != 0;
   return body;
 }
 

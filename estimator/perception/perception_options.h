@@ -108,6 +108,8 @@ void visit(Io& io, ScanObjectOptions& o) {
   io.number("confirm_scans", o.tracker.confirm_scans, 1, 1000);
   io.flag("moving_only", o.tracker.moving_only);
   io.number("moving_scans", o.tracker.moving_scans, 1, 1000);
+  io.number("min_way", o.tracker.min_way, 0.0, 100.0);
+  io.number("forget_scans", o.tracker.forget_scans, 1, 100'000);
   io.positive("min_speed_mps", o.tracker.min_speed_mps);
   io.positive("max_stretch_mps", o.tracker.max_stretch_mps);
   io.positive("end_sigma_m", o.tracker.end_sigma_m);
@@ -117,14 +119,15 @@ void visit(Io& io, ScanObjectOptions& o) {
   io.number("width_deg", o.width_deg, 1.0, 160.0);
   io.number("height_deg", o.height_deg, 1.0, 160.0);
   io.number("focal_px", o.focal_px, 10.0, 2000.0);
-  io.number("rim_px", o.rim_px, 0.0, 1000.0);
-  io.number("motion_scans", o.motion_scans, 0);
-  visit(io, o.planes);
+  io.number("look_back_s", o.look_back_s, 0.0, 60.0);
+  io.number("rim_deg", o.rim_deg, 0.1, 30.0);
+  io.number("beside_deg", o.beside_deg, 0.05, 30.0);
   io.number("max_points", o.max_points, 1, 1'000'000);
 }
 
 template <typename Io>
 void visit(Io& io, PerceptionOptions& o) {
+  io.flag("images", o.images);
   io.number("fixed_lag_s", o.fixed_lag_s, 0.0, 60.0);
   io.section("lidar", [&](auto& inner) {
     inner.number("time_offset_ns", o.lidar_time_offset_ns, -kMaxTimeOffset_ns, kMaxTimeOffset_ns);

@@ -7,8 +7,6 @@
 #include "estimator/ego/lidar_ego.h"
 #include "estimator/perception/cluster_tracker.h"
 #include "estimator/perception/perception_files.h"
-#include "estimator/perception/point_planes.h"
-#include "estimator/perception/silhouette.h"
 #include "estimator/shape/lidar_clusters.h"
 #include "estimator/stopwatch.h"
 
@@ -19,11 +17,11 @@ struct ScanObjectOptions {
   bool enabled = true;  // or the sensor's own motion alone is followed
   LidarClusterOptions clusters;
   ClusterTrackerOptions tracker;
-  double width_deg = 120, height_deg = 100;  // of the image that clusters are drawn in
+  double width_deg = 120, height_deg = 100;  // of the image that an evaluation draws bodies in
   double focal_px = 460;
-  double rim_px = 14;     // what is so near to the end of the sensor's view may go on beyond it
-  int motion_scans = 10;  // that the tracker's velocity predicts a body in: then the windows have their own
-  PointPlaneOptions planes;
+  double look_back_s = 1;  // that a body's earlier clusters are kept for, from before it was known to be one
+  double rim_deg = 1.75;  // what is so near to the end of the sensor's view may go on beyond it
+  double beside_deg = 0.6;  // what is so near beside a body may hide a part of it
   int max_points = 2000;  // of a body
 };
 
@@ -33,13 +31,11 @@ Camera scan_camera(const ScanObjectOptions& options);
 /// The perception of a sequence without images: a frame is a scan's end, without a pose and bodies where the
 /// sensor was lost. Warns of what is wrong with the scans (LidarEgo::scan_faults). The sensor is followed
 /// first (LidarEgo), then points of each scan, put where they are at its end, are clustered above the ground,
-/// tracked, and those that move become bodies. A body's points are put on to the scan's end by its velocity
-/// along the ground (Eq. 4 without the turn); its outline is the convex hull of its points in scan_camera(),
-/// tangents that touch what is nearer or where the sensor's view ends are not free; it has no features.
-/// Bodies that reach beside or behind that camera are passed over. `seed` is that of the ground's samples.
-/// Throws InputError as LidarEgo.
+/// tracked, and those that move become bodies, on all sides of the sensor. A body's points are put on to the
+/// scan's end by its velocity along the ground (Eq. 4 without the turn). It has the ground under it
+/// (`contact`), and neither outline nor features. `seed` is that of the ground's samples. Throws InputError
+/// as LidarEgo.
 void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const ScanObjectOptions& options,
-                    const SilhouetteOptions& silhouettes, std::uint64_t seed, bool quiet,
-                    PerceptionWriter& out, std::vector<StageTime>& times);
+                    std::uint64_t seed, bool quiet, PerceptionWriter& out, std::vector<StageTime>& times);
 
 }  // namespace uniquadric

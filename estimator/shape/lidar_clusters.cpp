@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/base/quantile.h"
 #include "core/base/random.h"
 
 namespace uniquadric {
@@ -18,6 +19,7 @@ namespace {
 constexpr double kVoxelShare = 1.0 / 3;  // of the tolerance: points of one voxel hang together anyhow
 constexpr double kRowSlack = 1.2;        // times the distance of two rows: a sensor sways, a body leans
 constexpr double kElevationBin = 0.1 * std::numbers::pi / 180;  // [rad]: rows are wider apart
+constexpr double kGrazing = 0.17;  // sine of 10 degrees between the line of sight and a side
 constexpr int kRowBins = 4;        // of a row at most: what is broader are many beams
 constexpr double kRowShare = 0.1;  // of the points in a bin of elevation on average: fewer are no row
 
@@ -62,11 +64,11 @@ int root(std::vector<int>& parent, int i) {
 struct Voxels {
   std::vector<int> of_point;  // -1: of the ground
   std::vector<Eigen::Vector3d> means;
-  std::vector<double> rises_m;
+  std::vector<double> rises_m, reaches_m;  // across rows; along the line of sight
 };
 
 Voxels voxels_above(const Eigen::Matrix3Xd& points, const std::optional<GroundPlane>& ground,
-                    const LidarClusterOptions& options, const std::vector<double>& rises_m) {
+                    const LidarClusterOptions& options, const BeamSpacing& spacing) {
   Voxels voxels;
   std::map<std::array<int, 3>, int> known;
   std::vector<int> counts;
@@ -80,8 +82,11 @@ Voxels voxels_above(const Eigen::Matrix3Xd& points, const std::optional<GroundPl
     if (is_new) {
       counts.push_back(0);
       voxels.means.emplace_back(Eigen::Vector3d::Zero());
-      const double rise_m = rises_m.empty() ? 0 : kRowSlack * rises_m[static_cast<std::size_t>(i)];
-      voxels.rises_m.push_back(std::min(rise_m, options.max_rise_m));
+      const auto at_point = [&](const std::vector<double>& all_m) {
+        return all_m.empty() ? 0 : all_m[static_cast<std::size_t>(i)];
+      };
+      voxels.rises_m.push_back(std::min(kRowSlack * at_point(spacing.rises_m), options.max_rise_m));
+      voxels.reaches_m.push_back(std::min(at_point(spacing.steps_m) / kGrazing, options.max_rise_m));
     }
     voxels.of_point.back() = at->second;
     voxels.means[at->second] += p;
@@ -92,7 +97,7 @@ Voxels voxels_above(const Eigen::Matrix3Xd& points, const std::optional<GroundPl
 }
 
 // Which voxels hang together: the number of each one's part.
-std::vector<int> parts_of(const Voxels& voxels, double tolerance_m) {
+std::vector<int> parts_of(const Voxels& voxels, double tolerance_m, const Eigen::Vector3d& sensor) {
   const auto& means = voxels.means;
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   for (const auto& p : means)
@@ -104,11 +109,15 @@ std::vector<int> parts_of(const Voxels& voxels, double tolerance_m) {
   pcl::Indices near;
   std::vector<float> squares;
   for (std::size_t i = 0; i < means.size(); ++i) {
-    tree.radiusSearch((*cloud)[i], std::max(tolerance_m, voxels.rises_m[i]), near, squares);
+    const Eigen::Vector2d sight = (means[i] - sensor).head<2>().normalized();
+    tree.radiusSearch((*cloud)[i], std::max({tolerance_m, voxels.rises_m[i], voxels.reaches_m[i]}), near, squares);
     for (std::size_t k = 0; k < near.size(); ++k) {
       const int j = near[k];
-      const bool is_near = squares[k] <= tolerance_m * tolerance_m;
-      if (!is_near && (means[i] - means[j]).head<2>().norm() > tolerance_m) continue;
+      Eigen::Vector3d apart = means[i] - means[j];
+      if (apart.z() * apart.z() < voxels.rises_m[i] * voxels.rises_m[i]) apart.z() = 0;
+      const double along_m = sight.dot(apart.head<2>());
+      if (std::abs(along_m) < voxels.reaches_m[i]) apart.head<2>() -= along_m * sight;
+      if (apart.squaredNorm() > tolerance_m * tolerance_m) continue;
       const int a = root(parent, static_cast<int>(i)), b = root(parent, j);
       parent[std::max(a, b)] = std::min(a, b);
     }
@@ -117,13 +126,20 @@ std::vector<int> parts_of(const Voxels& voxels, double tolerance_m) {
   return parent;
 }
 
+// Of one row that is met, a body may be as high as the next one is away, and stand as far below.
 bool is_body(const Eigen::Matrix3Xd& points, const std::vector<int>& cluster,
+             const std::optional<GroundPlane>& ground, const std::vector<double>& rises_m,
              const LidarClusterOptions& options) {
   if (std::ssize(cluster) < options.min_points) return false;
   Eigen::Vector3d low = points.col(cluster.front()), high = low;
   for (const int i : cluster) low = low.cwiseMin(points.col(i)), high = high.cwiseMax(points.col(i));
   const Eigen::Vector3d size = high - low;
-  return size.z() >= options.min_height_m && size.head<2>().norm() <= options.max_extent_m;
+  const double rise_m = rises_m.empty() ? 0 : rises_m[static_cast<std::size_t>(cluster.front())];
+  double above_m = options.min_height_m;
+  if (ground)
+    for (const int i : cluster) above_m = std::min(above_m, ground->height_of(points.col(i)) - rise_m);
+  if (above_m >= options.min_height_m && ground) return false;
+  return size.z() + rise_m >= options.min_height_m && size.head<2>().norm() <= options.max_extent_m;
 }
 
 }  // namespace
@@ -184,19 +200,30 @@ std::vector<double> row_gaps(const std::vector<double>& elevations_rad) {
   return gaps;
 }
 
+double beam_step(const std::vector<double>& azimuths_rad, const std::vector<double>& elevations_rad) {
+  std::vector<std::pair<int, double>> beams;  // by level
+  for (std::size_t i = 0; i < azimuths_rad.size(); ++i)
+    beams.emplace_back(cell_of(elevations_rad[i], 2 * kElevationBin), azimuths_rad[i]);
+  std::sort(beams.begin(), beams.end());
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < beams.size(); ++i)
+    if (beams[i].first == beams[i - 1].first) steps.push_back(beams[i].second - beams[i - 1].second);
+  return steps.empty() ? 0 : upper_median(std::move(steps));
+}
+
 std::vector<std::vector<int>> clusters_above(const Eigen::Matrix3Xd& points,
                                              const std::optional<GroundPlane>& ground,
                                              const LidarClusterOptions& options,
-                                             const std::vector<double>& rises_m) {
-  const Voxels voxels = voxels_above(points, ground, options, rises_m);
+                                             const BeamSpacing& spacing) {
+  const Voxels voxels = voxels_above(points, ground, options, spacing);
   if (voxels.means.empty()) return {};
-  const std::vector<int> parts = parts_of(voxels, options.tolerance_m);
+  const std::vector<int> parts = parts_of(voxels, options.tolerance_m, spacing.sensor);
   std::map<int, std::vector<int>> by_part;  // parts are named by their first voxel, voxels in points' order
   for (std::size_t i = 0; i < voxels.of_point.size(); ++i)
     if (voxels.of_point[i] >= 0) by_part[parts[voxels.of_point[i]]].push_back(static_cast<int>(i));
   std::vector<std::vector<int>> clusters;
   for (auto& [part, cluster] : by_part)
-    if (is_body(points, cluster, options)) clusters.push_back(std::move(cluster));
+    if (is_body(points, cluster, ground, spacing.rises_m, options)) clusters.push_back(std::move(cluster));
   return clusters;
 }
 

@@ -1,0 +1,223 @@
+#include "estimator/upright/upright_filter.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/seconds.h"
+#include "estimator/upright/street_sizes.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kStartYaw = 0.3;         // [rad], sigma of the way that a body was first seen to go
+constexpr double kStartSpeedShare = 0.3;  // of the speed, its sigma then
+constexpr double kReach = 0.35;           // [rad] about the expected yaw, that sides are looked for in
+constexpr double kSlip = 0.3;             // of the acceleration, across the body
+constexpr double kLeastSize = 0.1;        // [m]
+constexpr int kPatience = 3;              // scans, most of whose ends are not where they were expected
+constexpr double kForgotten = 0.3;        // of the size, its sigma after these
+
+double angle_between(double to, double from) {
+  return std::remainder(to - from, 2 * std::numbers::pi);
+}
+
+// What was seen of a body in one scan.
+SeenSize seen_size(const UprightSight& sight, double yaw_rad, double speed_mps) {
+  const auto ends = box_ends(sight, yaw_rad);
+  SeenSize seen;
+  for (int axis = 0; axis < 2; ++axis) {
+    const BoxEnd &back = ends[2 * axis], &front = ends[2 * axis + 1];
+    seen.size_m[axis] = front.position_m + back.position_m;
+    seen.sigma_m[axis] = std::hypot(front.sigma_m, back.sigma_m);
+    seen.is_whole[axis] = !front.is_bound && !back.is_bound;
+  }
+  seen.size_m.z() = sight.height_m;
+  seen.sigma_m.z() = sight.height_sigma_m;
+  seen.is_whole[2] = true;
+  seen.speed_mps = speed_mps;
+  return seen;
+}
+
+// Of a thing of any kind: as large as what is seen, or larger by as much.
+SizeBelief any_size(const SeenSize& seen) {
+  const double most_m = seen.size_m.maxCoeff();
+  return {seen.size_m.cwiseMax(kLeastSize), Eigen::Vector3d::Constant(most_m)};
+}
+
+UprightMatrix noise_over(double t, double yaw_rad, const UprightBoxOptions& o) {
+  const Eigen::Vector2d ahead(std::cos(yaw_rad), std::sin(yaw_rad));
+  UprightMatrix noise = UprightMatrix::Zero();
+  UprightVector along = UprightVector::Zero(), across = along, turn = along;
+  along.head<2>() = ahead * t * t / 2;
+  along[kSpeed] = t;
+  across.head<2>() = kSlip * t * t / 2 * Eigen::Vector2d(-ahead.y(), ahead.x());
+  turn[kYaw] = t * t / 2;
+  turn[kYawRate] = t;
+  const double a = o.acceleration_mps2 * o.acceleration_mps2;
+  noise += a * (along * along.transpose() + across * across.transpose());
+  noise += std::pow(o.turn_acceleration_radps2, 2) * turn * turn.transpose();
+  return noise;
+}
+
+}  // namespace
+
+void UprightFilter::start(const UprightSight& sight, const Eigen::Vector2d& velocity_mps) {
+  Step& step = steps_.emplace_back();
+  UprightState& s = step.now;
+  s.frame = sight.frame;
+  s.stamp_ns = sight.stamp_ns;
+  s.mean[kYaw] = std::atan2(velocity_mps.y(), velocity_mps.x());
+  s.mean[kSpeed] = velocity_mps.norm();
+  double yaw_sigma = kStartYaw;
+  if (const auto yaw = options_.shape_yaw ? seen_yaw(sight, s.mean[kYaw], 2 * kReach) : std::nullopt) {
+    s.mean[kYaw] = yaw->yaw_rad;
+    yaw_sigma = std::min(yaw_sigma, yaw->sigma_rad);
+  }
+  const SeenSize seen = seen_size(sight, s.mean[kYaw], s.mean[kSpeed]);
+  const SizeBelief size = options_.street_sizes ? street_size(seen) : any_size(seen);
+  s.mean.tail<3>() = size.size_m;
+  s.mean.head<2>() = sight.points.rowwise().mean();
+  UprightVector sigmas;
+  sigmas << size.size_m.norm(), size.size_m.norm(), yaw_sigma, kStartSpeedShare * s.mean[kSpeed],
+      kStartYaw, size.sigma_m;
+  s.covariance = sigmas.cwiseAbs2().asDiagonal();
+  see(sight, s);
+  step.predicted = s.mean;
+  step.predicted_covariance = s.covariance;
+}
+
+UprightFilter::Step UprightFilter::gone_on(const UprightState& from, std::int64_t frame,
+                                           std::int64_t stamp_ns) const {
+  const double t = seconds(from.stamp_ns, stamp_ns);
+  Step step;
+  UprightState& s = step.now;
+  s = from;
+  s.frame = frame;
+  s.stamp_ns = stamp_ns;
+  s.is_seen = false;
+  const double middle_rad = from.mean[kYaw] + from.mean[kYawRate] * t / 2;
+  const Eigen::Vector2d ahead(std::cos(middle_rad), std::sin(middle_rad)), left(-ahead.y(), ahead.x());
+  s.mean.head<2>() += from.mean[kSpeed] * t * ahead;
+  s.mean[kYaw] += from.mean[kYawRate] * t;
+  step.transition.block<2, 1>(kX, kYaw) = from.mean[kSpeed] * t * left;
+  step.transition.block<2, 1>(kX, kSpeed) = t * ahead;
+  step.transition.block<2, 1>(kX, kYawRate) = from.mean[kSpeed] * t * t / 2 * left;
+  step.transition(kYaw, kYawRate) = t;
+  s.covariance = step.transition * from.covariance * step.transition.transpose() +
+                 noise_over(t, middle_rad, options_);
+  step.predicted = s.mean;
+  step.predicted_covariance = s.covariance;
+  return step;
+}
+
+void UprightFilter::step(std::int64_t frame, std::int64_t stamp_ns, const UprightSight* sight) {
+  Step step = gone_on(steps_.back().now, frame, stamp_ns);
+  if (sight) see(*sight, step.now);
+  steps_.push_back(step);
+}
+
+std::vector<UprightState> UprightFilter::before(const UprightState& first,
+                                                const std::vector<UprightFrame>& frames) {
+  std::vector<UprightState> states = {first};
+  for (auto frame = frames.rbegin(); frame != frames.rend(); ++frame) {
+    states.push_back(gone_on(states.back(), frame->frame, frame->stamp_ns).now);
+    if (frame->sight) see(*frame->sight, states.back());
+  }
+  states.erase(states.begin());
+  std::reverse(states.begin(), states.end());
+  return states;
+}
+
+// One number that was measured, where it is not far from what is expected.
+bool UprightFilter::measure(const UprightVector& row, double innovation, double sigma,
+                            UprightState& state) const {
+  const UprightVector by_row = state.covariance * row;
+  const double variance = row.dot(by_row) + sigma * sigma;
+  if (innovation * innovation > options_.gate_sigmas * options_.gate_sigmas * variance) return false;
+  const UprightVector gain = by_row / variance;
+  state.mean += gain * innovation;
+  const UprightMatrix rest = UprightMatrix::Identity() - gain * row.transpose();
+  state.covariance = rest * state.covariance * rest.transpose() + sigma * sigma * gain * gain.transpose();
+  state.mean.tail<3>() = state.mean.tail<3>().cwiseMax(kLeastSize);
+  return true;
+}
+
+void UprightFilter::see(const UprightSight& sight, UprightState& state) {
+  state.is_seen = true;
+  state.bottom_m = sight.bottom_m;
+  int agreed = 0, asked = 0;
+  if (const auto yaw = options_.shape_yaw ? seen_yaw(sight, state.mean[kYaw], kReach) : std::nullopt)
+    measure(UprightVector::Unit(kYaw), angle_between(yaw->yaw_rad, state.mean[kYaw]), yaw->sigma_rad, state);
+  const double yaw_sigma = std::sqrt(state.covariance(kYaw, kYaw));
+  const auto ends = box_ends(sight, state.mean[kYaw]);
+  for (int side = 0; side < 4; ++side) {
+    const BoxEnd& end = ends[side];
+    const int size = side < 2 ? kLength : kWidth, other = side < 2 ? kWidth : kLength;
+    UprightVector row = UprightVector::Zero();
+    row.head<2>() = end.direction;
+    row[size] = 0.5;
+    const double innovation = end.position_m - row.dot(state.mean);
+    if (end.is_bound && innovation < 0) continue;
+    // a corner of a box that is turned otherwise stands out
+    agreed += measure(row, innovation, std::hypot(end.sigma_m, yaw_sigma * state.mean[other] / 2), state);
+    ++asked;
+  }
+  scans_off_ = 2 * agreed < asked ? scans_off_ + 1 : 0;
+  if (scans_off_ >= kPatience) forget_place(state);
+  measure(UprightVector::Unit(kHeight), sight.height_m - state.mean[kHeight], sight.height_sigma_m, state);
+}
+
+// What is expected has not been seen for some time: the next scan may tell anything again.
+void UprightFilter::forget_place(UprightState& state) {
+  const Eigen::Vector3d size_m = state.mean.tail<3>();
+  state.covariance.diagonal().head<2>().array() += size_m.squaredNorm();
+  state.covariance.diagonal().tail<3>() += (kForgotten * size_m).cwiseAbs2();
+  scans_off_ = 0;
+}
+
+std::vector<UprightState> UprightFilter::causal() const {
+  std::vector<UprightState> states;
+  for (const Step& step : steps_) states.push_back(step.now);
+  return states;
+}
+
+std::vector<UprightState> UprightFilter::smoothed(std::int64_t lag_ns) const {
+  const auto back_from = [&](std::size_t end, std::size_t to, std::vector<UprightState>& states) {
+    UprightState later = steps_[end].now;
+    if (end == to) states[to] = later;
+    for (std::size_t k = end; k-- > to;) {
+      const Step& next = steps_[k + 1];
+      UprightState state = steps_[k].now;
+      const UprightMatrix gain =
+          next.predicted_covariance.ldlt()
+              .solve(next.transition * state.covariance)
+              .transpose();
+      state.mean += gain * (later.mean - next.predicted);
+      state.covariance += gain * (later.covariance - next.predicted_covariance) * gain.transpose();
+      state.mean.tail<3>() = state.mean.tail<3>().cwiseMax(kLeastSize);
+      later = state;
+      states[k] = state;
+    }
+  };
+  std::vector<UprightState> states(steps_.size());
+  if (steps_.empty()) return states;
+  const std::size_t last = steps_.size() - 1;
+  if (seconds(steps_.front().now.stamp_ns, steps_.back().now.stamp_ns) * 1e9 <= static_cast<double>(lag_ns)) {
+    states[last] = steps_[last].now;
+    back_from(last, 0, states);
+    return states;
+  }
+  std::size_t end = 0;
+  for (std::size_t k = 0; k <= last; ++k) {
+    while (end < last && steps_[end].now.stamp_ns < steps_[k].now.stamp_ns + lag_ns) ++end;
+    std::vector<UprightState> known = std::vector<UprightState>(end + 1);
+    known[end] = steps_[end].now;
+    back_from(end, k, known);
+    states[k] = known[k];
+  }
+  return states;
+}
+
+}  // namespace uniquadric
