@@ -64,6 +64,11 @@ std::vector<GalleryQuery> queries_of(const std::vector<PointTrack>& corners, int
   return queries;
 }
 
+std::int64_t count_landmarks(const TrackedBody& body) {
+  return std::count_if(body.tracks.begin(), body.tracks.end(),
+                       [](const auto& t) { return t.landmark.has_value(); });
+}
+
 // The recognised corners and tracks become the tracks that they are.
 void take_back(const FrameView& view, TrackedBody& body, const Recognition& seen,
                std::vector<PointTrack>& corners, std::size_t first_corner) {
@@ -120,6 +125,28 @@ void return_expected_tracks(const FrameView& view, TrackedBody& body, Spacing& s
   std::erase_if(body.gallery, [&](const PointTrack&) { return returned[i++]; });
 }
 
+void return_where_left(const FrameView& view, TrackedBody& body, double distance_px, int wanted) {
+  const GalleryOptions& options = view.options.gallery;
+  if (body.camera_from_map || !options.look_where_left) return;
+  std::erase_if(body.left, [&](const auto& left) {
+    return std::none_of(body.gallery.begin(), body.gallery.end(),
+                        [&](const auto& t) { return t.map == left.first; });
+  });
+  for (const auto& [map, camera_from_map] : body.left) {
+    TrackedBody trial = body;
+    trial.map = map;
+    trial.camera_from_map = camera_from_map;
+    for (auto& lost : trial.gallery) lost.tries = 0;  // in vain: the camera saw nothing
+    Spacing spacing(view.gray.size());
+    for (const auto& track : body.tracks) spacing.take(track.pixel, distance_px);
+    return_expected_tracks(view, trial, spacing, distance_px, wanted);
+    if (!fit_pose(view, trial, camera_from_map, 1) || count_landmarks(trial) < options.min_matches) continue;
+    trial.left.clear();
+    body = std::move(trial);
+    return;
+  }
+}
+
 void recognise_body(const FrameView& view, TrackedBody& body, std::vector<PointTrack>& corners) {
   std::vector<int> maps;  // that the camera could be in, the last one first
   for (int map = body.maps - 1; map >= 0; --map)
@@ -138,6 +165,7 @@ void recognise_body(const FrameView& view, TrackedBody& body, std::vector<PointT
     if (body.camera_from_map) join_map(body, map, seen->camera_from_map.inverse() * *body.camera_from_map);
     body.camera_from_map = seen->camera_from_map;
     body.map = map;
+    body.left.clear();
     take_back(view, body, *seen, corners, first_corner);
     fit_pose(view, body, seen->camera_from_map, 1);
     return;
