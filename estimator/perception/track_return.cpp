@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMinFacing = 0.25;        // cosine between the surface's normal and the line of sight
 constexpr double kMostTriesPerWanted = 3;  // lost tracks looked at, per track wanted
+constexpr int kLooksWhereLeft = 2;         // the second from the pose that the first one told
 
 // A track whose place in the image is known approximately, put where its anchor fits; nothing when it does
 // not fit or the surface there is another.
@@ -139,8 +140,12 @@ void return_where_left(const FrameView& view, TrackedBody& body, double distance
     for (auto& lost : trial.gallery) lost.tries = 0;  // in vain: the camera saw nothing
     Spacing spacing(view.gray.size());
     for (const auto& track : body.tracks) spacing.take(track.pixel, distance_px);
-    return_expected_tracks(view, trial, spacing, distance_px, wanted);
-    if (!fit_pose(view, trial, camera_from_map, 1) || count_landmarks(trial) < options.min_matches) continue;
+    bool fits = true;
+    for (int look = 0; look < kLooksWhereLeft && fits; ++look) {
+      return_expected_tracks(view, trial, spacing, distance_px, wanted);
+      fits = fit_pose(view, trial, *trial.camera_from_map, 1);
+    }
+    if (!fits || count_landmarks(trial) < options.min_matches) continue;
     trial.left.clear();
     body = std::move(trial);
     return;
