@@ -24,6 +24,7 @@ void visit(Io& io, EgoOptions& o) {
   io.number("young_lost_frames", o.young_lost_frames, 2, 10'000);
   io.number("restart_after_s", o.restart_after_s, 0.0, 1e6);
   io.number("restart_features", o.restart_features, 4, 100'000);
+  io.number("bridge_features", o.bridge_features, 0, 100'000);
   io.section("pose", [&](auto& inner) { visit(inner, o.pose); });
   io.section("bundle", [&](auto& inner) {
     inner.positive("pixel_sigma", o.bundle.pixel_sigma, kSigma_px);

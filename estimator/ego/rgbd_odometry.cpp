@@ -34,6 +34,7 @@ struct FramePose {
   std::vector<Feature> features;
   std::optional<Pose> motion{};              // of the background since the frame before
   std::optional<Vector6d> presumed_twist{};  // of the background, where the features are still at their rows
+  bool is_bridged = false;                   // placed by `motion` alone
 };
 
 // A map and the frames it placed. `before`: those that came earlier and had no place in the map of then.
@@ -44,17 +45,6 @@ struct Stretch {
 
 std::int64_t count_with_depth(const std::vector<Feature>& features) {
   return std::count_if(features.begin(), features.end(), [](const Feature& f) { return f.depth_m > 0; });
-}
-
-// Those with depth that the last lost frame but one had too. Where nothing is followed from frame to frame a
-// new map would be lost as soon as it was made.
-std::int64_t count_followed(const std::vector<FramePose>& lost) {
-  if (lost.size() < 2) return 0;
-  std::set<std::int64_t> before;
-  for (const Feature& f : (lost.end() - 2)->features) before.insert(f.track);
-  const auto& now = lost.back().features;
-  return std::count_if(now.begin(), now.end(),
-                       [&](const Feature& f) { return f.depth_m > 0 && before.contains(f.track); });
 }
 
 std::vector<PointSighting> sightings_of(const EgoMap& map, const std::vector<Feature>& features) {
@@ -75,7 +65,11 @@ struct RgbdOdometry::State {
   EgoMap map;
   std::vector<FramePose> frames, before;  // of the map, as in Stretch
   std::size_t settled = 0;                // of the frames, whose features are gone
-  std::vector<FramePose> lost;            // since the last frame with a pose
+  std::int64_t placed = 0;                // of the frames, by the map
+  std::int64_t placed_ns = 0;             // the last of them
+  std::vector<FramePose> lost;            // since then, the bridged ones too
+  std::set<std::int64_t> last_tracks;     // of the background, in the last frame
+  std::int64_t followed = 0;              // of these, with depth in the present frame
   std::optional<Pose> camera_from_world;  // of the last frame
   Pose presumed;                          // the same, where it is not known: the last known, moved on
   std::optional<Eigen::Vector3d> up;      // in the map's world, the first camera
@@ -97,12 +91,15 @@ struct RgbdOdometry::State {
   void begin_map(const Pose& pose, std::int64_t frame, const std::vector<Feature>& features);
   void await_motion(const SequenceFrame& frame, const std::vector<Feature>& features);
   void begin_with(const SequenceFrame& frame, const TrackedFeatures& features);
+  void count_followed(const std::vector<Feature>& features);
   bool follow(std::int64_t frame, const TrackedFeatures& features);
-  bool is_young() const { return given_up.empty() && std::ssize(frames) < options.young_frames; }
+  bool can_bridge(const TrackedFeatures& features) const;
+  bool is_young() const { return given_up.empty() && placed < options.young_frames; }
   bool is_hopeless(std::int64_t stamp_ns) const;
   void look_back(std::int64_t until_ns);
   Trajectory in_world(const Trajectory& map_from_camera) const;
   void begin_anew(std::int64_t frame, const std::vector<Feature>& features);
+  void add_frame(const SequenceFrame& frame, const TrackedFeatures& features, bool is_bridged);
   void append(const EgoMap& of, const std::vector<FramePose>& placed, const std::vector<FramePose>& earlier,
               Trajectory& trajectory) const;
   void look_for_floor(const cv::Mat& depth, const cv::Mat& masks, std::int64_t frame);
@@ -229,6 +226,18 @@ void RgbdOdometry::State::begin_with(const SequenceFrame& frame, const TrackedFe
   begin_map(before.empty() ? Pose{} : presumed, frame.frame, features.background);
 }
 
+void RgbdOdometry::State::count_followed(const std::vector<Feature>& features) {
+  followed = std::count_if(features.begin(), features.end(),
+                           [&](const Feature& f) { return f.depth_m > 0 && last_tracks.contains(f.track); });
+  last_tracks.clear();
+  for (const Feature& f : features) last_tracks.insert(f.track);
+}
+
+// Whether the background's motion tells the pose, where that of the frame before is known.
+bool RgbdOdometry::State::can_bridge(const TrackedFeatures& features) const {
+  return features.background_motion && options.bridge_features > 0 && followed >= options.bridge_features;
+}
+
 // Places the camera in the map; false where it is lost.
 bool RgbdOdometry::State::follow(std::int64_t frame, const TrackedFeatures& features) {
   const auto prior = camera_from_world ? std::optional(presumed) : std::nullopt;
@@ -243,13 +252,12 @@ bool RgbdOdometry::State::follow(std::int64_t frame, const TrackedFeatures& feat
   return true;
 }
 
-// Whether it is time to give the map up, which the frames in `lost` do not fit.
+// Whether it is time to give the map up, which the frames in `lost` do not fit. Where nothing is followed
+// from frame to frame a new map would be lost as soon as it was made.
 bool RgbdOdometry::State::is_hopeless(std::int64_t stamp_ns) const {
-  const auto followed = count_followed(lost);
   if (is_young())
     return std::ssize(lost) >= options.young_lost_frames && followed >= options.pose.min_inliers;
-  return seconds(frames.back().stamp_ns, stamp_ns) >= options.restart_after_s &&
-         followed >= options.restart_features;
+  return seconds(placed_ns, stamp_ns) >= options.restart_after_s && followed >= options.restart_features;
 }
 
 // Notes the poses of frames up to a stamp as they are known now.
@@ -269,8 +277,10 @@ Trajectory RgbdOdometry::State::in_world(const Trajectory& map_from_camera) cons
   return trajectory;
 }
 
-// A young map is no loss: its frames are looked for in the new one, as are those that were lost.
+// A young map is no loss: its frames are looked for in the new one, as are those that were lost or bridged.
 void RgbdOdometry::State::begin_anew(std::int64_t frame, const std::vector<Feature>& features) {
+  look_back(frames.back().stamp_ns);
+  while (frames.back().is_bridged) frames.pop_back();
   if (is_young()) {
     before.insert(before.end(), frames.begin(), frames.end());
     causal.clear();
@@ -279,7 +289,6 @@ void RgbdOdometry::State::begin_anew(std::int64_t frame, const std::vector<Featu
     up.reset();
     frames_seen = 1;
   } else {
-    look_back(frames.back().stamp_ns);
     given_up.push_back({std::move(map), std::move(frames), std::move(before)});
     before.clear();
   }
@@ -287,7 +296,30 @@ void RgbdOdometry::State::begin_anew(std::int64_t frame, const std::vector<Featu
   map = {};
   frames.clear();
   settled = lagged_frames = 0;
+  placed = 0;
   begin_map(presumed, frame, features);
+}
+
+// A frame whose pose has just become known.
+void RgbdOdometry::State::add_frame(const SequenceFrame& frame, const TrackedFeatures& features,
+                                    bool is_bridged) {
+  if (!is_bridged) {
+    lost.clear();
+    ++placed;
+    placed_ns = frame.stamp_ns;
+  }
+  presumed = *camera_from_world;
+  const Pose camera_from_keyframe = *camera_from_world * map.keyframes.back().camera_from_world.inverse();
+  frames.push_back({frame.frame,
+                    frame.stamp_ns,
+                    int(map.keyframes.size()) - 1,
+                    camera_from_keyframe,
+                    features.background,
+                    features.background_motion,
+                    {},
+                    is_bridged});
+  causal.push_back({frame.stamp_ns, camera_from_world->inverse()});
+  look_back(frame.stamp_ns - nanoseconds(fixed_lag_s));
 }
 
 RgbdOdometry::RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed,
@@ -310,6 +342,9 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
   const bool can_begin = count_with_depth(seen) >= s.options.pose.min_inliers;
   s.depth_changed = s.depth_changed || features.depth_changed;
   if (features.background_motion) s.presumed = *features.background_motion * s.presumed;
+  s.count_followed(seen);
+  const bool was_known = s.camera_from_world.has_value();
+  bool is_bridged = false;
   if (s.map.keyframes.empty()) {
     if (!can_begin) return;
     if (features.background_at_rows) return s.await_motion(frame, seen);
@@ -318,17 +353,17 @@ void RgbdOdometry::track(const SequenceFrame& frame, const TrackedFeatures& feat
     s.begin_anew(frame.frame, seen);
   } else if (!s.follow(frame.frame, features)) {
     s.lost.push_back({frame.frame, frame.stamp_ns, 0, {}, seen, features.background_motion});
-    if (!s.is_hopeless(frame.stamp_ns)) return;
-    s.lost.pop_back();
-    s.begin_anew(frame.frame, seen);
+    if (s.is_hopeless(frame.stamp_ns)) {
+      s.lost.pop_back();
+      s.begin_anew(frame.frame, seen);
+    } else {
+      is_bridged = was_known && s.can_bridge(features);
+      if (!is_bridged) return;
+      s.lost.back().is_bridged = true;
+      s.camera_from_world = s.presumed;
+    }
   }
-  s.lost.clear();
-  s.presumed = *s.camera_from_world;
-  const Pose camera_from_keyframe = *s.camera_from_world * s.map.keyframes.back().camera_from_world.inverse();
-  s.frames.push_back({frame.frame, frame.stamp_ns, int(s.map.keyframes.size()) - 1, camera_from_keyframe,
-                      seen, features.background_motion});
-  s.causal.push_back({frame.stamp_ns, s.camera_from_world->inverse()});
-  s.look_back(frame.stamp_ns - nanoseconds(s.fixed_lag_s));
+  s.add_frame(frame, features, is_bridged);
   s.look_for_floor(depth, masks, frame.frame);
 }
 
@@ -360,8 +395,8 @@ void RgbdOdometry::State::append(const EgoMap& of, const std::vector<FramePose>&
     if (motion) next = motion->inverse() * next;
     motion = frame->motion;
     const auto pose = located(adjusted, *frame, next);
-    if (!pose) continue;
-    next = *pose;
+    if (!pose && !frame->is_bridged) continue;
+    if (pose) next = *pose;
     first.push_back(world_from_camera(*frame, next));
   }
   trajectory.insert(trajectory.end(), first.rbegin(), first.rend());

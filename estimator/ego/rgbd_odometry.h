@@ -41,6 +41,9 @@ struct EgoOptions {
   /// one begins.
   double restart_after_s = 1;
   int restart_features = 40;
+  /// A frame that does not fit the map is placed by the background's motion since the frame before, where at
+  /// least this many features with depth are followed. 0: never.
+  int bridge_features = 12;
   BundleOptions bundle;
   LoopOptions loop;
   UprightOptions upright;
@@ -48,9 +51,10 @@ struct EgoOptions {
 
 /// Visual odometry with depth: each frame's pose by the points of the map that its features are (RANSAC with
 /// the motion prior, robust least squares), keyframes, local bundle adjustment, and a pose graph where old
-/// points come back. A map that nothing fits any more is given up: at the start as if it had never been,
-/// later a new one goes on from the last known pose. The world has its origin at the first camera and z up,
-/// by the floor where the first frames show one, else by the camera's own up.
+/// points come back. A frame that does not fit the map is placed by the background's motion. A map that
+/// nothing fits any more is given up: at the start as if it had never been, later a new one goes on from the
+/// last known pose. The world has its origin at the first camera and z up, by the floor where the first
+/// frames show one, else by the camera's own up.
 class RgbdOdometry {
  public:
   /// `fixed_lag_s`: of lagged_trajectory(). `rolling_shutter_s`: as in Sequence.

@@ -88,6 +88,13 @@ void align(const FrameView& view, TrackedBody& body, const Pose& pose) {
   body.tracks = std::move(kept);
 }
 
+// A map's frame is that of the camera when it was begun: this one's pose is the motion since the others were
+// lost.
+void leave_map(TrackedBody& body, const Pose& camera_from_map) {
+  for (auto& [map, left] : body.left) left = camera_from_map * left;
+  body.left[body.map] = camera_from_map;
+}
+
 void give_up(const FrameView& view, TrackedBody& body, bool tracks_too) {
   body.camera_from_map.reset();
   body.twist_known = false;
@@ -192,7 +199,10 @@ void move_body(const FrameView& view, TrackedBody& body) {
     known = fit_pose(view, body, *body.camera_from_map, 1);
     if (known) find_twist(view, body, *before);
   }
-  if (!known) return give_up(view, body, with_landmark >= 2 * view.options.motion.min_inliers);
+  if (!known) {
+    if (body.label == 0) leave_map(body, *before);  // another body moves on while it is lost
+    return give_up(view, body, with_landmark >= 2 * view.options.motion.min_inliers);
+  }
   set_motion(view, body, *before);
 }
 

@@ -42,6 +42,7 @@ void visit(Io& io, GalleryOptions& o) {
   io.number("min_matches", o.min_matches, 3, 10'000);
   io.number("min_share", o.min_share, 0.0, 1.0);
   io.positive("pixel_gate", o.pixel_gate);
+  io.flag("look_where_left", o.look_where_left);
 }
 
 template <typename Io>

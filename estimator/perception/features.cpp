@@ -154,6 +154,7 @@ void FeatureTracker::State::find_corners(const FrameView& view) {
   for (auto& [label, demand] : wanted) {
     TrackedBody& body = bodies[label];
     body.label = label;
+    return_where_left(view, body, demand.distance_px, demand.wanted);
     for (const auto& track : body.tracks) spacing.take(track.pixel, demand.distance_px);
     demand.wanted -= static_cast<int>(body.tracks.size());
     const auto before = body.tracks.size();

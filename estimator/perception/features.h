@@ -27,6 +27,8 @@ struct GalleryOptions {
   int min_matches = 8;           // that must agree on one rigid motion
   double min_share = 0.25;       // of the matches
   double pixel_gate = 4;         // of an agreeing match
+  /// A camera that lost its map is looked for where it was then, before descriptors are compared.
+  bool look_where_left = true;
 };
 
 /// All numbers are ours.

@@ -69,6 +69,10 @@ void set_motion(const FrameView& view, TrackedBody& body, const Pose& before);
 void return_expected_tracks(const FrameView& view, TrackedBody& body, Spacing& spacing, double distance_px,
                             int wanted);
 
+/// Looks for the lost tracks of a body whose pose is not known as if it had been at rest since it was lost;
+/// at most `wanted`. Where enough agree, they are the body's again and its pose is known.
+void return_where_left(const FrameView& view, TrackedBody& body, double distance_px, int wanted);
+
 /// Compares new corners (tracks with a place, depth and descriptors that are not yet the body's) with the
 /// lost tracks of all maps, when the body's pose is not known, or else of the other ones. Where enough of
 /// them agree the pose is known in that map, and the present map becomes a part of it. Recognised corners

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMinFacing = 0.25;        // cosine between the surface's normal and the line of sight
 constexpr double kMostTriesPerWanted = 3;  // lost tracks looked at, per track wanted
+constexpr int kLooksWhereLeft = 2;         // the second from the pose that the first one told
 
 // A track whose place in the image is known approximately, put where its anchor fits; nothing when it does
 // not fit or the surface there is another.
@@ -62,6 +63,11 @@ std::vector<GalleryQuery> queries_of(const std::vector<PointTrack>& corners, int
     queries.push_back(std::move(query));
   }
   return queries;
+}
+
+std::int64_t count_landmarks(const TrackedBody& body) {
+  return std::count_if(body.tracks.begin(), body.tracks.end(),
+                       [](const auto& t) { return t.landmark.has_value(); });
 }
 
 // The recognised corners and tracks become the tracks that they are.
@@ -120,6 +126,32 @@ void return_expected_tracks(const FrameView& view, TrackedBody& body, Spacing& s
   std::erase_if(body.gallery, [&](const PointTrack&) { return returned[i++]; });
 }
 
+void return_where_left(const FrameView& view, TrackedBody& body, double distance_px, int wanted) {
+  const GalleryOptions& options = view.options.gallery;
+  if (body.camera_from_map || !options.look_where_left) return;
+  std::erase_if(body.left, [&](const auto& left) {
+    return std::none_of(body.gallery.begin(), body.gallery.end(),
+                        [&](const auto& t) { return t.map == left.first; });
+  });
+  for (const auto& [map, camera_from_map] : body.left) {
+    TrackedBody trial = body;
+    trial.map = map;
+    trial.camera_from_map = camera_from_map;
+    for (auto& lost : trial.gallery) lost.tries = 0;  // in vain: the camera saw nothing
+    Spacing spacing(view.gray.size());
+    for (const auto& track : body.tracks) spacing.take(track.pixel, distance_px);
+    bool fits = true;
+    for (int look = 0; look < kLooksWhereLeft && fits; ++look) {
+      return_expected_tracks(view, trial, spacing, distance_px, wanted);
+      fits = fit_pose(view, trial, *trial.camera_from_map, 1);
+    }
+    if (!fits || count_landmarks(trial) < options.min_matches) continue;
+    trial.left.clear();
+    body = std::move(trial);
+    return;
+  }
+}
+
 void recognise_body(const FrameView& view, TrackedBody& body, std::vector<PointTrack>& corners) {
   std::vector<int> maps;  // that the camera could be in, the last one first
   for (int map = body.maps - 1; map >= 0; --map)
@@ -138,6 +170,7 @@ void recognise_body(const FrameView& view, TrackedBody& body, std::vector<PointT
     if (body.camera_from_map) join_map(body, map, seen->camera_from_map.inverse() * *body.camera_from_map);
     body.camera_from_map = seen->camera_from_map;
     body.map = map;
+    body.left.clear();
     take_back(view, body, *seen, corners, first_corner);
     fit_pose(view, body, seen->camera_from_map, 1);
     return;

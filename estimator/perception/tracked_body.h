@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -47,6 +48,7 @@ struct TrackedBody {
   std::vector<PointTrack> gallery;      ///< lost tracks with landmarks, the first lost first
   int map = 0, maps = 1;                ///< the present map, and how many were begun
   std::optional<Pose> camera_from_map;  ///< at the last frame
+  std::map<int, Pose> left;             ///< camera_from_map of maps that were lost, as if at rest since
   std::optional<Pose> motion;           ///< in the camera's frames, over the last step
   std::int64_t motion_ns = 0;           ///< how long that step was
   Vector6d twist = Vector6d::Zero();    ///< by which its tracks were moved to the stamp (rolling_shutter.h)

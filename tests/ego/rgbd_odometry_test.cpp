@@ -250,7 +250,9 @@ TEST(RgbdOdometry, AStepOfTheScaleBeginsANewMapAtTheLastPose) {
   EXPECT_EQ(odometry.restarts(), 1);
   EXPECT_TRUE(odometry.pose());
   const Trajectory trajectory = odometry.trajectory();
-  ASSERT_EQ(trajectory.size(), 100u);  // those that were lost have a place in the new map
+  ASSERT_EQ(trajectory.size(), 100u);  // those that were bridged have a place in the new map
+  EXPECT_EQ(odometry.causal_trajectory().size(), 100u);
+  EXPECT_EQ(odometry.lagged_trajectory().size(), 100u);
   for (int i = 1; i < 100; ++i) {
     const Pose estimate = relative_pose(trajectory[i - 1].pose, trajectory[i].pose);
     const Pose truth = relative_pose(walk.world_from_camera(i - 1), walk.world_from_camera(i));
@@ -321,6 +323,61 @@ TEST(RgbdOdometry, ACameraThatIsCoveredFindsBackToItsMap) {
   }
   EXPECT_EQ(odometry.restarts(), 0);
   EXPECT_EQ(odometry.trajectory().size(), 60u);
+}
+
+// Each fifth point is followed under another id from frame 31 on; in frames 33 to 40 nothing else is seen,
+// and no map knows it. The motion is 2 mm off there. From frame 41 on all points have both ids.
+TrackedFeatures see_unknown(const Walk& walk, int i) {
+  TrackedFeatures seen = walk.see(i), unknown;
+  for (Feature f : seen.background) {
+    if (f.track % 5 != 0 && i < 41) continue;
+    f.track += 10'000;
+    if (i >= 31) unknown.background.push_back(f);
+  }
+  if (i >= 33 && i < 41) seen.background.clear();
+  seen.background.insert(seen.background.end(), unknown.background.begin(), unknown.background.end());
+  if (i > 0) seen.background_motion = walk.motion(i);
+  if (i >= 33 && i < 41) seen.background_motion->translation.x() += 0.002;
+  return seen;
+}
+
+TEST(RgbdOdometry, FramesThatDoNotFitTheMapAreBridged) {
+  Walk walk(12);
+  walk.turn_rad = 0.004;  // so that no keyframe falls into frames 31 to 40
+  for (const bool is_on : {true, false}) {
+    EgoOptions options;
+    if (!is_on) options.bridge_features = 0;
+    RgbdOdometry odometry(walk.camera, options, 1);
+    for (int i = 0; i < 50; ++i) {
+      odometry.track(walk.frame(i), see_unknown(walk, i), {}, {});
+      EXPECT_EQ(odometry.pose().has_value(), is_on || i < 33 || i >= 41) << i;
+    }
+    EXPECT_EQ(odometry.restarts(), 0);
+    const Errors causal = errors_of(walk, odometry.causal_trajectory());
+    const Errors later = errors_of(walk, odometry.trajectory());
+    EXPECT_EQ(causal.poses, is_on ? 50 : 42);
+    EXPECT_EQ(later.poses, causal.poses);
+    EXPECT_EQ(std::ssize(odometry.lagged_trajectory()), causal.poses);
+    EXPECT_NEAR(causal.worst_m, is_on ? 8 * 0.002 : 0, 1e-3);
+    EXPECT_LT(later.worst_m, 1e-6);  // by then the map knows what they saw
+  }
+}
+
+// Of too few features, or after a frame whose motion is not known.
+TEST(RgbdOdometry, NothingIsBridgedWithoutAMotionThatIsKnown) {
+  Walk walk(12);
+  walk.turn_rad = 0.004;
+  for (const bool are_few : {true, false}) {
+    RgbdOdometry odometry(walk.camera, {}, 1);
+    for (int i = 0; i < 36; ++i) {
+      TrackedFeatures seen = see_unknown(walk, i);
+      if (i >= 33 && are_few) seen.background.resize(11);
+      if (i == 33 && !are_few) seen.background_motion.reset();
+      odometry.track(walk.frame(i), seen, {}, {});
+    }
+    EXPECT_FALSE(odometry.pose());
+    EXPECT_EQ(odometry.causal_trajectory().size(), 33u);
+  }
 }
 
 TEST(RgbdOdometry, TheSameFrameTwiceIsTheSamePlace) {

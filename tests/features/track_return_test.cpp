@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "drawn_world.h"
+#include "estimator/ego/rgbd_odometry.h"
 #include "estimator/perception/features.h"
 
 namespace uniquadric {
@@ -88,6 +90,49 @@ TEST(TrackReturn, TheBackgroundIsRecognisedAfterBlackFrames) {
   int old = 0;
   for (const auto& f : seen.background) old += ids.contains(f.track);
   EXPECT_GT(old, 30);
+}
+
+// Looks at a wall of equal tiles: the descriptors of one fit all others as well. `blur_px`: of frames 12
+// to 16.
+struct Blinded {
+  Hidden world;
+  FeatureTracker tracker;
+  RgbdOdometry odometry{small_camera(), {}, 1};
+  std::set<int> lost;  // frames
+
+  Blinded(double blur_px, const FeatureOptions& options) : tracker(small_camera(), options, 1) {
+    cv::Mat tile(112, 112, CV_32FC1, cv::Scalar(110));
+    tile(cv::Rect(20, 24, 40, 16)).setTo(200);
+    tile(cv::Rect(44, 56, 22, 36)).setTo(20);
+    cv::repeat(tile, 8, 8, world.wall.texture);
+    for (int i = 0; i < 25; ++i) {
+      world.wall.camera_from_card.translation.x() = 0.003 * i;
+      DrawnFrame frame = world.frame(i, false);
+      if (i >= 12 && i < 17) cv::GaussianBlur(frame.gray, frame.gray, {}, blur_px);
+      const auto seen = tracker.track(frame_at(i), frame.gray, frame.depth, frame.masks);
+      odometry.track(frame_at(i), seen, frame.depth, frame.masks);
+      if (!odometry.pose()) lost.insert(i);
+    }
+  }
+};
+
+TEST(TrackReturn, ABlindCameraFindsItselfInItsMap) {
+  for (const double blur_px : {7, 15}) {
+    const Blinded run(blur_px, {});
+    EXPECT_TRUE(run.lost.contains(16)) << blur_px;
+    EXPECT_EQ(run.lost.upper_bound(16), run.lost.end()) << blur_px;
+    EXPECT_EQ(run.odometry.restarts(), 0);
+    const Trajectory trajectory = run.odometry.trajectory();
+    ASSERT_GE(trajectory.size(), 20u);
+    const Pose moved = relative_pose(trajectory.front().pose, trajectory.back().pose);
+    EXPECT_LT((moved.translation - Eigen::Vector3d(-0.072, 0, 0)).norm(), 0.01);
+  }
+}
+
+TEST(TrackReturn, WithoutALookWhereItLeftABlindCameraStaysLost) {
+  FeatureOptions options;
+  options.gallery.look_where_left = false;
+  EXPECT_TRUE(Blinded(15, options).lost.contains(24));
 }
 
 // Another body under the same label is not taken for the old one.
