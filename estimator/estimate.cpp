@@ -177,9 +177,12 @@ BackendResult estimate_objects(const Perception& perception, const Variant& vari
     return nothing;
   }
   switch (variant.backend) {
-    case Backend::single_frame: return estimate_single_frames(perception, variant, options.seed);
-    case Backend::windows: return estimate_windows(perception, variant, options.seed);
-    case Backend::upright: return estimate_upright(perception, variant);
+    case Backend::single_frame:
+      return estimate_single_frames(perception, variant, options.seed);
+    case Backend::windows:
+      return estimate_windows(perception, variant, options.seed);
+    case Backend::upright:
+      return estimate_upright(perception, variant);
   }
   throw std::logic_error("no such back end");
 }

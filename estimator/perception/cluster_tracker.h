@@ -63,7 +63,7 @@ class ClusterTracker {
   struct Track {
     int id = 0, seen = 0, seen_as_body = 0, missed = 0, moving = 0, resting = 0;
     bool moved = false;
-    double way_m = 0;  // since it has been moving
+    double way_m = 0;                                 // since it has been moving
     Eigen::Vector2d start = Eigen::Vector2d::Zero();  // where it was seen first
     std::deque<Sight> sights;
     Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();

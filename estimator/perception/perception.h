@@ -69,7 +69,7 @@ struct BodyObservation {
   /// Of the points of a scan: whether the body may go on beyond it, behind what is nearer or where the
   /// sensor's view ends. Empty: not known.
   std::vector<bool> cut;
-  double row_gap_m = 0;  ///< between a spinning sensor's rows on it; 0: there are none
+  double row_gap_m = 0;                 ///< between a spinning sensor's rows on it; 0: there are none
   std::optional<ContactPlane> contact;  ///< what the body stands on
   /// The first frame at which it may be known that this is a body: of a scan's, by how it moves later.
   std::int64_t known_at_frame = 0;

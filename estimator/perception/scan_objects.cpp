@@ -21,10 +21,10 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kEnd = 0.3;     // [m] from a cluster's end that its last points are within
-constexpr float kNearer = 2;     // [m] than a body is what may hide a part of it
-constexpr float kFar = 1e9;      // [m]
-constexpr double kLocal = 5;     // [m] around a body, of the ground that it stands on
+constexpr double kEnd = 0.3;      // [m] from a cluster's end that its last points are within
+constexpr float kNearer = 2;      // [m] than a body is what may hide a part of it
+constexpr float kFar = 1e9;       // [m]
+constexpr double kLocal = 5;      // [m] around a body, of the ground that it stands on
 constexpr int kLeastGround = 20;  // points that tell where the ground is there
 constexpr int kNoCluster = -1;
 constexpr double kDegree = std::numbers::pi / 180;
@@ -134,7 +134,8 @@ class ScanObjects {
     const auto clusters = clusters_above(points.world, ground, options_.clusters,
                                          {points.rises_m, points.steps_m, world_from_camera.translation});
     const NearestRange nearest(points, ground, options_.clusters.ground_m,
-                               clusters_of_points(points.bearings.size(), clusters), options_.beside_deg * kDegree);
+                               clusters_of_points(points.bearings.size(), clusters),
+                               options_.beside_deg * kDegree);
     std::vector<std::vector<bool>> cuts;
     std::vector<ClusterBox> boxes;
     for (std::size_t k = 0; k < clusters.size(); ++k) {

@@ -19,10 +19,10 @@ struct ScanObjectOptions {
   ClusterTrackerOptions tracker;
   double width_deg = 120, height_deg = 100;  // of the image that an evaluation draws bodies in
   double focal_px = 460;
-  double look_back_s = 1;  // that a body's earlier clusters are kept for, from before it was known to be one
-  double rim_deg = 1.75;  // what is so near to the end of the sensor's view may go on beyond it
+  double look_back_s = 1;   // that a body's earlier clusters are kept for, from before it was known to be one
+  double rim_deg = 1.75;    // what is so near to the end of the sensor's view may go on beyond it
   double beside_deg = 0.6;  // what is so near beside a body may hide a part of it
-  int max_points = 2000;  // of a body
+  int max_points = 2000;    // of a body
 };
 
 /// The camera that scans are looked at with: at the place of the sequence's, with an image of its own.

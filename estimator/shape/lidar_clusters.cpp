@@ -110,7 +110,8 @@ std::vector<int> parts_of(const Voxels& voxels, double tolerance_m, const Eigen:
   std::vector<float> squares;
   for (std::size_t i = 0; i < means.size(); ++i) {
     const Eigen::Vector2d sight = (means[i] - sensor).head<2>().normalized();
-    tree.radiusSearch((*cloud)[i], std::max({tolerance_m, voxels.rises_m[i], voxels.reaches_m[i]}), near, squares);
+    tree.radiusSearch((*cloud)[i], std::max({tolerance_m, voxels.rises_m[i], voxels.reaches_m[i]}), near,
+                      squares);
     for (std::size_t k = 0; k < near.size(); ++k) {
       const int j = near[k];
       Eigen::Vector3d apart = means[i] - means[j];
@@ -213,8 +214,7 @@ double beam_step(const std::vector<double>& azimuths_rad, const std::vector<doub
 
 std::vector<std::vector<int>> clusters_above(const Eigen::Matrix3Xd& points,
                                              const std::optional<GroundPlane>& ground,
-                                             const LidarClusterOptions& options,
-                                             const BeamSpacing& spacing) {
+                                             const LidarClusterOptions& options, const BeamSpacing& spacing) {
   const Voxels voxels = voxels_above(points, ground, options, spacing);
   if (voxels.means.empty()) return {};
   const std::vector<int> parts = parts_of(voxels, options.tolerance_m, spacing.sensor);

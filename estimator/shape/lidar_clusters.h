@@ -39,22 +39,22 @@ std::optional<GroundPlane> find_ground(const Eigen::Matrix3Xd& points, const Lid
 /// no rows, as those of a rosette. `elevations_rad`: of the points over the sensor's own level.
 std::vector<double> row_gaps(const std::vector<double>& elevations_rad);
 
-/// The angle [rad] from beam to beam beside it: the median over points of one row, or of one level where there
-/// are no rows.
+/// The angle [rad] from beam to beam beside it: the median over points of one row, or of one level where
+/// there are no rows.
 double beam_step(const std::vector<double>& azimuths_rad, const std::vector<double>& elevations_rad);
 
 /// How far apart a sensor's beams are at each point, of a surface that faces it [m].
 struct BeamSpacing {
-  std::vector<double> rises_m;  ///< between rows; empty: there are none
-  std::vector<double> steps_m;  ///< from beam to beam along a row; empty: not known
+  std::vector<double> rises_m;                       ///< between rows; empty: there are none
+  std::vector<double> steps_m;                       ///< from beam to beam along a row; empty: not known
   Eigen::Vector3d sensor = Eigen::Vector3d::Zero();  ///< in the points' frame
 };
 
 /// Points that hang together above the ground: their numbers, in increasing order; clusters in the order of
 /// their first points. Too small, too low and too large ones are left out, and those that hang in the air.
 /// Points hang together, too, over the distance of two rows one above the other, and along the line of sight
-/// over that of two beams on a side which they meet under 10 degrees (after Borges and Aldon, "Line extraction
-/// in 2D range images", 2004).
+/// over that of two beams on a side which they meet under 10 degrees (after Borges and Aldon, "Line
+/// extraction in 2D range images", 2004).
 std::vector<std::vector<int>> clusters_above(const Eigen::Matrix3Xd& points,
                                              const std::optional<GroundPlane>& ground,
                                              const LidarClusterOptions& options,

@@ -46,7 +46,8 @@ SizeBelief street_size(const SeenSize& seen) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero(), square = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < misfits.size(); ++i) {
     const StreetUser& user = street_users()[i];
-    const double weight = user.share * std::exp((least - misfits[i]) / 2) / user.size_m.prod() / user.speed_sigma_mps;
+    const double weight =
+        user.share * std::exp((least - misfits[i]) / 2) / user.size_m.prod() / user.speed_sigma_mps;
     all += weight;
     mean += weight * user.size_m;
     square += weight * (1 + kSpread * kSpread) * user.size_m.cwiseAbs2();

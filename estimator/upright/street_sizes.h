@@ -17,9 +17,10 @@ struct SizeBelief {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero(), sigma_m = Eigen::Vector3d::Zero();
 };
 
-/// Length, width and height of a street user of which that was seen: the mixture of cars, vans, trucks, trams,
-/// cyclists and pedestrians that could be it. Mean sizes are those of KITTI's training labels (Geiger et al.,
-/// CVPR 2012) as Frustum PointNets lists them (Qi et al., CVPR 2018); spreads, shares and speeds are ours.
+/// Length, width and height of a street user of which that was seen: the mixture of cars, vans, trucks,
+/// trams, cyclists and pedestrians that could be it. Mean sizes are those of KITTI's training labels (Geiger
+/// et al., CVPR 2012) as Frustum PointNets lists them (Qi et al., CVPR 2018); spreads, shares and speeds are
+/// ours.
 SizeBelief street_size(const SeenSize& seen);
 
 }  // namespace uniquadric

@@ -80,8 +80,8 @@ void UprightFilter::start(const UprightSight& sight, const Eigen::Vector2d& velo
   s.mean.tail<3>() = size.size_m;
   s.mean.head<2>() = sight.points.rowwise().mean();
   UprightVector sigmas;
-  sigmas << size.size_m.norm(), size.size_m.norm(), yaw_sigma, kStartSpeedShare * s.mean[kSpeed],
-      kStartYaw, size.sigma_m;
+  sigmas << size.size_m.norm(), size.size_m.norm(), yaw_sigma, kStartSpeedShare * s.mean[kSpeed], kStartYaw,
+      size.sigma_m;
   s.covariance = sigmas.cwiseAbs2().asDiagonal();
   see(sight, s);
   step.predicted = s.mean;
@@ -105,8 +105,8 @@ UprightFilter::Step UprightFilter::gone_on(const UprightState& from, std::int64_
   step.transition.block<2, 1>(kX, kSpeed) = t * ahead;
   step.transition.block<2, 1>(kX, kYawRate) = from.mean[kSpeed] * t * t / 2 * left;
   step.transition(kYaw, kYawRate) = t;
-  s.covariance = step.transition * from.covariance * step.transition.transpose() +
-                 noise_over(t, middle_rad, options_);
+  s.covariance =
+      step.transition * from.covariance * step.transition.transpose() + noise_over(t, middle_rad, options_);
   step.predicted = s.mean;
   step.predicted_covariance = s.covariance;
   return step;
@@ -191,9 +191,7 @@ std::vector<UprightState> UprightFilter::smoothed(std::int64_t lag_ns) const {
       const Step& next = steps_[k + 1];
       UprightState state = steps_[k].now;
       const UprightMatrix gain =
-          next.predicted_covariance.ldlt()
-              .solve(next.transition * state.covariance)
-              .transpose();
+          next.predicted_covariance.ldlt().solve(next.transition * state.covariance).transpose();
       state.mean += gain * (later.mean - next.predicted);
       state.covariance += gain * (later.covariance - next.predicted_covariance) * gain.transpose();
       state.mean.tail<3>() = state.mean.tail<3>().cwiseMax(kLeastSize);

@@ -27,9 +27,9 @@ struct UprightFrame {
   std::optional<UprightSight> sight;
 };
 
-/// An extended Kalman filter over a body that moves along its own yaw with a turn rate (CTRV). What it measures
-/// are the ends of the body: those in view tell the middle and the size, those that are hidden only how large
-/// it is at least. So the side that is seen stays where it is while the size becomes known.
+/// An extended Kalman filter over a body that moves along its own yaw with a turn rate (CTRV). What it
+/// measures are the ends of the body: those in view tell the middle and the size, those that are hidden only
+/// how large it is at least. So the side that is seen stays where it is while the size becomes known.
 class UprightFilter {
  public:
   explicit UprightFilter(const UprightBoxOptions& options) : options_(options) {}

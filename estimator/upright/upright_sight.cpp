@@ -13,9 +13,9 @@ constexpr double kLastShare = 0.05;  // of the points, that tell where an end is
 constexpr int kLeastLast = 4;
 constexpr double kOutliers = 0.002;   // of the points, that may lie beyond an end
 constexpr double kLeastSigma = 0.02;  // of an end, share of the body's size in view
-constexpr double kRim = 0.1;        // of the width, beyond which a point is on another side
-constexpr double kGrazing = 0.1;    // slope of the line of sight to a side, under which that is hardly seen
-constexpr double kSideSteps = 2;    // distances of points on a side, that it may go on by
+constexpr double kRim = 0.1;          // of the width, beyond which a point is on another side
+constexpr double kGrazing = 0.1;      // slope of the line of sight to a side, under which that is hardly seen
+constexpr double kSideSteps = 2;      // distances of points on a side, that it may go on by
 constexpr double kYawStep = std::numbers::pi / 180;
 constexpr int kMostFree = 30;  // points of a scan that err each in its own way
 constexpr double kRims = 0.9;  // share of the points, nearest to the sides, that tell the yaw
@@ -55,7 +55,8 @@ BoxEnd end_towards(const UprightSight& sight, const Eigen::Vector2d& direction, 
   const auto count = std::ssize(order);
   const auto first = static_cast<std::ptrdiff_t>(kOutliers * static_cast<double>(count));
   const auto last = std::min<std::ptrdiff_t>(
-      count, first + std::max<std::ptrdiff_t>(kLeastLast, std::lround(kLastShare * static_cast<double>(count))));
+      count,
+      first + std::max<std::ptrdiff_t>(kLeastLast, std::lround(kLastShare * static_cast<double>(count))));
   BoxEnd end;
   end.direction = direction;
   end.position_m = along[order[first]];
@@ -83,7 +84,8 @@ void bound_far_ends(const UprightSight& sight, const Eigen::Vector2d& direction,
   }
   far.is_bound |= beyond_m < kGrazing * away_m || on_side < kLeastLast;
   if (on_side > 0)
-    far.sigma_m = std::hypot(far.sigma_m, kSideSteps * (along.high - along.low) / static_cast<double>(on_side));
+    far.sigma_m =
+        std::hypot(far.sigma_m, kSideSteps * (along.high - along.low) / static_cast<double>(on_side));
 }
 
 }  // namespace
@@ -108,8 +110,8 @@ UprightSight upright_sight(const FrameInfo& frame, const BodyObservation& body) 
     const Eigen::Vector2d middle = sight.points.rowwise().mean();
     sight.bottom_m = -(offset_m + normal.head<2>().dot(middle)) / normal.z();
   }
-  const auto last = static_cast<std::size_t>(std::max(
-      0.0, static_cast<double>(heights.size()) * (1 - kLastShare) - 1));
+  const auto last =
+      static_cast<std::size_t>(std::max(0.0, static_cast<double>(heights.size()) * (1 - kLastShare) - 1));
   // the next row would have met what is higher
   sight.height_m = heights.back() + body.row_gap_m / 2 - sight.bottom_m;
   sight.height_sigma_m =

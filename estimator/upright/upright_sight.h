@@ -32,8 +32,8 @@ struct BoxEnd {
 };
 
 /// The ends of a body at its back, front, right and left, whose length has this yaw. A side that faces the
-/// sensor is seen; one that faces away is seen where another one leads up to it. How far apart the last points
-/// are, towards an end, tells how well it is known.
+/// sensor is seen; one that faces away is seen where another one leads up to it. How far apart the last
+/// points are, towards an end, tells how well it is known.
 std::array<BoxEnd, 4> box_ends(const UprightSight& sight, double yaw_rad);
 
 struct SeenYaw {
@@ -41,8 +41,8 @@ struct SeenYaw {
 };
 
 /// The yaw, within `reach_rad` of the expected one, in which the points lie nearest to the sides of their box
-/// that face the sensor (after Zhang et al., "Efficient L-shape fitting", IV 2017: their closeness, over sides
-/// in view alone). Nothing where they do not say.
+/// that face the sensor (after Zhang et al., "Efficient L-shape fitting", IV 2017: their closeness, over
+/// sides in view alone). Nothing where they do not say.
 std::optional<SeenYaw> seen_yaw(const UprightSight& sight, double expected_rad, double reach_rad);
 
 }  // namespace uniquadric
