@@ -159,6 +159,14 @@ std::unique_ptr<AsyncObjectTracker> make_tracker(const Sequence& sequence, const
                                               slow_segmenter(sequence, segmenter, options, seed), options);
 }
 
+// That of a sequence with images, as slow as it is.
+std::unique_ptr<SegmenterClock> segmenter_of(const Sequence& sequence, const PerceptionOptions& options,
+                                             const PerceiveOptions& run) {
+  if (sequence.frames.empty()) return nullptr;
+  return make_virtual_clock(slow_segmenter(
+      sequence, make_segmenter(sequence, options.segmentation, run.prompts), options.aot, run.seed));
+}
+
 // Points are put together along the camera's path, which features that wait for their depth cannot give.
 bool wants_lidar_depth(const Sequence& sequence, const PerceptionOptions& options) {
   const auto has_depth = [](const SequenceFrame& frame) { return !frame.depth.empty(); };
@@ -224,7 +232,9 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     if (!by_lidar)
       throw InputError(sequence.folder, "has no images to go by: only `ego: {source: lidar}` can follow it");
     warn_of_gap(recorded);
-    return perceive_scans(sequence, options.lidar, options.scan_objects, run.seed, run.quiet, out, times);
+    const auto segmenter = options.scan_objects.masks ? segmenter_of(sequence, options, run) : nullptr;
+    return perceive_scans(sequence, options.lidar, options.scan_objects, segmenter.get(), run.seed, run.quiet, out,
+                          times);
   }
   const bool is_given = options.ego == EgoSource::given;
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;

@@ -95,6 +95,8 @@ void visit(Io& io, LidarDepthOptions& o) {
 template <typename Io>
 void visit(Io& io, ScanObjectOptions& o) {
   io.flag("enabled", o.enabled);
+  io.flag("masks", o.masks);
+  io.number("mask_share", o.mask_share, 0.0, 1.0);
   io.positive("cell_m", o.clusters.cell_m);
   io.number("ground_tilt_deg", o.clusters.ground_tilt_deg, 0.0, 60.0);
   io.number("ground_samples", o.clusters.ground_samples, 1, kMostIterations);

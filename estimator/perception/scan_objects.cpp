@@ -154,6 +154,22 @@ class ScanObjects {
     return bodies;
   }
 
+  /// Clusters of a frame that lie under masks (CV_16UC1) of the camera's image then are known at frame `now`
+  /// to be bodies.
+  void see_masks(const PerceivedFrame& frame, const cv::Mat& masks, const Camera& camera, std::int64_t now) {
+    for (const BodyObservation& body : frame.bodies) {
+      int covered = 0;
+      for (const auto& p : body.points.colwise()) {
+        const auto pixel = camera.project(p);
+        if (pixel && camera.contains(*pixel))
+          covered += masks.at<std::uint16_t>(static_cast<int>(std::lround(pixel->y())),
+                                             static_cast<int>(std::lround(pixel->x()))) != 0;
+      }
+      if (covered > options_.mask_share * static_cast<double>(body.points.cols()))
+        known_.try_emplace(body.id, now);
+    }
+  }
+
   /// Leaves those that are known by now to be bodies.
   void keep_bodies(PerceivedFrame& frame) const {
     std::erase_if(frame.bodies, [&](const BodyObservation& body) { return !known_.contains(body.id); });
@@ -318,6 +334,13 @@ class SweepBuffer {
   std::vector<TimedPoint> points_;
 };
 
+// The last frame up to one in which a scan ended; null where it is gone.
+const PerceivedFrame* look_at(const std::deque<PerceivedFrame>& frames, std::int64_t frame) {
+  for (auto f = frames.rbegin(); f != frames.rend(); ++f)
+    if (f->frame <= frame && f->has_masks) return &*f;
+  return nullptr;
+}
+
 }  // namespace
 
 Camera scan_camera(const ScanObjectOptions& options) {
@@ -332,7 +355,8 @@ Camera scan_camera(const ScanObjectOptions& options) {
 }
 
 void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const ScanObjectOptions& options,
-                    std::uint64_t seed, bool quiet, PerceptionWriter& out, std::vector<StageTime>& times) {
+                    SegmenterClock* segmenter, std::uint64_t seed, bool quiet, PerceptionWriter& out,
+                    std::vector<StageTime>& times) {
   LidarEgo lidar(sequence, ego);
   for (const SequenceFrame& frame : sequence.frames) lidar.track(frame, {});
   lidar.finish();
@@ -366,6 +390,12 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
     }
     objects.end_frame(stamp_ns, pose);
     waiting.push_back(frame);
+    if (segmenter) {
+      const SequenceFrame& image = sequence.frames[static_cast<std::size_t>(frame.frame)];
+      for (const SegmenterResult& result : segmenter->step({image, {}, {}, {}}, stamp_ns))
+        if (const PerceivedFrame* seen = look_at(waiting, result.frame))
+          objects.see_masks(*seen, result.masks, sequence.camera, frame.frame);
+    }
     write_until(stamp_ns - nanoseconds(options.look_back_s));
     if (pose) poses.final.push_back({stamp_ns, *pose});
     ++frame.frame;

@@ -7,6 +7,7 @@
 #include "estimator/ego/lidar_ego.h"
 #include "estimator/perception/cluster_tracker.h"
 #include "estimator/perception/perception_files.h"
+#include "estimator/perception/segmenter_clock.h"
 #include "estimator/shape/lidar_clusters.h"
 #include "estimator/stopwatch.h"
 
@@ -15,6 +16,8 @@ namespace uniquadric {
 /// How sequences without images get bodies. All numbers are ours.
 struct ScanObjectOptions {
   bool enabled = true;  // or the sensor's own motion alone is followed
+  bool masks = false;   // of the camera say which clusters are bodies, besides those that move
+  double mask_share = 0.5;  // of a cluster's points that lie under a mask then
   LidarClusterOptions clusters;
   ClusterTrackerOptions tracker;
   double width_deg = 120, height_deg = 100;  // of the image that an evaluation draws bodies in
@@ -33,9 +36,11 @@ Camera scan_camera(const ScanObjectOptions& options);
 /// first (LidarEgo), then points of each scan, put where they are at its end, are clustered above the ground,
 /// tracked, and those that move become bodies, on all sides of the sensor. A body's points are put on to the
 /// scan's end by its velocity along the ground (Eq. 4 without the turn). It has the ground under it
-/// (`contact`), and neither outline nor features. `seed` is that of the ground's samples. Throws InputError
-/// as LidarEgo.
+/// (`contact`), and neither outline nor features. `segmenter` (or null) runs beside the frames, and a cluster
+/// that lies under one of its masks is a body, whether it moves or not. `seed` is that of the ground's samples.
+/// Throws InputError as LidarEgo.
 void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const ScanObjectOptions& options,
-                    std::uint64_t seed, bool quiet, PerceptionWriter& out, std::vector<StageTime>& times);
+                    SegmenterClock* segmenter, std::uint64_t seed, bool quiet, PerceptionWriter& out,
+                    std::vector<StageTime>& times);
 
 }  // namespace uniquadric

@@ -7,6 +7,7 @@
 namespace uniquadric {
 namespace {
 
+constexpr double kRestSpeed = 0.5;  // [m/s], sigma of that of a user who waits or parks
 constexpr double kSpread = 0.15;  // of a class's sizes, share of the mean
 
 struct StreetUser {
@@ -26,7 +27,8 @@ const std::array<StreetUser, 6>& street_users() {
 
 // How badly that was seen of such a one, in squared sigmas.
 double misfit(const StreetUser& user, const SeenSize& seen) {
-  double sum = std::pow((seen.speed_mps - user.speed_mps) / user.speed_sigma_mps, 2);
+  double sum = std::min(std::pow((seen.speed_mps - user.speed_mps) / user.speed_sigma_mps, 2),
+                        std::pow(seen.speed_mps / kRestSpeed, 2));
   for (int axis = 0; axis < 3; ++axis) {
     const double more_m = seen.size_m[axis] - user.size_m[axis];
     if (more_m < 0 && !seen.is_whole[axis]) continue;
@@ -53,7 +55,7 @@ SizeBelief street_size(const SeenSize& seen) {
     square += weight * (1 + kSpread * kSpread) * user.size_m.cwiseAbs2();
   }
   mean /= all;
-  return {mean, (square / all - mean.cwiseAbs2()).cwiseSqrt()};
+  return {mean, (square / all - mean.cwiseAbs2()).cwiseSqrt(), least - 2 * std::log(all)};
 }
 
 }  // namespace uniquadric

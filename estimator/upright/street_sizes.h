@@ -15,6 +15,7 @@ struct SeenSize {
 
 struct SizeBelief {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero(), sigma_m = Eigen::Vector3d::Zero();
+  double misfit = 0;  ///< -2 ln of how likely it is to see this of a street user, but for a constant
 };
 
 /// Length, width and height of a street user of which that was seen: the mixture of cars, vans, trucks,

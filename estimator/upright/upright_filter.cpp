@@ -6,13 +6,13 @@
 #include <numbers>
 
 #include "core/base/seconds.h"
-#include "estimator/upright/street_sizes.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr double kStartYaw = 0.3;         // [rad], sigma of the way that a body was first seen to go
 constexpr double kStartSpeedShare = 0.3;  // of the speed, its sigma then
+constexpr double kRestSpeed = 0.5;        // [m/s]: slower is not known to go anywhere
 constexpr double kReach = 0.35;           // [rad] about the expected yaw, that sides are looked for in
 constexpr double kSlip = 0.3;             // of the acceleration, across the body
 constexpr double kLeastSize = 0.1;        // [m]
@@ -43,7 +43,8 @@ SeenSize seen_size(const UprightSight& sight, double yaw_rad, double speed_mps) 
 // Of a thing of any kind: as large as what is seen, or larger by as much.
 SizeBelief any_size(const SeenSize& seen) {
   const double most_m = seen.size_m.maxCoeff();
-  return {seen.size_m.cwiseMax(kLeastSize), Eigen::Vector3d::Constant(most_m)};
+  const double longer = seen.size_m.x() < seen.size_m.y() ? 1 : 0;  // its length is its longer side
+  return {seen.size_m.cwiseMax(kLeastSize), Eigen::Vector3d::Constant(most_m), longer};
 }
 
 UprightMatrix noise_over(double t, double yaw_rad, const UprightBoxOptions& o) {
@@ -63,20 +64,32 @@ UprightMatrix noise_over(double t, double yaw_rad, const UprightBoxOptions& o) {
 
 }  // namespace
 
+SizeBelief UprightFilter::expected_size(const UprightSight& sight, const UprightState& state) const {
+  const SeenSize seen = seen_size(sight, state.mean[kYaw], state.mean[kSpeed]);
+  return options_.street_sizes ? street_size(seen) : any_size(seen);
+}
+
 void UprightFilter::start(const UprightSight& sight, const Eigen::Vector2d& velocity_mps) {
   Step& step = steps_.emplace_back();
   UprightState& s = step.now;
   s.frame = sight.frame;
   s.stamp_ns = sight.stamp_ns;
-  s.mean[kYaw] = std::atan2(velocity_mps.y(), velocity_mps.x());
   s.mean[kSpeed] = velocity_mps.norm();
   double yaw_sigma = kStartYaw;
-  if (const auto yaw = options_.shape_yaw ? seen_yaw(sight, s.mean[kYaw], 2 * kReach) : std::nullopt) {
+  const bool rests = s.mean[kSpeed] < kRestSpeed;  // where it would go, its sides alone tell
+  s.mean[kYaw] = rests ? 0 : std::atan2(velocity_mps.y(), velocity_mps.x());
+  const double reach_rad = rests ? std::numbers::pi / 4 : 2 * kReach;
+  if (const auto yaw = options_.shape_yaw ? seen_yaw(sight, s.mean[kYaw], reach_rad) : std::nullopt) {
     s.mean[kYaw] = yaw->yaw_rad;
     yaw_sigma = std::min(yaw_sigma, yaw->sigma_rad);
   }
-  const SeenSize seen = seen_size(sight, s.mean[kYaw], s.mean[kSpeed]);
-  const SizeBelief size = options_.street_sizes ? street_size(seen) : any_size(seen);
+  SizeBelief size = expected_size(sight, s);
+  if (rests) {
+    UprightState across = s;
+    across.mean[kYaw] += std::numbers::pi / 2;
+    const SizeBelief other = expected_size(sight, across);
+    if (other.misfit < size.misfit) s.mean[kYaw] = across.mean[kYaw], size = other;
+  }
   s.mean.tail<3>() = size.size_m;
   s.mean.head<2>() = sight.points.rowwise().mean();
   UprightVector sigmas;

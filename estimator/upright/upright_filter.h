@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "estimator/upright/street_sizes.h"
 #include "estimator/upright/upright_options.h"
 #include "estimator/upright/upright_sight.h"
 
@@ -52,6 +53,7 @@ class UprightFilter {
     UprightVector predicted = UprightVector::Zero();
     UprightMatrix predicted_covariance = UprightMatrix::Identity(), transition = UprightMatrix::Identity();
   };
+  SizeBelief expected_size(const UprightSight& sight, const UprightState& state) const;
   Step gone_on(const UprightState& from, std::int64_t frame, std::int64_t stamp_ns) const;
   void see(const UprightSight& sight, UprightState& state);
   bool measure(const UprightVector& row, double innovation, double sigma, UprightState& state) const;
