@@ -233,8 +233,8 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
       throw InputError(sequence.folder, "has no images to go by: only `ego: {source: lidar}` can follow it");
     warn_of_gap(recorded);
     const auto segmenter = options.scan_objects.masks ? segmenter_of(sequence, options, run) : nullptr;
-    return perceive_scans(sequence, options.lidar, options.scan_objects, segmenter.get(), run.seed, run.quiet, out,
-                          times);
+    return perceive_scans(sequence, options.lidar, options.scan_objects, segmenter.get(), run.seed, run.quiet,
+                          out, times);
   }
   const bool is_given = options.ego == EgoSource::given;
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;

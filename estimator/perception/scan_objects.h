@@ -15,8 +15,8 @@ namespace uniquadric {
 
 /// How sequences without images get bodies. All numbers are ours.
 struct ScanObjectOptions {
-  bool enabled = true;  // or the sensor's own motion alone is followed
-  bool masks = false;   // of the camera say which clusters are bodies, besides those that move
+  bool enabled = true;      // or the sensor's own motion alone is followed
+  bool masks = false;       // of the camera say which clusters are bodies, besides those that move
   double mask_share = 0.5;  // of a cluster's points that lie under a mask then
   LidarClusterOptions clusters;
   ClusterTrackerOptions tracker;
@@ -37,8 +37,8 @@ Camera scan_camera(const ScanObjectOptions& options);
 /// tracked, and those that move become bodies, on all sides of the sensor. A body's points are put on to the
 /// scan's end by its velocity along the ground (Eq. 4 without the turn). It has the ground under it
 /// (`contact`), and neither outline nor features. `segmenter` (or null) runs beside the frames, and a cluster
-/// that lies under one of its masks is a body, whether it moves or not. `seed` is that of the ground's samples.
-/// Throws InputError as LidarEgo.
+/// that lies under one of its masks is a body, whether it moves or not. `seed` is that of the ground's
+/// samples. Throws InputError as LidarEgo.
 void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const ScanObjectOptions& options,
                     SegmenterClock* segmenter, std::uint64_t seed, bool quiet, PerceptionWriter& out,
                     std::vector<StageTime>& times);

@@ -8,7 +8,7 @@ namespace uniquadric {
 namespace {
 
 constexpr double kRestSpeed = 0.5;  // [m/s], sigma of that of a user who waits or parks
-constexpr double kSpread = 0.15;  // of a class's sizes, share of the mean
+constexpr double kSpread = 0.15;    // of a class's sizes, share of the mean
 
 struct StreetUser {
   Eigen::Vector3d size_m;

@@ -16,8 +16,7 @@ constexpr double kRestSpeed = 0.5;        // [m/s]: slower is not known to go an
 constexpr double kReach = 0.35;           // [rad] about the expected yaw, that sides are looked for in
 constexpr double kSlip = 0.3;             // of the acceleration, across the body
 constexpr double kLeastSize = 0.1;        // [m]
-constexpr int kPatience = 3;              // scans, most of whose ends are not where they were expected
-constexpr double kForgotten = 0.3;        // of the size, its sigma after these
+constexpr int kPatience = 3;              // scans in which an end is not where it was expected
 
 double angle_between(double to, double from) {
   return std::remainder(to - from, 2 * std::numbers::pi);
@@ -160,7 +159,6 @@ bool UprightFilter::measure(const UprightVector& row, double innovation, double 
 void UprightFilter::see(const UprightSight& sight, UprightState& state) {
   state.is_seen = true;
   state.bottom_m = sight.bottom_m;
-  int agreed = 0, asked = 0;
   if (const auto yaw = options_.shape_yaw ? seen_yaw(sight, state.mean[kYaw], kReach) : std::nullopt)
     measure(UprightVector::Unit(kYaw), angle_between(yaw->yaw_rad, state.mean[kYaw]), yaw->sigma_rad, state);
   const double yaw_sigma = std::sqrt(state.covariance(kYaw, kYaw));
@@ -174,20 +172,21 @@ void UprightFilter::see(const UprightSight& sight, UprightState& state) {
     const double innovation = end.position_m - row.dot(state.mean);
     if (end.is_bound && innovation < 0) continue;
     // a corner of a box that is turned otherwise stands out
-    agreed += measure(row, innovation, std::hypot(end.sigma_m, yaw_sigma * state.mean[other] / 2), state);
-    ++asked;
+    const double sigma = std::hypot(end.sigma_m, yaw_sigma * state.mean[other] / 2);
+    if (measure(row, innovation, sigma, state)) {
+      scans_off_[side] = 0;
+    } else if (++scans_off_[side] >= kPatience) {
+      doubt(row, innovation, state);
+      measure(row, innovation, sigma, state);
+    }
   }
-  scans_off_ = 2 * agreed < asked ? scans_off_ + 1 : 0;
-  if (scans_off_ >= kPatience) forget_place(state);
   measure(UprightVector::Unit(kHeight), sight.height_m - state.mean[kHeight], sight.height_sigma_m, state);
 }
 
-// What is expected has not been seen for some time: the next scan may tell anything again.
-void UprightFilter::forget_place(UprightState& state) {
-  const Eigen::Vector3d size_m = state.mean.tail<3>();
-  state.covariance.diagonal().head<2>().array() += size_m.squaredNorm();
-  state.covariance.diagonal().tail<3>() += (kForgotten * size_m).cwiseAbs2();
-  scans_off_ = 0;
+// An end that was elsewhere for some scans: place and size, which say where it should be, may be as wrong.
+void UprightFilter::doubt(const UprightVector& row, double innovation, UprightState& state) {
+  state.covariance += innovation * innovation * row * row.transpose();
+  state.covariance.diagonal() += (innovation * row).cwiseAbs2();
 }
 
 std::vector<UprightState> UprightFilter::causal() const {

@@ -57,11 +57,11 @@ class UprightFilter {
   Step gone_on(const UprightState& from, std::int64_t frame, std::int64_t stamp_ns) const;
   void see(const UprightSight& sight, UprightState& state);
   bool measure(const UprightVector& row, double innovation, double sigma, UprightState& state) const;
-  void forget_place(UprightState& state);
+  static void doubt(const UprightVector& row, double innovation, UprightState& state);
 
   UprightBoxOptions options_;
   std::vector<Step> steps_;
-  int scans_off_ = 0;  // most of whose ends were not where they were expected
+  std::array<int, 4> scans_off_{};  // in which each end was not where it was expected
 };
 
 }  // namespace uniquadric

@@ -98,20 +98,22 @@ TEST(LidarClusters, RowsOfASpinningLidarHangTogetherOnABody) {
   for (const double gap : row_gaps(elevations_rad)) EXPECT_EQ(gap, 0);
 }
 
-// The side of a truck 40 m ahead, 5 m beside the way: beams 0.2 degrees apart meet it every 1.2 m.
+// The side of a truck 40 m ahead, 8 m beside the way: beams 0.2 degrees apart meet it every 0.7 to 0.9 m.
 TEST(LidarClusters, ASideThatIsMetAtAGrazingAngleHangsTogether) {
   const double step_rad = 0.2 * std::numbers::pi / 180;
   std::vector<Vector3d> points;
   std::vector<double> azimuths_rad, elevations_rad, steps_m;
   for (int row = 0; row < 5; ++row)
-    for (double azimuth = std::atan2(5, 45); azimuth < std::atan2(5, 36); azimuth += step_rad) {
-      points.emplace_back(5 / std::tan(azimuth), 5, 0.3 * row);
+    for (double azimuth = std::atan2(8, 46); azimuth < std::atan2(8, 36); azimuth += step_rad) {
+      points.emplace_back(8 / std::tan(azimuth), 8, 0.3 * row);
       azimuths_rad.push_back(azimuth);
       elevations_rad.push_back(0.007 * row);
       steps_m.push_back(step_rad * points.back().norm());
     }
   EXPECT_NEAR(beam_step(azimuths_rad, elevations_rad), step_rad, 1e-9);
-  EXPECT_NE(clusters_above(matrix_of(points), {}, {}).size(), 1u);
+  const auto apart = clusters_above(matrix_of(points), {}, {});
+  ASSERT_FALSE(apart.empty());
+  EXPECT_LT(apart[0].size(), points.size() - 10);
   const auto together = clusters_above(matrix_of(points), {}, {}, {{}, steps_m});
   ASSERT_EQ(together.size(), 1u);
   EXPECT_EQ(together[0].size(), points.size());
@@ -237,7 +239,7 @@ TEST(ClusterTracker, WhatIsFasterThanItIsLongIsFollowed) {
     const auto tracked = tracker.track(stamp(i), boxes(i));
     if (i == 0) id = tracked[1].id;
     EXPECT_EQ(tracked[1].id, id) << i;
-    EXPECT_EQ(tracked[1].seen_as_body > 0, i >= 4) << i;
+    EXPECT_EQ(tracked[1].seen_as_body > 0, i >= 6) << i;
     if (i > 0) {
       EXPECT_NEAR(tracked[1].velocity_mps.x(), -25, 1e-9) << i;
     }
@@ -256,7 +258,7 @@ class LidarAlone : public testing::Test {
     room_.mover_half_m = {0.7, 0.5, 0.6};
     room_.half_size_m.x() = 12;
     room_.mover_start_m = {9, -1.4, -1.88};
-    room_.mover_velocity_mps = {-1.5, 0.3, 0};
+    room_.mover_velocity_mps = {-1.5, 0, 0};
     Sequence sequence;
     sequence.name = "room";
     sequence.rate_hz = 10;
@@ -309,8 +311,9 @@ TEST_F(LidarAlone, PointsOfTheBodyLieOnItAtTheScansEnd) {
     for (const BodyObservation& body : frame.bodies) {
       ids.insert(body.id);
       ++seen;
-      ASSERT_TRUE(body.silhouette);
+      EXPECT_EQ(std::ssize(body.cut), body.points.cols());
       EXPECT_GT(body.points.cols(), 100);
+      EXPECT_GE(body.known_at_frame, frame.frame);
       const Pose pose = room_from_camera(frame.stamp_ns);
       for (const auto& p : body.points.colwise())
         off_m.push_back(off_mover_m(pose * Vector3d(p), frame.stamp_ns));
@@ -331,10 +334,11 @@ TEST_F(LidarAlone, TheBodyIsFoundWithItsSize) {
   options.threads = 1;
   const auto out = temp_.path() / "estimate";
   estimate(folder(), variant_, options, out);
-  const Tracks tracks = read_tracks(out);
+  const Tracks tracks = read_tracks(out / "final");
   ASSERT_EQ(tracks.objects.size(), 1u);
   const ObjectTrack& track = tracks.objects[0];
-  EXPECT_GE(std::ssize(track.states), kScans - 8);
+  EXPECT_GE(std::ssize(track.states), kScans - 4);  // once it is known to move, it has been seen before
+  EXPECT_LT(read_tracks(out).objects[0].states.size(), track.states.size());
   const ObjectState& last = track.states.back();
   std::array<double, 3> axes, truth{0.5, 0.6, 0.7};
   std::copy_n(last.ellipsoid.semi_axes_m.data(), 3, axes.begin());

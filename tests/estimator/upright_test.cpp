@@ -19,9 +19,10 @@ struct Box {
   double yaw_rad = 0, length_m = 4.4, width_m = 1.8;
 };
 
-// Points of the sides that a sensor sees, `per_m` of them, with noise. `lengthwise`: sides along the box, too.
-UprightSight sight_of(const Box& box, const Vector2d& sensor, double per_m, double sigma_m, RandomStream& random,
-                      bool lengthwise = true) {
+// Points of the sides that a sensor sees, `per_m` of them, with noise. `lengthwise`: sides along the box,
+// too.
+UprightSight sight_of(const Box& box, const Vector2d& sensor, double per_m, double sigma_m,
+                      RandomStream& random, bool lengthwise = true) {
   const Vector2d ahead(std::cos(box.yaw_rad), std::sin(box.yaw_rad)), left(-ahead.y(), ahead.x());
   const Vector2d from = sensor - box.middle;
   std::vector<Vector2d> points;
@@ -29,7 +30,8 @@ UprightSight sight_of(const Box& box, const Vector2d& sensor, double per_m, doub
     if (normal.dot(from) <= off_m) return;
     const int count = std::max(4, static_cast<int>(per_m * length_m));
     for (int i = 0; i <= count; ++i)
-      points.push_back(box.middle + off_m * normal + (static_cast<double>(i) / count - 0.5) * length_m * along +
+      points.push_back(box.middle + off_m * normal +
+                       (static_cast<double>(i) / count - 0.5) * length_m * along +
                        sigma_m * Vector2d(random.normal(), random.normal()));
   };
   add_side(ahead, box.length_m / 2, left, box.width_m);
@@ -50,7 +52,7 @@ UprightSight sight_of(const Box& box, const Vector2d& sensor, double per_m, doub
 
 TEST(UprightSight, EndsAreThoseOfTheBox) {
   RandomStream random(1, "test");
-  const Box box{{12, 5}, 0.4};
+  const Box box{{12, 7}, 0.1};
   const auto ends = box_ends(sight_of(box, {0, 0}, 40, 0, random), box.yaw_rad);
   const std::array<double, 4> half_m{2.2, 2.2, 0.9, 0.9};
   for (int side = 0; side < 4; ++side) {
@@ -164,8 +166,8 @@ TEST(UprightFilter, LooksBackWithWhatItLearnsLater) {
   const TurningCar car;
   constexpr int kScans = 40;
   const UprightFilter filter = filter_of(car, {}, kScans);
-  const auto causal = filter.causal(), at_once = filter.smoothed(0),
-             lagged = filter.smoothed(1'000'000'000), final = filter.smoothed(1'000'000'000'000);
+  const auto causal = filter.causal(), at_once = filter.smoothed(0), lagged = filter.smoothed(1'000'000'000),
+             final = filter.smoothed(1'000'000'000'000);
   ASSERT_EQ(final.size(), causal.size());
   double sum_causal_m = 0, sum_final_m = 0;
   for (int i = 0; i < kScans; ++i) {
