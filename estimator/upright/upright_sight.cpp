@@ -18,6 +18,7 @@ constexpr double kGrazing = 0.1;      // slope of the line of sight to a side, u
 constexpr double kSideSteps = 2;      // distances of points on a side, that it may go on by
 constexpr double kYawStep = std::numbers::pi / 180;
 constexpr int kMostFree = 30;  // points of a scan that err each in its own way
+constexpr double kAlike = 2;   // that a yaw's sigma is larger than if scans erred by themselves
 constexpr double kRims = 0.9;  // share of the points, nearest to the sides, that tell the yaw
 
 Eigen::Vector2d direction_of(double yaw_rad) {
@@ -159,7 +160,8 @@ std::optional<SeenYaw> seen_yaw(const UprightSight& sight, double expected_rad, 
   }
   if (!(best_m < 1e8) || std::abs(best_rad - expected_rad) > reach_rad - kYawStep / 2) return std::nullopt;
   const double free = std::min<double>(kMostFree, static_cast<double>(sight.points.cols()));
-  const double sigma_rad = kYawStep + best_m * std::sqrt(12 / free) / best_length_m * 3;
+  // scan after scan errs alike, by the same corners of the body
+  const double sigma_rad = kAlike * (kYawStep + 3 * best_m * std::sqrt(12 / free) / best_length_m);
   if (sigma_rad > reach_rad / 2) return std::nullopt;
   return SeenYaw{best_rad, sigma_rad};
 }

@@ -128,7 +128,7 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
   const int count = options.count > 0 ? options.count : std::min(drawn, kMostObjects);
   SceneDraft draft(options, camera_before_table(random, options), 0.01);
   add_room_with_table(random, options, draft);
-  const Vector3d screen_m(kScreen_m[0] * count, kScreen_m[1], kScreen_m[2]);
+  const Vector3d screen_m(std::min(kScreen_m[0] * count, kTable_m.x()), kScreen_m[1], kScreen_m[2]);
   const Vector3d screen_at_m(0, 0.12, kTable_m.z() + 0.5 * screen_m.z());
   draft.add_world(fmt::format(
       "  - {{name: screen, primitive: box, size_m: {}, pose: {{position_m: {}}}, material: {}}}\n",

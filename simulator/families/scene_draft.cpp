@@ -88,6 +88,13 @@ bool SceneDraft::meets_another(const Body& body) const {
   return false;
 }
 
+bool SceneDraft::leaves(const Body& body) const {
+  const double reach_m = half_m_ - body.semi_axes_m.norm();
+  for (std::int64_t frame = 0; frame < options_.frames; ++frame)
+    if (body.motion.at(time_s(frame)).translation.head<2>().cwiseAbs().maxCoeff() > reach_m) return true;
+  return false;
+}
+
 // Its middle is in the image, and a third of the places inside it have no other box before them.
 bool SceneDraft::is_seen_at(std::size_t index, double time_s) const {
   const Body& body = boxes_[index].body;
@@ -130,7 +137,7 @@ bool SceneDraft::add(const Thing& thing, const std::string& motion) {
   Body body = read_object(ConfigNode::parse("objects:\n" + text, "family").at("objects").items().front(),
                           TextureAmount::none, files);
   body.meshes.clear();
-  if (meets_another(body)) return false;
+  if (leaves(body) || meets_another(body)) return false;
   boxes_.push_back({std::move(body), true, true});
   if (!all_seen()) {
     boxes_.pop_back();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ class SceneDraft {
   /// What objects keep clear of, though it is none: a box along the axes of a motion (as YAML in one line).
   /// `hides`: whether the camera cannot see through it.
   void keep_clear_of(const std::string& motion, const Eigen::Vector3d& size_m, bool hides = true);
+  /// How far from the world's origin objects may be along x and y: walls are beyond.
+  void keep_within(double half_m) { half_m_ = half_m; }
   /// `motion` as YAML lines indented by six. Whether it was added.
   bool add(const Thing& thing, const std::string& motion);
   /// Draws motions, forty at most, until the thing can be added with one: that one, or nothing where there is
@@ -50,6 +53,7 @@ class SceneDraft {
  private:
   std::string object_text(const Thing& thing, const std::string& motion) const;
   bool meets_another(const Body& body) const;
+  bool leaves(const Body& body) const;
   bool is_seen(std::size_t body) const;
   bool is_seen_at(std::size_t body, double time_s) const;
   bool all_seen() const;
@@ -57,6 +61,7 @@ class SceneDraft {
 
   FamilyOptions options_;
   double clear_m_;
+  double half_m_ = std::numeric_limits<double>::infinity();
   Scene sensors_;  // camera and its motion alone
   std::string camera_, world_, objects_;
   struct Box {

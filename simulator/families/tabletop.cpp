@@ -13,6 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kPushedShare = 0.4, kLiftedShare = 0.3;
+constexpr double kPutDown = 1.2;  // times as long as a push a lift takes
 
 enum class Act { rest, push, lift };
 
@@ -44,7 +45,8 @@ std::string motion_of(RandomStream& random, const Thing& thing, Act act, const W
   const double way_m = (way.to_m - way.from_m).norm();
   const double rise_m = act == Act::lift ? random.uniform(0.12, 0.3) : 0;
   const double takes_s = std::clamp((way_m + 2 * rise_m) / speed_mps, 0.6, std::max(0.6, 0.6 * duration_s));
-  const double begins_s = random.uniform(0.1, 0.9) * std::max(0.0, duration_s - takes_s);
+  const double ends_after_s = act == Act::lift ? kPutDown * takes_s : takes_s;
+  const double begins_s = random.uniform(0.1, 0.9) * std::max(0.0, duration_s - ends_after_s);
   std::string text = kSplineHead;
   text += waypoint_text(begins_s, on_table(way.from_m), start);
   if (act == Act::push) return text + waypoint_text(begins_s + takes_s, on_table(way.to_m), end);
@@ -56,7 +58,7 @@ std::string motion_of(RandomStream& random, const Thing& thing, Act act, const W
   const double above_m = kTable_m.z() + 0.5 * thing.size_m.norm() + rise_m;
   text += waypoint_text(begins_s + 0.5 * takes_s, {middle_m.x(), middle_m.y(), above_m}, tilted,
                         random.uniform(0, 0.15) * takes_s);
-  return text + waypoint_text(begins_s + takes_s * 1.2, on_table(way.to_m), end);
+  return text + waypoint_text(begins_s + ends_after_s, on_table(way.to_m), end);
 }
 
 Act draw_act(RandomStream& random, bool must_move) {

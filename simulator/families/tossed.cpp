@@ -11,6 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kClearOfWalls_m = 2.4;  // from the middle of the room, whose furniture begins there
+
 // Thrown onto the floor within a metre of the room's middle.
 std::string draw_toss(RandomStream& random, const Thing& thing, const FamilyOptions& options) {
   const double direction = random.uniform(-std::numbers::pi, std::numbers::pi);
@@ -57,6 +59,7 @@ std::string tossed_scene(RandomStream& random, const FamilyOptions& options) {
   const int count = options.count > 0 ? options.count : drawn;
   SceneDraft draft(options, camera_of(random, options), 0.01);
   draft.add_world(drawn_room(random));
+  draft.keep_within(kClearOfWalls_m);
   for (int k = 0; k < count; ++k) {
     const Thing thing = draw_thing(random, options);
     draft.add_drawn(thing, [&] { return draw_toss(random, thing, options); });

@@ -103,6 +103,27 @@ TEST(Tabletop, ThingsStandOnTheTableOrAreInTheAir) {
 }
 
 // The kerbs of the street that is drawn: 7 m from the backs of its houses.
+TEST(Tossed, NothingFliesThroughTheWalls) {
+  constexpr double kWall_m = 3;
+  for (const int seed : {303, 308, 334}) {  // fast ones, of which one came through a wall each
+    const Scene scene = scene_of("tossed", seed, {{"difficulty", "1"}});
+    for (const Body& body : scene.objects)
+      EXPECT_LT(body.motion.at(seconds_of(scene, scene.frames)).translation.head<2>().cwiseAbs().maxCoeff() +
+                    body.semi_axes_m.maxCoeff(),
+                kWall_m)
+          << seed << " " << body.name;
+  }
+}
+
+TEST(Handled, TheScreenStandsOnTheTable) {
+  const Scene scene = scene_of("handled", 1, {{"count", "5"}, {"frames", "90"}});
+  const auto find = [&](const char* name) {
+    return *std::find_if(scene.world.begin(), scene.world.end(),
+                         [&](const auto& b) { return b.name == name; });
+  };
+  EXPECT_LE(find("screen").semi_axes_m.x(), find("table").semi_axes_m.x());
+}
+
 TEST(Street, WhoCrossesComesFromBeyondTheKerbAndTheParkedStandAtIt) {
   int crossing = 0, parked = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
