@@ -1,6 +1,7 @@
 #include "estimator/objects/body_estimator.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -130,13 +131,14 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     begin_anew();
     return step(frame, body, times);
   }
-  const bool is_lost = hidden_s > options_.lifecycle.lost_after_s;
-  if (is_lost && std::exchange(said_lost_, true)) return std::nullopt;
   const PoseSigmas sigmas = prediction_sigmas_at(frame, sure_ns_);
+  Pose world_from_body = predict(frame, body);
+  const bool is_lost = hidden_s > options_.lifecycle.lost_after_s ||
+                       (!body && has_left(frame, world_from_body, sigmas.translation_m));
+  if (is_lost && std::exchange(said_lost_, true)) return std::nullopt;
   Matrix6d predicted = recent_.back().covariance;
   predicted.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
   predicted.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
-  Pose world_from_body = predict(frame, body);
   auto center = body && is_stale(frame) ? shape_.center_of(frame, *body) : std::nullopt;
   const double reach_m = kReachSigmas * sigmas.translation_m + shape_.shape().semi_axes_m.maxCoeff();
   if (center && !is_whole(*body->silhouette) && (*center - world_from_body * body_center()).norm() > reach_m)
@@ -248,6 +250,18 @@ BodyPose BodyEstimator::stand_still(const PerceivedFrame& frame) const {
 bool BodyEstimator::is_stale(const PerceivedFrame& frame) const {
   return frame.frame > sure_frame_ + 1 &&
          seconds(sure_ns_, frame.stamp_ns) > options_.lifecycle.search_after_s;
+}
+
+// Whether all of it is beyond the image's border, or behind the camera, by more than its place is uncertain.
+bool BodyEstimator::has_left(const PerceivedFrame& frame, const Pose& world_from_body, double sigma_m) const {
+  if (!options_.lifecycle.ends_outside) return false;
+  const Eigen::Vector3d middle_m = frame.world_from_camera->inverse() * (world_from_body * body_center());
+  const double reach_m = shape_.shape().semi_axes_m.maxCoeff() + sigma_m;
+  if (middle_m.z() < reach_m) return middle_m.z() < -reach_m;
+  const Eigen::Vector2d pixel = (camera_.matrix() * middle_m).hnormalized();
+  const Eigen::Vector2d reach_px = reach_m / middle_m.z() * Eigen::Vector2d(camera_.fx, camera_.fy);
+  return (pixel + reach_px).minCoeff() < 0 || pixel.x() - reach_px.x() > camera_.width ||
+         pixel.y() - reach_px.y() > camera_.height;
 }
 
 PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame, std::int64_t since_ns) const {

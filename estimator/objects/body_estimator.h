@@ -26,6 +26,7 @@ struct LifecycleOptions {
   double angular_acceleration_radps2 = 1;  // the same
   double search_after_s = 0.25;            // a prediction older than this is not trusted
   double lost_after_s = 3;                 // of prediction alone
+  bool ends_outside = true;                // or where that leaves the image: nobody says how it goes on there
 };
 
 /// What the quadric is fixed to.
@@ -111,6 +112,7 @@ class BodyEstimator {
   Eigen::Vector3d body_center() const { return shape_.shape().body_from_object.translation; }
   void place_center(Pose& world_from_body, const Eigen::Vector3d& at) const;
   bool is_stale(const PerceivedFrame& frame) const;
+  bool has_left(const PerceivedFrame& frame, const Pose& world_from_body, double sigma_m) const;
   PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame, std::int64_t since_ns) const;
   BodyState state_at(const PerceivedFrame& frame, const Pose& world_from_body,
                      const Matrix6d& covariance) const;

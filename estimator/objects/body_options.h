@@ -129,6 +129,7 @@ void visit(Io& io, LifecycleOptions& o) {
   io.positive("angular_acceleration_radps2", o.angular_acceleration_radps2);
   io.positive("search_after_s", o.search_after_s);
   io.positive("lost_after_s", o.lost_after_s);
+  io.flag("ends_outside", o.ends_outside);
 }
 
 template <typename Io>

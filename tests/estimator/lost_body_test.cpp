@@ -130,5 +130,36 @@ TEST(BodyEstimator, ABodyThatStaysHiddenIsSaidToBeLostOnce) {
             ObjectStatus::active);
 }
 
+// It leaves the image at 2 m/s, and is where nobody sees it: its prediction ends there, not seconds later.
+TEST(BodyEstimator, ABodyThatLeavesTheImageIsLostThere) {
+  const auto passing = [](double t) {
+    return Pose{Eigen::Quaterniond::Identity(), {std::max(0.0, 2 * (t - 1)), 0, 1}};
+  };
+  SyntheticOptions options = three_seconds();
+  options.world_from_camera = [](double) { return looking_at({0, -2.2, 1.4}, {0, 0, 1}); };
+  SyntheticPerception perception = synthetic_perception({box_body(kAxes, passing)}, options);
+  for (const bool ends_outside : {true, false}) {
+    BodyOptions body;
+    body.lifecycle.ends_outside = ends_outside;
+    BodyEstimator estimator(1, perception.camera, body, 1);
+    int outside = 0, lost = 0;
+    for (std::size_t i = 0; i < perception.frames.size(); ++i) {
+      const PerceivedFrame& frame = perception.frames[i];
+      const Eigen::Vector3d middle =
+          frame.world_from_camera->inverse() * passing(static_cast<double>(i) / 30).translation;
+      const bool is_outside =
+          !perception.camera.contains((perception.camera.matrix() * middle).hnormalized());
+      const auto state = estimator.step(frame, is_outside ? nullptr : &frame.bodies.at(0));
+      outside += is_outside && state;
+      lost += state && state->status == ObjectStatus::lost;
+    }
+    EXPECT_EQ(lost, ends_outside ? 1 : 0);
+    if (ends_outside)
+      EXPECT_LE(outside, 9);
+    else
+      EXPECT_GT(outside, 15);
+  }
+}
+
 }  // namespace
 }  // namespace uniquadric
