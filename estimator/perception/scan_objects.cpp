@@ -157,13 +157,15 @@ class ScanObjects {
   /// Clusters of a frame that lie under masks (CV_16UC1) of the camera's image then are known at frame `now`
   /// to be bodies.
   void see_masks(const PerceivedFrame& frame, const cv::Mat& masks, const Camera& camera, std::int64_t now) {
+    if (masks.empty()) return;
     for (const BodyObservation& body : frame.bodies) {
       int covered = 0;
       for (const auto& p : body.points.colwise()) {
         const auto pixel = camera.project(p);
-        if (pixel && camera.contains(*pixel))
-          covered += masks.at<std::uint16_t>(static_cast<int>(std::lround(pixel->y())),
-                                             static_cast<int>(std::lround(pixel->x()))) != 0;
+        if (!pixel || !camera.contains(*pixel)) continue;
+        const cv::Point at(static_cast<int>(std::lround(pixel->x())),
+                           static_cast<int>(std::lround(pixel->y())));
+        covered += cv::Rect({}, masks.size()).contains(at) && masks.at<std::uint16_t>(at) != 0;
       }
       if (covered > options_.mask_share * static_cast<double>(body.points.cols()))
         known_.try_emplace(body.id, now);
@@ -252,13 +254,14 @@ class ScanObjects {
   // A street is no plane: about a body the ground is where most of what is seen of it is.
   ContactPlane ground_under(const ScanPoints& points, const std::vector<int>& cluster,
                             const GroundPlane& ground, const Pose& camera_from_world) const {
-    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-    for (const int i : cluster) middle += points.world.col(i).head<2>() / static_cast<double>(cluster.size());
+    const Eigen::Matrix2Xd seen = points.world(Eigen::seqN(0, 2), cluster);
+    const Eigen::Vector2d middle = seen.rowwise().mean();
+    const double reach_m = kLocal * (seen.rowwise().maxCoeff() - seen.rowwise().minCoeff()).norm();
     std::vector<double> heights_m;
     for (Eigen::Index i = 0; i < points.world.cols(); ++i) {
       const Eigen::Vector3d p = points.world.col(i);
-      if (const double height_m = ground.height_of(p); std::abs(height_m) < options_.clusters.ground_m &&
-                                                       (p.head<2>() - middle).cwiseAbs().maxCoeff() < kLocal)
+      if (const double height_m = ground.height_of(p);
+          std::abs(height_m) < options_.clusters.ground_m && (p.head<2>() - middle).norm() < reach_m)
         heights_m.push_back(height_m);
     }
     const bool is_seen = std::ssize(heights_m) >= kLeastGround;
@@ -375,7 +378,9 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
     }
   };
   CameraTrajectories poses;
-  for (const std::int64_t stamp_ns : stamps_ns) {
+  for (std::size_t i = 0; i < stamps_ns.size(); ++i) {
+    const std::int64_t stamp_ns = stamps_ns[i];
+    frame.frame = sequence.frames.empty() ? static_cast<std::int64_t>(i) : sequence.frames[i].frame;
     Stopwatch watch(frame.frame, times);
     const auto timed = options.enabled ? sweeps.take(stamp_ns) : std::nullopt;
     const auto pose = lidar.odometry().world_from_camera(stamp_ns);
@@ -391,14 +396,12 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
     objects.end_frame(stamp_ns, pose);
     waiting.push_back(frame);
     if (segmenter) {
-      const SequenceFrame& image = sequence.frames[static_cast<std::size_t>(frame.frame)];
-      for (const SegmenterResult& result : segmenter->step({image, {}, {}, {}}, stamp_ns))
+      for (const SegmenterResult& result : segmenter->step({sequence.frames[i], {}, {}, {}}, stamp_ns))
         if (const PerceivedFrame* seen = look_at(waiting, result.frame))
           objects.see_masks(*seen, result.masks, sequence.camera, frame.frame);
     }
     write_until(stamp_ns - nanoseconds(options.look_back_s));
     if (pose) poses.final.push_back({stamp_ns, *pose});
-    ++frame.frame;
     progress.advance();
   }
   if (!stamps_ns.empty()) write_until(stamps_ns.back());

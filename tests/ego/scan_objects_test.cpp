@@ -354,5 +354,43 @@ TEST_F(LidarAlone, TheBodyIsFoundWithItsSize) {
   EXPECT_LT((step - expected).norm(), 0.1);
 }
 
+// What rests is a body under a mask alone.
+TEST_F(LidarAlone, WhatRestsUnderAMaskIsABody) {
+  room_.mover_velocity_mps = Vector3d::Zero();
+  Sequence sequence = open_sequence(folder());
+  for (int i = 0; i < kScans; ++i) write_lidar_points(folder() / sequence.scans[i].file, room_.scan(i));
+  sequence.camera = scan_camera({});
+  std::filesystem::create_directories(folder() / "masks");
+  const cv::Size size(sequence.camera.width, sequence.camera.height);
+  write_png(folder() / "masks/all.png", cv::Mat(size, CV_16UC1, cv::Scalar(1)));
+  for (int i = 0; i < kScans; ++i) {
+    SequenceFrame frame;
+    frame.frame = i;
+    frame.stamp_ns = frame.masks_arrival_ns = room_.scan_start_ns(i + 1);
+    frame.rgb = frame.masks = "masks/all.png";  // nothing looks at colours
+    sequence.frames.push_back(frame);
+  }
+  write_sequence_index(folder(), sequence);
+  EstimateOptions options;
+  options.quiet = true;
+  options.threads = 1;
+  variant_.plausibility.enabled = false;
+  for (const bool masks : {false, true}) {
+    variant_.perception.scan_objects.masks = masks;
+    const auto out = temp_.path() / (masks ? "masks" : "none");
+    estimate(folder(), variant_, options, out);
+    const Tracks tracks = read_tracks(out);
+    const Pose room_from_world =
+        room_from_camera(tracks.camera.back().stamp_ns) * tracks.camera.back().pose.inverse();
+    const auto is_mover = [&](const ObjectTrack& track) {
+      const Ellipsoid& last = track.states.back().ellipsoid;
+      return std::ssize(track.states) >= kScans - 4 &&
+             (room_from_world * last.world_from_object.translation - room_.mover_start_m).norm() < 0.3;
+    };
+    EXPECT_EQ(std::ranges::count_if(tracks.objects, is_mover), masks ? 1 : 0);
+    EXPECT_EQ(tracks.objects.empty(), !masks);
+  }
+}
+
 }  // namespace
 }  // namespace uniquadric
