@@ -114,6 +114,19 @@ class SensorView {
   bool is_closed_ = false;
 };
 
+// How many of a body's points each mask covers.
+std::map<int, int> points_under(const cv::Mat& masks, const Camera& camera, const BodyObservation& body) {
+  std::map<int, int> counts;
+  for (const auto& p : body.points.colwise()) {
+    const auto pixel = camera.project(p);
+    if (!pixel || !camera.contains(*pixel)) continue;
+    const cv::Point at(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
+    if (!cv::Rect({}, masks.size()).contains(at)) continue;
+    if (const int label = masks.at<std::uint16_t>(at); label != 0) ++counts[label];
+  }
+  return counts;
+}
+
 std::vector<int> clusters_of_points(std::size_t count, const std::vector<std::vector<int>>& clusters) {
   std::vector<int> cluster_of(count, kNoCluster);
   for (std::size_t k = 0; k < clusters.size(); ++k)
@@ -154,22 +167,21 @@ class ScanObjects {
     return bodies;
   }
 
-  /// Clusters of a frame that lie under masks (CV_16UC1) of the camera's image then are known at frame `now`
-  /// to be bodies.
+  /// Of each mask (a label of CV_16UC1) of the camera's image then, the cluster that most of it lies on is
+  /// known at frame `now` to be a body, if it lies under that mask: what is behind the body shows a rim.
   void see_masks(const PerceivedFrame& frame, const cv::Mat& masks, const Camera& camera, std::int64_t now) {
     if (masks.empty()) return;
-    for (const BodyObservation& body : frame.bodies) {
-      int covered = 0;
-      for (const auto& p : body.points.colwise()) {
-        const auto pixel = camera.project(p);
-        if (!pixel || !camera.contains(*pixel)) continue;
-        const cv::Point at(static_cast<int>(std::lround(pixel->x())),
-                           static_cast<int>(std::lround(pixel->y())));
-        covered += cv::Rect({}, masks.size()).contains(at) && masks.at<std::uint16_t>(at) != 0;
-      }
-      if (covered > options_.mask_share * static_cast<double>(body.points.cols()))
-        known_.try_emplace(body.id, now);
-    }
+    struct Most {
+      int points = 0, id = 0;
+    };
+    std::map<int, Most> by_label;
+    for (const BodyObservation& body : frame.bodies)
+      for (const auto& [label, points] : points_under(masks, camera, body))
+        if (points > options_.mask_share * static_cast<double>(body.points.cols()) &&
+            points > by_label[label].points)
+          by_label[label] = {points, body.id};
+    for (const auto& [label, most] : by_label)
+      if (most.points > 0) known_.try_emplace(most.id, now);
   }
 
   /// Leaves those that are known by now to be bodies.
