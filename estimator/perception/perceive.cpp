@@ -159,12 +159,19 @@ std::unique_ptr<AsyncObjectTracker> make_tracker(const Sequence& sequence, const
                                               slow_segmenter(sequence, segmenter, options, seed), options);
 }
 
-// That of a sequence with images, as slow as it is.
+// That of a sequence with images, as slow as it is. It reads the images that it needs, which nothing else
+// does where bodies come from scans.
 std::unique_ptr<SegmenterClock> segmenter_of(const Sequence& sequence, const PerceptionOptions& options,
                                              const PerceiveOptions& run) {
   if (sequence.frames.empty()) return nullptr;
-  return make_virtual_clock(slow_segmenter(
-      sequence, make_segmenter(sequence, options.segmentation, run.prompts), options.aot, run.seed));
+  const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
+  SlowSegmenter slow = slow_segmenter(sequence, segmenter, options.aot, run.seed);
+  slow.segment = [&sequence, segmenter, seed = run.seed](const SegmenterInput& input) {
+    const SequenceFrame& frame = input.frame;
+    const cv::Mat depth = frame.depth.empty() ? cv::Mat() : read_depth(sequence, frame);
+    return segment(segmenter, sequence, frame, depth, seed);
+  };
+  return make_virtual_clock(std::move(slow));
 }
 
 // Points are put together along the camera's path, which features that wait for their depth cannot give.

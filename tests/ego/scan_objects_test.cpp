@@ -9,8 +9,10 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "core/base/files.h"
 #include "core/base/random.h"
 #include "core/sequence/tracks.h"
+#include "core/sequence/trajectory.h"
 #include "estimator/estimate.h"
 #include "tests/ego/lidar_room.h"
 #include "tests/support/temp_folder.h"
@@ -291,7 +293,7 @@ class LidarAlone : public testing::Test {
   }
 
   // The rectangle about the mover in the camera's image.
-  cv::Mat mask_of_mover(const Camera& camera, std::int64_t stamp_ns) const {
+  cv::Rect box_of_mover(const Camera& camera, std::int64_t stamp_ns) const {
     std::vector<cv::Point2f> corners;
     for (int i = 0; i < 8; ++i) {
       const Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
@@ -299,12 +301,64 @@ class LidarAlone : public testing::Test {
       const auto pixel = camera.project(room_from_camera(stamp_ns).inverse() * corner);
       corners.emplace_back(static_cast<float>(pixel.value().x()), static_cast<float>(pixel.value().y()));
     }
-    cv::Mat mask(camera.height, camera.width, CV_16UC1, cv::Scalar(0));
-    cv::rectangle(mask, cv::boundingRect(corners), cv::Scalar(1), cv::FILLED);
-    return mask;
+    return cv::boundingRect(corners);
   }
 
-  static constexpr int kScans = 26;
+  // The mover rests before a camera, whose images show it red and near before grey, with its masks or without
+  // them. Its box in one of them.
+  cv::Rect rest_before_images(bool with_masks) {
+    room_.mover_velocity_mps = Vector3d::Zero();
+    Sequence sequence = open_sequence(folder());
+    for (int i = 0; i < kScans; ++i) write_lidar_points(folder() / sequence.scans[i].file, room_.scan(i));
+    sequence.camera = scan_camera({});
+    sequence.depth_units_per_m = 1000;
+    const cv::Size size(sequence.camera.width, sequence.camera.height);
+    for (const char* name : {"rgb", "depth", "masks"}) std::filesystem::create_directories(folder() / name);
+    for (int i = 0; i < kScans; ++i) {
+      SequenceFrame frame;
+      frame.frame = i;
+      frame.stamp_ns = frame.masks_arrival_ns = room_.scan_start_ns(i + 1);
+      const cv::Rect box = box_of_mover(sequence.camera, frame.stamp_ns);
+      cv::Mat image(size, CV_8UC3, cv::Scalar(90, 90, 90)), mask(size, CV_16UC1, cv::Scalar(0));
+      image(box) = cv::Scalar(20, 20, 200);
+      mask(box) = 1;
+      const double away_m = (room_from_camera(frame.stamp_ns).inverse() * room_.mover_start_m).z();
+      cv::Mat depth(size, CV_16UC1, cv::Scalar(2 * away_m * sequence.depth_units_per_m));
+      depth(box) = cv::Scalar(away_m * sequence.depth_units_per_m);
+      frame.rgb = fmt::format("rgb/{}.png", i);
+      frame.depth = fmt::format("depth/{}.png", i);
+      write_png(folder() / frame.rgb, image);
+      write_png(folder() / frame.depth, depth);
+      if (with_masks) write_png(folder() / (frame.masks = fmt::format("masks/{}.png", i)), mask);
+      sequence.frames.push_back(frame);
+    }
+    write_sequence_index(folder(), sequence);
+    return box_of_mover(sequence.camera, sequence.frames[kPrompted].stamp_ns);
+  }
+
+  // The estimate has the mover at its place, in nearly all scans from one on, and nothing else; or nothing at
+  // all.
+  void expect_mover_alone(bool is_found, const Prompts& prompts = {}, int from = 0) {
+    EstimateOptions options;
+    options.quiet = true;
+    options.threads = 1;
+    options.prompts = prompts;
+    variant_.plausibility.enabled = false;
+    const auto out = temp_.path() / (is_found ? "found" : "none");
+    estimate(folder(), variant_, options, out);
+    const Tracks tracks = read_tracks(out);
+    const Pose room_from_world =
+        room_from_camera(tracks.camera.back().stamp_ns) * tracks.camera.back().pose.inverse();
+    const auto is_mover = [&](const ObjectTrack& track) {
+      const Ellipsoid& last = track.states.back().ellipsoid;
+      return std::ssize(track.states) >= kScans - from - 4 &&
+             (room_from_world * last.world_from_object.translation - room_.mover_start_m).norm() < 0.3;
+    };
+    EXPECT_EQ(std::ssize(tracks.objects), is_found ? 1 : 0);
+    EXPECT_EQ(std::ranges::count_if(tracks.objects, is_mover), is_found ? 1 : 0);
+  }
+
+  static constexpr int kScans = 26, kPrompted = 5;
   TempFolder temp_;
   LidarRoom room_;
   Variant variant_;
@@ -371,39 +425,21 @@ TEST_F(LidarAlone, TheBodyIsFoundWithItsSize) {
 
 // What rests is a body under a mask alone.
 TEST_F(LidarAlone, WhatRestsUnderAMaskIsABody) {
-  room_.mover_velocity_mps = Vector3d::Zero();
-  Sequence sequence = open_sequence(folder());
-  for (int i = 0; i < kScans; ++i) write_lidar_points(folder() / sequence.scans[i].file, room_.scan(i));
-  sequence.camera = scan_camera({});
-  std::filesystem::create_directories(folder() / "masks");
-  for (int i = 0; i < kScans; ++i) {
-    SequenceFrame frame;
-    frame.frame = i;
-    frame.stamp_ns = frame.masks_arrival_ns = room_.scan_start_ns(i + 1);
-    frame.rgb = frame.masks = fmt::format("masks/{}.png", i);  // nothing looks at colours
-    write_png(folder() / frame.masks, mask_of_mover(sequence.camera, frame.stamp_ns));
-    sequence.frames.push_back(frame);
-  }
-  write_sequence_index(folder(), sequence);
-  EstimateOptions options;
-  options.quiet = true;
-  options.threads = 1;
-  variant_.plausibility.enabled = false;
+  rest_before_images(true);
   for (const bool masks : {false, true}) {
     variant_.perception.scan_objects.masks = masks;
-    const auto out = temp_.path() / (masks ? "masks" : "none");
-    estimate(folder(), variant_, options, out);
-    const Tracks tracks = read_tracks(out);
-    const Pose room_from_world =
-        room_from_camera(tracks.camera.back().stamp_ns) * tracks.camera.back().pose.inverse();
-    const auto is_mover = [&](const ObjectTrack& track) {
-      const Ellipsoid& last = track.states.back().ellipsoid;
-      return std::ssize(track.states) >= kScans - 4 &&
-             (room_from_world * last.world_from_object.translation - room_.mover_start_m).norm() < 0.3;
-    };
-    EXPECT_EQ(std::ssize(tracks.objects), masks ? 1 : 0);
-    EXPECT_EQ(std::ranges::count_if(tracks.objects, is_mover), masks ? 1 : 0);
+    expect_mover_alone(masks);
   }
+}
+
+// A segmenter that looks at colours gets them, though nothing else reads them.
+TEST_F(LidarAlone, ABoxInAnImageTellsWhatIsABody) {
+  const cv::Rect box = rest_before_images(false);
+  const auto prompts = temp_.path() / "prompts.txt";
+  write_text(prompts, fmt::format("{} {} {} {} {} 1\n", format_stamp(room_.scan_start_ns(kPrompted + 1)),
+                                  box.x, box.y, box.width, box.height));
+  variant_.perception.scan_objects.masks = true;
+  expect_mover_alone(true, prompts, kPrompted);
 }
 
 }  // namespace
