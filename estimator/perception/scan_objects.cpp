@@ -6,7 +6,6 @@
 #include <deque>
 #include <map>
 #include <numbers>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "core/base/warning.h"
 #include "estimator/ego/lidar_sweep.h"
 #include "estimator/perception/lidar_stream.h"
+#include "estimator/perception/scan_view.h"
 #include "estimator/shape/even_choice.h"
 
 namespace uniquadric {
@@ -23,96 +23,9 @@ namespace {
 
 constexpr double kEnd = 0.3;      // [m] from a cluster's end that its last points are within
 constexpr float kNearer = 2;      // [m] than a body is what may hide a part of it
-constexpr float kFar = 1e9;       // [m]
-constexpr double kLocal = 5;      // [m] around a body, of the ground that it stands on
+constexpr double kLocal = 5;      // times a body's extent around it, of the ground that it stands on
 constexpr int kLeastGround = 20;  // points that tell where the ground is there
-constexpr int kNoCluster = -1;
 constexpr double kDegree = std::numbers::pi / 180;
-
-// Where a point is in the sensor's own view: azimuth and elevation [rad].
-using Bearing = cv::Point2f;
-
-struct ScanPoints {
-  Eigen::Matrix3Xd world;         // where the sensor saw them
-  std::vector<double> ago_s;      // before the scan's end
-  std::vector<Bearing> bearings;  // in the sensor's frame then
-  std::vector<float> ranges_m;
-  std::vector<double> rises_m, steps_m;  // between the sensor's rows there, and from beam to beam
-};
-
-// The nearest of what stands on the ground, in coarse cells of the sensor's view.
-class NearestRange {
- public:
-  NearestRange(const ScanPoints& points, const std::optional<GroundPlane>& ground, double ground_m,
-               const std::vector<int>& cluster_of, double cell_rad)
-      : cell_rad_(cell_rad), around_(static_cast<int>(std::ceil(2 * std::numbers::pi / cell_rad))) {
-    for (std::size_t i = 0; i < points.bearings.size(); ++i)
-      if (!ground || ground->height_of(points.world.col(static_cast<Eigen::Index>(i))) >= ground_m)
-        cells_[cell_of(points.bearings[i])].add({points.ranges_m[i], cluster_of[i]});
-  }
-  /// In the cells beside a bearing, of what is not of a cluster: its own near side hides nothing of a body
-  /// that is not hidden from everywhere. What is below hides no side: it may be a kerb or the ground itself.
-  float around(const Bearing& bearing, int but) const {
-    const auto [column, row] = cell_of(bearing);
-    float least = kFar;
-    for (int x = -1; x <= 1; ++x) {
-      const auto cell = cells_.find({(column + x + around_) % around_, row});
-      if (cell == cells_.end()) continue;
-      for (const Entry& entry : cell->second.two)
-        if (entry.cluster != but) least = std::min(least, entry.range_m);
-    }
-    return least;
-  }
-
- private:
-  struct Entry {
-    float range_m = kFar;
-    int cluster = kNoCluster;
-  };
-  struct Cell {
-    std::array<Entry, 2> two;  // the nearest, and the nearest of another cluster
-    void add(const Entry& entry) {
-      if (entry.cluster == two[0].cluster)
-        two[0].range_m = std::min(two[0].range_m, entry.range_m);
-      else if (entry.range_m < two[0].range_m)
-        two = {entry, two[0]};
-      else if (entry.range_m < two[1].range_m)
-        two[1] = entry;
-    }
-  };
-  std::pair<int, int> cell_of(const Bearing& bearing) const {
-    const auto cell = [&](double angle) { return static_cast<int>(std::floor(angle / cell_rad_)); };
-    return {(cell(bearing.x) + around_) % around_, cell(bearing.y)};
-  }
-  double cell_rad_;
-  int around_;  // cells
-  std::map<std::pair<int, int>, Cell> cells_;
-};
-
-// Where the sensor looks, by what it has seen so far: a hull of bearings, which goes on where it is closed.
-class SensorView {
- public:
-  void widen(const std::vector<Bearing>& bearings) {
-    std::vector<Bearing> all = hull_;
-    all.insert(all.end(), bearings.begin(), bearings.end());
-    if (all.empty()) return;
-    cv::convexHull(all, hull_);
-    const auto [left, right] = std::minmax_element(
-        hull_.begin(), hull_.end(), [](const Bearing& a, const Bearing& b) { return a.x < b.x; });
-    is_closed_ = right->x - left->x > kClosed_rad;
-  }
-  bool is_at_rim(const Bearing& bearing, double rim_rad) const {
-    if (hull_.size() < 3) return true;
-    Bearing inside = bearing;  // the hull is nearly a rectangle where it is closed
-    if (is_closed_) inside.x = 0;
-    return cv::pointPolygonTest(hull_, inside, true) < rim_rad;
-  }
-
- private:
-  static constexpr float kClosed_rad = 6;
-  std::vector<Bearing> hull_;
-  bool is_closed_ = false;
-};
 
 // How many of a body's points each mask covers.
 std::map<int, int> points_under(const cv::Mat& masks, const Camera& camera, const BodyObservation& body) {
@@ -132,6 +45,17 @@ std::vector<int> clusters_of_points(std::size_t count, const std::vector<std::ve
   for (std::size_t k = 0; k < clusters.size(); ++k)
     for (const int i : clusters[k]) cluster_of[i] = static_cast<int>(k);
   return cluster_of;
+}
+
+// Places along the ground and heights over its plane [m], of points that hardly leave it.
+using GroundPoints = std::vector<std::pair<Eigen::Vector2d, double>>;
+
+GroundPoints points_near(const GroundPlane& ground, const Eigen::Matrix3Xd& points, double ground_m) {
+  GroundPoints result;
+  for (const auto& p : points.colwise())
+    if (const double height_m = ground.height_of(p); std::abs(height_m) < ground_m)
+      result.emplace_back(p.head<2>(), height_m);
+  return result;
 }
 
 class ScanObjects {
@@ -157,10 +81,12 @@ class ScanObjects {
       boxes.push_back(box_of(points, clusters[k], cut, world_from_camera.translation));
     }
     const std::vector<TrackedCluster> tracked = tracker_.track(stamp_ns, boxes);
+    const GroundPoints near_plane =
+        ground ? points_near(*ground, points.world, options_.clusters.ground_m) : GroundPoints();
     std::vector<BodyObservation> bodies;
     for (std::size_t k = 0; k < clusters.size(); ++k) {
       bodies.push_back(
-          observe(points, clusters[k], cuts[k], tracked[k], ground, stamp_ns, world_from_camera));
+          observe(points, clusters[k], cuts[k], tracked[k], ground, near_plane, stamp_ns, world_from_camera));
       if (tracked[k].seen_as_body > 0) known_.try_emplace(tracked[k].id, frame);
     }
     std::sort(bodies.begin(), bodies.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
@@ -236,8 +162,8 @@ class ScanObjects {
   // A cluster as it is at the scan's end.
   BodyObservation observe(const ScanPoints& points, const std::vector<int>& cluster,
                           const std::vector<bool>& cut, const TrackedCluster& track,
-                          const std::optional<GroundPlane>& ground, std::int64_t stamp_ns,
-                          const Pose& world_from_camera) const {
+                          const std::optional<GroundPlane>& ground, const GroundPoints& near_plane,
+                          std::int64_t stamp_ns, const Pose& world_from_camera) const {
     BodyObservation body;
     body.id = track.id;
     const Pose camera_from_world = world_from_camera.inverse();
@@ -254,7 +180,9 @@ class ScanObjects {
     std::vector<double> gaps_m;
     for (const int i : cluster) gaps_m.push_back(points.rises_m[i]);
     body.row_gap_m = upper_median(std::move(gaps_m));
-    if (ground) body.contact = ground_under(points, cluster, *ground, camera_from_world);
+    if (ground)
+      body.contact = ground_under(points.world(Eigen::seqN(0, 2), cluster), *ground, near_plane,
+                                  options_.clusters.ground_m / 2, camera_from_world);
     if (last_) {
       Pose moved;
       moved.translation.head<2>() = track.velocity_mps * seconds(last_->stamp_ns, stamp_ns);
@@ -264,24 +192,20 @@ class ScanObjects {
   }
 
   // A street is no plane: about a body the ground is where most of what is seen of it is.
-  ContactPlane ground_under(const ScanPoints& points, const std::vector<int>& cluster,
-                            const GroundPlane& ground, const Pose& camera_from_world) const {
-    const Eigen::Matrix2Xd seen = points.world(Eigen::seqN(0, 2), cluster);
+  static ContactPlane ground_under(const Eigen::Matrix2Xd& seen, const GroundPlane& ground,
+                                   const GroundPoints& near_plane, double usual_noise_m,
+                                   const Pose& camera_from_world) {
     const Eigen::Vector2d middle = seen.rowwise().mean();
     const double reach_m = kLocal * (seen.rowwise().maxCoeff() - seen.rowwise().minCoeff()).norm();
     std::vector<double> heights_m;
-    for (Eigen::Index i = 0; i < points.world.cols(); ++i) {
-      const Eigen::Vector3d p = points.world.col(i);
-      if (const double height_m = ground.height_of(p);
-          std::abs(height_m) < options_.clusters.ground_m && (p.head<2>() - middle).norm() < reach_m)
-        heights_m.push_back(height_m);
-    }
+    for (const auto& [at, height_m] : near_plane)
+      if ((at - middle).norm() < reach_m) heights_m.push_back(height_m);
     const bool is_seen = std::ssize(heights_m) >= kLeastGround;
     const double raised_m = is_seen ? upper_median(heights_m) : 0;
     for (double& height_m : heights_m) height_m = std::abs(height_m - raised_m);
     const Eigen::Vector3d up(-ground.slope.x(), -ground.slope.y(), 1);
     ContactPlane plane;
-    plane.noise_m = is_seen ? kMadToSigma * upper_median(heights_m) : options_.clusters.ground_m / 2;
+    plane.noise_m = is_seen ? kMadToSigma * upper_median(heights_m) : usual_noise_m;
     const Eigen::Vector3d normal = up.normalized();
     plane.normal = camera_from_world.rotation * normal;
     const double offset_m = -(ground.offset_m + raised_m) / up.norm();
@@ -360,7 +284,7 @@ const PerceivedFrame* look_at(const std::deque<PerceivedFrame>& frames, std::int
 
 Camera scan_camera(const ScanObjectOptions& options) {
   const auto side = [&](double angle_deg) {
-    return 2 * static_cast<int>(options.focal_px * std::tan(angle_deg / 2 * std::numbers::pi / 180));
+    return 2 * static_cast<int>(options.focal_px * std::tan(angle_deg / 2 * kDegree));
   };
   Camera camera;
   camera.fx = camera.fy = options.focal_px;

@@ -136,10 +136,8 @@ bool is_body(const Eigen::Matrix3Xd& points, const std::vector<int>& cluster,
   for (const int i : cluster) low = low.cwiseMin(points.col(i)), high = high.cwiseMax(points.col(i));
   const Eigen::Vector3d size = high - low;
   const double rise_m = rises_m.empty() ? 0 : rises_m[static_cast<std::size_t>(cluster.front())];
-  double above_m = options.min_height_m;
-  if (ground)
-    for (const int i : cluster) above_m = std::min(above_m, ground->height_of(points.col(i)) - rise_m);
-  if (above_m >= options.min_height_m && ground) return false;
+  const auto stands = [&](int i) { return ground->height_of(points.col(i)) - rise_m < options.min_height_m; };
+  if (ground && std::ranges::none_of(cluster, stands)) return false;
   return size.z() + rise_m >= options.min_height_m && size.head<2>().norm() <= options.max_extent_m;
 }
 

@@ -195,37 +195,29 @@ std::vector<UprightState> UprightFilter::causal() const {
   return states;
 }
 
+UprightState UprightFilter::looked_back(std::size_t step, const UprightState& later) const {
+  const Step& next = steps_[step + 1];
+  UprightState state = steps_[step].now;
+  const UprightMatrix gain =
+      next.predicted_covariance.ldlt().solve(next.transition * state.covariance).transpose();
+  state.mean += gain * (later.mean - next.predicted);
+  state.covariance += gain * (later.covariance - next.predicted_covariance) * gain.transpose();
+  state.mean.tail<3>() = state.mean.tail<3>().cwiseMax(kLeastSize);
+  return state;
+}
+
 std::vector<UprightState> UprightFilter::smoothed(std::int64_t lag_ns) const {
-  const auto back_from = [&](std::size_t end, std::size_t to, std::vector<UprightState>& states) {
-    UprightState later = steps_[end].now;
-    if (end == to) states[to] = later;
-    for (std::size_t k = end; k-- > to;) {
-      const Step& next = steps_[k + 1];
-      UprightState state = steps_[k].now;
-      const UprightMatrix gain =
-          next.predicted_covariance.ldlt().solve(next.transition * state.covariance).transpose();
-      state.mean += gain * (later.mean - next.predicted);
-      state.covariance += gain * (later.covariance - next.predicted_covariance) * gain.transpose();
-      state.mean.tail<3>() = state.mean.tail<3>().cwiseMax(kLeastSize);
-      later = state;
-      states[k] = state;
-    }
-  };
-  std::vector<UprightState> states(steps_.size());
-  if (steps_.empty()) return states;
+  std::vector<UprightState> states = causal();
   const std::size_t last = steps_.size() - 1;
-  if (seconds(steps_.front().now.stamp_ns, steps_.back().now.stamp_ns) * 1e9 <= static_cast<double>(lag_ns)) {
-    states[last] = steps_[last].now;
-    back_from(last, 0, states);
-    return states;
-  }
-  std::size_t end = 0;
-  for (std::size_t k = 0; k <= last; ++k) {
+  for (std::size_t k = 0, end = 0; k <= last; ++k) {
     while (end < last && steps_[end].now.stamp_ns < steps_[k].now.stamp_ns + lag_ns) ++end;
-    std::vector<UprightState> known = std::vector<UprightState>(end + 1);
-    known[end] = steps_[end].now;
-    back_from(end, k, known);
-    states[k] = known[k];
+    if (end == last) {  // from here on all is known by the same last step
+      for (std::size_t i = last; i-- > k;) states[i] = looked_back(i, states[i + 1]);
+      break;
+    }
+    UprightState later = steps_[end].now;
+    for (std::size_t i = end; i-- > k;) later = looked_back(i, later);
+    states[k] = later;
   }
   return states;
 }

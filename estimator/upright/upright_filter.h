@@ -42,7 +42,7 @@ class UprightFilter {
 
   /// As known at each frame.
   std::vector<UprightState> causal() const;
-  /// As known `lag_ns` after each frame, or at the end (Rauch, Tung and Striebel's smoother).
+  /// As known `lag_ns` after each frame, or at the end. After start().
   std::vector<UprightState> smoothed(std::int64_t lag_ns) const;
   /// Where the body was in earlier frames, in their order, from a state on that all later ones have told.
   std::vector<UprightState> before(const UprightState& first, const std::vector<UprightFrame>& frames);
@@ -53,6 +53,8 @@ class UprightFilter {
     UprightVector predicted = UprightVector::Zero();
     UprightMatrix predicted_covariance = UprightMatrix::Identity(), transition = UprightMatrix::Identity();
   };
+  /// A step's state as it is known by the one after it (Rauch, Tung and Striebel).
+  UprightState looked_back(std::size_t step, const UprightState& later) const;
   SizeBelief expected_size(const UprightSight& sight, const UprightState& state) const;
   Step gone_on(const UprightState& from, std::int64_t frame, std::int64_t stamp_ns) const;
   void see(const UprightSight& sight, UprightState& state);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "core/base/quantile.h"
 
@@ -32,7 +33,7 @@ Eigen::Vector2d left_of(const Eigen::Vector2d& direction) {
 // Numbers of the points from the furthest along a direction on.
 std::vector<int> furthest_first(const Eigen::VectorXd& along) {
   std::vector<int> order(static_cast<std::size_t>(along.size()));
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return along[a] > along[b]; });
   return order;
 }
