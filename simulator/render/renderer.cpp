@@ -20,6 +20,11 @@ namespace {
 constexpr float kNear_m =
     0.01f;  // ours: nearer than any sensor focuses; with reversed Z it costs no precision
 
+// How far the hull lies behind the surfaces: a tenth of what their depth changes by in a pixel, and some last
+// places. Rounding errs by 1e-3 of the one, for depth is extrapolated from the image's corner, and by few of
+// the others.
+constexpr float kHullSlope = 0.1f, kHullPlaces = 64;
+
 // Depth runs from 1 at kNear_m to 0 at infinity. OpenGL's row 0 is our top row, and pixel (u, v) lies at
 // (u + 0.5, v + 0.5) of its window: hence c + 0.5.
 Eigen::Matrix4f clip_from_camera(const Camera& camera) {
@@ -42,12 +47,19 @@ bool has_shine(const Scene& scene) {
 
 }  // namespace
 
+// What draws, and in which rows: meshes that lie beside them are left out.
+struct Pass {
+  unsigned matte = 0, shiny = 0;  // programs, each for meshes of its kind
+  RowRange rows;
+};
+
 struct Renderer::State {
   std::unique_ptr<GlContext> context;
   GlFunctions gl;
   RenderTargets targets;
-  unsigned all = 0, color = 0, geometry = 0;  // programs, as ProgramOutput has them
-  bool one_pass = true;  // colour, ids and depth at once, else ids and depth, then colour
+  Pass all, color, geometry, hull;  // all rows; as ProgramOutput has them, the hull being `none`
+  bool one_pass = true;             // colour, ids and depth at once, else ids and depth, then colour
+  bool is_multisampled = false;
   std::vector<GpuBody> world, objects;
   std::vector<Pose> world_from_static;  // one a body of the world
   std::optional<ShadowMaps> shadows;
@@ -61,14 +73,16 @@ struct Renderer::State {
   cv::Mat ideal_rgba, ideal_ids, ideal_m;  // of the lens
   std::vector<std::uint16_t> sums;
 
-  unsigned prepare_program(const Scene& scene, ProgramOutput output) const;
+  unsigned prepare_program(const Scene& scene, ProgramOutput output, bool shine) const;
+  Pass prepare_pass(const Scene& scene, ProgramOutput output) const;
   void upload(const Scene& scene);
   void draw_image(const ScenePoses& poses, bool silhouettes);
   void draw_color(const ScenePoses& poses, RowRange rows);
-  void draw_bodies(const ScenePoses& poses, bool silhouettes) const;
+  void draw_hull(const ScenePoses& poses, RowRange rows) const;
+  void draw_bodies(const Pass& pass, const ScenePoses& poses, bool silhouettes) const;
   void cast_shadows(const ScenePoses& poses);
   bool has_shadows_of(const std::vector<Pose>& poses) const;
-  void draw_body(const GpuBody& body, const Pose& camera_from_object) const;
+  void draw_body(const Pass& pass, const GpuBody& body, const Pose& camera_from_object) const;
   RowRange drawn_rows(RowRange rows) const;
   void read_rows(RowRange rows, cv::Mat& rgba);
   void read_geometry(cv::Mat& ids, cv::Mat& depth_m);
@@ -76,14 +90,21 @@ struct Renderer::State {
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
 };
 
-unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput output) const {
-  const unsigned program = make_program(gl, output, {scene.shadows, has_shine(scene)});
+unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput output, bool shine) const {
+  const unsigned program = make_program(gl, output, {scene.shadows, shine});
   gl.UseProgram(program);
   const Eigen::Matrix4f clip = clip_from_camera(camera);
   gl.UniformMatrix4fv(uniform_clip_from_camera, 1, GL_FALSE, clip.data());
   gl.Uniform1f(uniform_ambient, static_cast<float>(scene.ambient));
   gl.Uniform1f(uniform_gain, static_cast<float>(scene.imaging.gain));
   return program;
+}
+
+// Highlights cost a fifth of all that makes colour: where there are none, a program without them draws.
+Pass Renderer::State::prepare_pass(const Scene& scene, ProgramOutput output) const {
+  const bool lit = output == ProgramOutput::all || output == ProgramOutput::color;
+  const unsigned matte = prepare_program(scene, output, false);
+  return {matte, lit && has_shine(scene) ? prepare_program(scene, output, true) : matte, {0, targets.height}};
 }
 
 void Renderer::State::upload(const Scene& scene) {
@@ -97,12 +118,18 @@ void Renderer::State::upload(const Scene& scene) {
   if (scene.shadows) shadows = make_shadow_maps(gl, scene, {world, world_from_static});
 }
 
-void Renderer::State::draw_body(const GpuBody& body, const Pose& camera_from_object) const {
+void Renderer::State::draw_body(const Pass& pass, const GpuBody& body, const Pose& camera_from_object) const {
   const Eigen::Matrix4f matrix = camera_from_object.matrix().cast<float>();
-  gl.UniformMatrix4fv(uniform_camera_from_object, 1, GL_FALSE, matrix.data());
-  gl.Uniform1ui(uniform_instance_id, body.id);
+  const cv::Rect part(0, pass.rows.first, targets.width, pass.rows.count);
+  unsigned in_use = 0;
   for (const GpuMesh& mesh : body.meshes) {
-    if (pixels_of_box(mesh.box, camera_from_object, camera, kNear_m).empty()) continue;  // most of a street
+    if ((pixels_of_box(mesh.box, camera_from_object, camera, kNear_m) & part).empty())
+      continue;  // most of a street
+    if (const unsigned program = mesh.shine > 0 ? pass.shiny : pass.matte; program != in_use) {
+      gl.UseProgram(in_use = program);
+      gl.UniformMatrix4fv(uniform_camera_from_object, 1, GL_FALSE, matrix.data());
+      gl.Uniform1ui(uniform_instance_id, body.id);
+    }
     gl.Uniform3fv(uniform_color, 1, mesh.color.data());
     gl.Uniform1f(uniform_shine, mesh.shine);
     gl.Uniform1f(uniform_depth_return, mesh.depth_return);
@@ -132,20 +159,23 @@ void Renderer::State::cast_shadows(const ScenePoses& poses) {
   gl.Viewport(0, 0, targets.width, targets.height);
 }
 
-void Renderer::State::draw_bodies(const ScenePoses& poses, bool silhouettes) const {
+void Renderer::State::draw_bodies(const Pass& pass, const ScenePoses& poses, bool silhouettes) const {
   const Pose camera_from_world = poses.world_from_camera.inverse();
   const Eigen::Vector3f sun = (camera_from_world.rotation * sun_direction).cast<float>();
-  gl.Uniform3fv(uniform_sun_direction, 1, sun.data());
-  if (shadows) use_shadow_maps(gl, *shadows, poses.world_from_camera);
+  for (const unsigned program : {pass.matte, pass.shiny}) {
+    gl.UseProgram(program);
+    gl.Uniform3fv(uniform_sun_direction, 1, sun.data());
+    if (shadows) use_shadow_maps(gl, *shadows, poses.world_from_camera);
+  }
   gl.Enable(GL_DEPTH_TEST);
   if (silhouettes) begin_silhouettes(gl);
   for (std::size_t i = 0; i < objects.size(); ++i) {  // first, so that they hide some of the world's pixels
     if (silhouettes) gl.StencilMask(silhouette_bit(i));
-    draw_body(objects[i], camera_from_world * poses.world_from_object.at(i));
+    draw_body(pass, objects[i], camera_from_world * poses.world_from_object.at(i));
   }
   gl.Disable(GL_STENCIL_TEST);
   for (std::size_t i = 0; i < world.size(); ++i)
-    draw_body(world[i], camera_from_world * world_from_static[i]);
+    draw_body(pass, world[i], camera_from_world * world_from_static[i]);
 }
 
 // Ids and depth, which belong to pixel centres; in one pass colour looked up there too.
@@ -159,8 +189,16 @@ void Renderer::State::draw_image(const ScenePoses& poses, bool silhouettes) {
   gl.ClearBufferfv(GL_COLOR, 2, kNothing);
   gl.StencilMask(0xff);
   gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, 0, 0);  // together they are cleared in one go
-  gl.UseProgram(one_pass ? all : geometry);
-  draw_bodies(poses, silhouettes);
+  draw_bodies(one_pass ? all : geometry, poses, silhouettes);
+}
+
+// A depth just behind the nearest surfaces, beyond which no colour needs to be made: it decides nothing else,
+// and so the image is the same as without.
+void Renderer::State::draw_hull(const ScenePoses& poses, RowRange rows) const {
+  gl.PolygonOffset(-kHullSlope, -kHullPlaces);
+  gl.Enable(GL_POLYGON_OFFSET_FILL);
+  draw_bodies({hull.matte, hull.shiny, rows}, poses, false);
+  gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
 // Colour alone in some rows, each pixel the mean of its samples.
@@ -172,8 +210,8 @@ void Renderer::State::draw_color(const ScenePoses& poses, RowRange rows) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.samples);
   gl.ClearBufferfv(GL_COLOR, 0, sky.data());
   gl.ClearBufferfv(GL_DEPTH, 0, &kFarthest);
-  gl.UseProgram(color);
-  draw_bodies(poses, false);
+  if (!is_multisampled) draw_hull(poses, rows);  // of several samples it costs what it saves
+  draw_bodies({color.matte, color.shiny, rows}, poses, false);
   gl.Disable(GL_SCISSOR_TEST);
   resolve_samples(gl, targets, rows);
 }
@@ -226,7 +264,7 @@ std::vector<ObjectView> Renderer::State::view_objects(const ScenePoses& poses, c
   }
   view_silhouettes(
       gl, targets, part,
-      [&](std::size_t i) { draw_body(objects[i], camera_from_world * poses.world_from_object[i]); },
+      [&](std::size_t i) { draw_body(geometry, objects[i], camera_from_world * poses.world_from_object[i]); },
       lens ? &*lens : nullptr, bits, views);
   count_visible(ids, views);
   return views;
@@ -243,9 +281,11 @@ Renderer::Renderer(const Scene& scene, GlLibrary library) : state_(std::make_uni
   const int samples = s.lens ? 1 : scene.imaging.samples;  // a lens takes the mean of four pixels
   s.targets = make_render_targets(s.gl, s.camera.width, s.camera.height, samples > 1 ? samples : 0);
   s.one_pass = samples == 1 && color_steps(scene, 0).empty();
-  if (s.one_pass) s.all = s.prepare_program(scene, ProgramOutput::all);
-  if (!s.one_pass) s.color = s.prepare_program(scene, ProgramOutput::color);
-  if (!s.one_pass) s.geometry = s.prepare_program(scene, ProgramOutput::geometry);
+  s.is_multisampled = samples > 1;
+  s.geometry = s.prepare_pass(scene, ProgramOutput::geometry);
+  if (s.one_pass) s.all = s.prepare_pass(scene, ProgramOutput::all);
+  if (!s.one_pass) s.color = s.prepare_pass(scene, ProgramOutput::color);
+  if (!s.one_pass && !s.is_multisampled) s.hull = s.prepare_pass(scene, ProgramOutput::none);
   s.gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   s.gl.DepthFunc(GL_GREATER);
   s.gl.FrontFace(GL_CW);  // rows run down here, up in OpenGL: what is counter-clockwise turns

@@ -103,6 +103,7 @@ void begin_map(const GlFunctions& gl, const ShadowMaps& maps, const ShadowMap& m
   gl.UseProgram(maps.program);
   gl.Enable(GL_DEPTH_TEST);
   gl.Enable(GL_CULL_FACE);
+  gl.PolygonOffset(-kSlopeBias, -kLeastBias);  // away from the sun
   gl.Enable(GL_POLYGON_OFFSET_FILL);
 }
 
@@ -144,7 +145,6 @@ ShadowMaps make_shadow_maps(const GlFunctions& gl, const Scene& scene, const Pla
   maps.light_from_world = Eigen::Quaterniond::FromTwoVectors(scene.sun_direction, -Eigen::Vector3d::UnitZ());
   maps.world = make_map(gl, maps.texture, 0, kWorld_px);
   maps.objects = make_map(gl, maps.texture, 1, kObjects_px);
-  gl.PolygonOffset(-kSlopeBias, -kLeastBias);  // away from the sun
   gl.UseProgram(maps.program);
   const Eigen::Matrix4f identity = Eigen::Matrix4f::Identity();
   gl.UniformMatrix4fv(uniform_clip_from_camera, 1, GL_FALSE, identity.data());
