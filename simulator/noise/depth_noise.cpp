@@ -24,11 +24,25 @@ RandomStream row_stream(std::uint64_t seed, const char* name, std::int64_t frame
   return {seed, name, static_cast<std::uint64_t>(frame), static_cast<std::uint32_t>(row)};
 }
 
-float stereo_z(float z_m, float normal, const DepthNoise& noise, double focal_baseline) {
-  const double disparity = focal_baseline / z_m + noise.disparity_bias_px + noise.disparity_sigma_px * normal;
-  const double step = noise.disparity_step_px;
-  const double measured = step > 0 ? step * std::round(disparity / step) : disparity;
-  return measured > 0 ? static_cast<float>(focal_baseline / measured) : 0;
+// To the nearest step; not below zero, where no depth is. std::round would be a call for each pixel.
+inline double rounded(double disparity, double step) {
+  const double steps = disparity / step, whole = std::floor(steps);
+  return step * (whole + (steps - whole >= 0.5 ? 1 : 0));
+}
+
+UNIQUADRIC_VECTOR_CLONES
+void add_stereo_noise(const float* __restrict normal, const DepthNoise& noise, double focal_baseline,
+                      int count, float* __restrict z_m) {
+  const double bias = noise.disparity_bias_px, sigma = noise.disparity_sigma_px;
+  const double step = noise.disparity_step_px > 0 ? noise.disparity_step_px : 1;
+  const bool is_rounded = noise.disparity_step_px > 0;
+  for (int u = 0; u < count; ++u) {
+    const double disparity = focal_baseline / z_m[u] + bias + sigma * normal[u];
+    const double steps = rounded(disparity, step), measured = is_rounded ? steps : disparity;
+    const double back_m = focal_baseline / measured;
+    const float noisy_m = measured > 0 ? static_cast<float>(back_m) : 0;
+    z_m[u] = z_m[u] > 0 ? noisy_m : z_m[u];
+  }
 }
 
 // Standard normal numbers, a row a stream, or one field of them that is smooth over some pixels.
@@ -51,12 +65,10 @@ void add_noise(cv::Mat& depth_m, const Camera& camera, const DepthNoise& noise, 
   for (int v = 0; v < depth_m.rows; ++v) {
     const auto* normal = normals.ptr<float>(v);
     auto* z_m = depth_m.ptr<float>(v);
-    for (int u = 0; u < depth_m.cols; ++u) {
-      if (!is_stereo)
-        z_m[u] *= 1 + k * normal[u];
-      else if (z_m[u] > 0)
-        z_m[u] = stereo_z(z_m[u], normal[u], noise, camera.fx * noise.baseline_m);
-    }
+    if (is_stereo)
+      add_stereo_noise(normal, noise, camera.fx * noise.baseline_m, depth_m.cols, z_m);
+    else
+      for (int u = 0; u < depth_m.cols; ++u) z_m[u] *= 1 + k * normal[u];
   }
 }
 
@@ -87,13 +99,23 @@ void drop_edges(cv::Mat& depth_m, const cv::Mat& edges, double probability, std:
   }
 }
 
+// What surfaces return whose three channels have that sum.
+std::vector<double> returns_of_sums(const DepthNoise& noise) {
+  std::vector<double> returns;
+  for (int sum = 0; sum <= 3 * 255; ++sum) {
+    const double grey = sum / 3.0;
+    returns.push_back(1 - noise.dark_dropout * std::max(0.0, 1 - grey / noise.dark_level));
+  }
+  return returns;
+}
+
 // A pixel returns less the darker it is, and as much as its fourth channel says.
 void drop_faint(cv::Mat& depth_m, const cv::Mat& rgba, const DepthNoise& noise, std::uint64_t seed,
                 std::int64_t frame) {
+  const std::vector<double> returns = returns_of_sums(noise);
   const auto lost_share = [&](const cv::Vec4b& c) {
-    const double grey = (c[0] + c[1] + c[2]) / 3.0;
-    const double darkness = std::max(0.0, 1 - grey / noise.dark_level);
-    return 1 - c[3] / 255.0 * (1 - noise.dark_dropout * darkness);
+    const double returned = returns[static_cast<std::size_t>(c[0] + c[1] + c[2])];
+    return c[3] == 255 ? 1 - returned : 1 - c[3] / 255.0 * returned;
   };
   for (int v = 0; v < depth_m.rows; ++v) {
     RandomStream stream = row_stream(seed, "depth_faint", frame, v);

@@ -52,10 +52,17 @@ cv::Mat moved_behind_lens(const cv::Mat& depth_m, const PixelRays& rays, double 
   return moved;
 }
 
+// The nearest whole number, of two the lower: in 1/1024 pixel, as OpenCV's warps count.
+int nearest_below(double px) {
+  return -((cvRound(-px * 1024) + 512) >> 10);
+}
+
 cv::Mat shifted(const cv::Mat& depth_m, const Eigen::Vector2d& by_px) {
-  const cv::Matx23d to_source(1, 0, -by_px.x(), 0, 1, -by_px.y());
-  cv::Mat moved;
-  cv::warpAffine(depth_m, moved, to_source, depth_m.size(), cv::INTER_NEAREST | cv::WARP_INVERSE_MAP);
+  const cv::Rect image({0, 0}, depth_m.size());
+  const cv::Point by(nearest_below(by_px.x()), nearest_below(by_px.y()));
+  const cv::Rect target = image & (image + by);
+  cv::Mat moved = cv::Mat::zeros(depth_m.size(), CV_32FC1);
+  if (!target.empty()) depth_m(target - by).copyTo(moved(target));
   return moved;
 }
 

@@ -36,6 +36,17 @@ void add_clamped(std::span<const std::int16_t> noise, std::span<std::uint8_t> va
   }
 }
 
+// Noise of a sigma for each value.
+UNIQUADRIC_VECTOR_CLONES
+void add_scaled(const float* __restrict normals, const float* __restrict sigmas, std::size_t count,
+                std::uint8_t* __restrict values) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float noisy = static_cast<float>(values[i]) + sigmas[values[i]] * normals[i];
+    const float above = noisy > 0 ? noisy : 0, clamped = above < 255 ? above : 255;
+    values[i] = static_cast<std::uint8_t>(static_cast<int>(clamped + 0.5f));  // cut off is rounded
+  }
+}
+
 }  // namespace
 
 ImageNoiseSource::ImageNoiseSource(const ImageNoise& noise, std::uint64_t seed) : seed_(seed) {
@@ -73,10 +84,7 @@ void ImageNoiseSource::add_by_level(RandomStream& stream, std::span<std::uint8_t
 void ImageNoiseSource::add_by_value(RandomStream& stream, std::span<std::uint8_t> values) {
   normals_.resize(values.size());
   fill_normals(stream, normals_);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const float noisy = static_cast<float>(values[i]) + sigmas_[values[i]] * normals_[i];
-    values[i] = static_cast<std::uint8_t>(std::clamp(noisy, 0.0f, 255.0f) + 0.5f);  // cut off is rounded
-  }
+  add_scaled(normals_.data(), sigmas_.data(), values.size(), values.data());
 }
 
 }  // namespace uniquadric

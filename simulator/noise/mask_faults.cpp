@@ -41,11 +41,12 @@ std::set<std::pair<int, int>> touching(const cv::Mat& ids) {
   const auto look = [&](int a, int b) {
     if (a != b && a != 0 && b != 0) pairs.emplace(std::max(a, b), std::min(a, b));
   };
+  const auto look_along = [&](const std::uint16_t* row, const std::uint16_t* above, int count) {
+    for (int u = 1; u < count; ++u) look(row[u], row[u - 1]);
+    for (int u = 0; above && u < count; ++u) look(row[u], above[u]);
+  };
   for (int v = 0; v < ids.rows; ++v)
-    for (int u = 0; u < ids.cols; ++u) {
-      if (u > 0) look(ids.at<std::uint16_t>(v, u), ids.at<std::uint16_t>(v, u - 1));
-      if (v > 0) look(ids.at<std::uint16_t>(v, u), ids.at<std::uint16_t>(v - 1, u));
-    }
+    look_along(ids.ptr<std::uint16_t>(v), v > 0 ? ids.ptr<std::uint16_t>(v - 1) : nullptr, ids.cols);
   return pairs;
 }
 

@@ -32,8 +32,9 @@ cv::Mat smooth_field(cv::Size size, double length_px, RandomStream stream) {
   cv::Mat white(nodes.height + 2 * reach, nodes.width + 2 * reach, CV_32FC1), smooth, fine;
   fill_normals(stream, {white.ptr<float>(), white.total()});
   cv::sepFilter2D(white, smooth, CV_32F, kernel, kernel);
+  if (step == 1) return smooth(cv::Rect({reach + kMargin, reach + kMargin}, size)).clone();
   const cv::Mat valid = smooth(cv::Rect(reach, reach, nodes.width, nodes.height)).clone();
-  cv::resize(valid, fine, nodes * step, 0, 0, step > 1 ? cv::INTER_CUBIC : cv::INTER_NEAREST);
+  cv::resize(valid, fine, nodes * step, 0, 0, cv::INTER_CUBIC);
   return fine(cv::Rect(kMargin * step, kMargin * step, size.width, size.height)).clone();
 }
 

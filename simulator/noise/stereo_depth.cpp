@@ -6,15 +6,18 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <vector>
 
 #include "core/base/random.h"
+#include "core/base/vector_clones.h"
 
 namespace uniquadric {
 namespace {
 
 // Inverse depth is affine in pixel coordinates on a plane: exact differences give the plane. Along one
 // direction, of the two one-sided differences the smaller: it does not reach across an edge.
-float difference(float before, float here, float after) {
+inline float difference(float before, float here, float after) {
   const float back = here - before, on = after - here;
   return std::abs(back) < std::abs(on) ? back : on;
 }
@@ -62,44 +65,92 @@ Eigen::Vector2f slope_behind_lens(const cv::Mat& depth_m, const PixelRays& rays,
   return steps.inverse() * changes;
 }
 
-Eigen::Vector2f slope_without_lens(const cv::Mat& depth_m, const Camera& camera, int u, int v) {
-  const float here = inverse(depth_m.at<float>(v, u));
-  const auto at = [&](int column, int row) {
-    const bool inside = column >= 0 && row >= 0 && column < depth_m.cols && row < depth_m.rows;
-    return inside ? inverse(depth_m.at<float>(row, column)) : std::numeric_limits<float>::infinity();
-  };
-  return {static_cast<float>(camera.fx) * difference(at(u - 1, v), here, at(u + 1, v)),
-          static_cast<float>(camera.fy) * difference(at(u, v - 1), here, at(u, v + 1))};
-}
-
-// Squared cosine of the angle between a pixel's ray (x, y, 1) and its surface's normal, nothing's being 1. A
-// plane n . X = h has the inverse depth n . (x, y, 1) / h.
-float square_cos_incidence(const cv::Mat& depth_m, const PixelRays& rays, int u, int v) {
-  const float here = inverse(depth_m.at<float>(v, u));
-  const Eigen::Vector2f slope = rays.rays.empty() ? slope_without_lens(depth_m, rays.camera, u, v)
-                                                  : slope_behind_lens(depth_m, rays, u, v);
-  const float nx = slope.x(), ny = slope.y();
-  if (!std::isfinite(nx) || !std::isfinite(ny)) return 1;
-  const Eigen::Vector2f ray = rays.at(u, v).cast<float>();
-  const float x = ray.x(), y = ray.y();
+// Squared cosine of the angle between a pixel's ray (x, y, 1) and its surface's normal (nx, ny, nz). A plane
+// n . X = h has the inverse depth n . (x, y, 1) / h, which is `here`.
+inline float square_cos(float here, float nx, float ny, float x, float y) {
   const float nz = here - x * nx - y * ny;
   return here * here / ((nx * nx + ny * ny + nz * nz) * (x * x + y * y + 1));
+}
+
+// Whether both are numbers, in a way that the compiler can ask of many pixels at once.
+inline bool are_finite(float a, float b) {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  return (std::abs(a) <= kMost) & (std::abs(b) <= kMost);
+}
+
+bool is_flat_behind_lens(const cv::Mat& depth_m, const PixelRays& rays, int u, int v, float least_square) {
+  const Eigen::Vector2f slope = slope_behind_lens(depth_m, rays, u, v), ray = rays.at(u, v).cast<float>();
+  return are_finite(slope.x(), slope.y()) &&
+         square_cos(inverse(depth_m.at<float>(v, u)), slope.x(), slope.y(), ray.x(), ray.y()) < least_square;
+}
+
+cv::Mat flat_behind_lens(const cv::Mat& depth_m, const PixelRays& rays, float least_square) {
+  cv::Mat flat = cv::Mat::zeros(depth_m.size(), CV_8UC1);
+  for (int v = 0; v < depth_m.rows; ++v)
+    for (int u = 0; u < depth_m.cols; ++u)
+      if (depth_m.at<float>(v, u) > 0 && is_flat_behind_lens(depth_m, rays, u, v, least_square))
+        flat.at<std::uint8_t>(v, u) = 255;
+  return flat;
+}
+
+// Inverse depth with a rim of nothing about the image, for which it is infinite.
+cv::Mat inverse_with_rim(const cv::Mat& depth_m) {
+  cv::Mat inverse_z(depth_m.rows + 2, depth_m.cols + 2, CV_32FC1,
+                    cv::Scalar(std::numeric_limits<float>::infinity()));
+  for (int v = 0; v < depth_m.rows; ++v) {
+    const auto* z_m = depth_m.ptr<float>(v);
+    auto* out = inverse_z.ptr<float>(v + 1) + 1;
+    for (int u = 0; u < depth_m.cols; ++u) out[u] = inverse(z_m[u]);
+  }
+  return inverse_z;
+}
+
+// A row of the image: inverse depths there, above and below, and the rays (x, y, 1).
+struct IncidenceRow {
+  const float *above, *here, *below, *x;
+  float y, fx, fy;
+};
+
+// Where `here` is nothing its differences are no numbers.
+UNIQUADRIC_VECTOR_CLONES
+void mark_flat(const IncidenceRow& row, float least_square, int count, std::uint8_t* __restrict flat) {
+  const float *above = row.above, *here = row.here, *below = row.below, *x = row.x;
+  const float y = row.y, fx = row.fx, fy = row.fy;
+  for (int u = 0; u < count; ++u) {
+    const float nx = fx * difference(here[u - 1], here[u], here[u + 1]);
+    const float ny = fy * difference(above[u], here[u], below[u]);
+    const bool is_flat = square_cos(here[u], nx, ny, x[u], y) < least_square;
+    flat[u] = is_flat & are_finite(nx, ny) ? 255 : 0;
+  }
+}
+
+// The columns' places in the second image; none where there is no depth.
+UNIQUADRIC_VECTOR_CLONES
+void see_second(const float* __restrict z_m, const double* __restrict columns, double focal_baseline,
+                int count, double* __restrict second) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  for (int u = 0; u < count; ++u) {
+    const double place = columns[u] - focal_baseline / z_m[u];
+    second[u] = z_m[u] > 0 ? place : kNone;
+  }
 }
 
 }  // namespace
 
 cv::Mat stereo_shadow(const cv::Mat& depth_m, double focal_baseline, const cv::Mat& columns) {
-  cv::Mat shadow = cv::Mat::zeros(depth_m.size(), CV_8UC1);
+  cv::Mat shadow(depth_m.size(), CV_8UC1);
+  std::vector<double> straight(static_cast<std::size_t>(depth_m.cols)), second(straight.size());
+  std::iota(straight.begin(), straight.end(), 0);
   for (int v = 0; v < depth_m.rows; ++v) {
-    const auto* z_m = depth_m.ptr<float>(v);
+    see_second(depth_m.ptr<float>(v), columns.empty() ? straight.data() : columns.ptr<double>(v),
+               focal_baseline, depth_m.cols, second.data());
+    auto* hidden = shadow.ptr<std::uint8_t>(v);
     double leftmost =
         std::numeric_limits<double>::infinity();  // in the second image, of what lies to the right
     for (int u = depth_m.cols - 1; u >= 0; --u) {
-      if (!(z_m[u] > 0)) continue;
-      const double column = columns.empty() ? u : columns.at<double>(v, u);
-      const double second = column - focal_baseline / z_m[u];
-      if (second >= leftmost) shadow.at<std::uint8_t>(v, u) = 255;
-      leftmost = std::min(leftmost, second);
+      const double place = second[static_cast<std::size_t>(u)];
+      hidden[u] = place >= leftmost ? 255 : 0;
+      leftmost = place < leftmost ? place : leftmost;
     }
   }
   return shadow;
@@ -108,11 +159,18 @@ cv::Mat stereo_shadow(const cv::Mat& depth_m, double focal_baseline, const cv::M
 cv::Mat flat_incidence(const cv::Mat& depth_m, const PixelRays& rays, double max_incidence_deg) {
   const double least = std::cos(max_incidence_deg * std::numbers::pi / 180);
   const auto least_square = static_cast<float>(least * least);
-  cv::Mat flat = cv::Mat::zeros(depth_m.size(), CV_8UC1);
-  for (int v = 0; v < depth_m.rows; ++v)
-    for (int u = 0; u < depth_m.cols; ++u)
-      if (depth_m.at<float>(v, u) > 0 && square_cos_incidence(depth_m, rays, u, v) < least_square)
-        flat.at<std::uint8_t>(v, u) = 255;
+  if (!rays.rays.empty()) return flat_behind_lens(depth_m, rays, least_square);
+  const cv::Mat inverse_z = inverse_with_rim(depth_m);
+  std::vector<float> x;
+  for (int u = 0; u < depth_m.cols; ++u) x.push_back(static_cast<float>(rays.at(u, 0).x()));
+  cv::Mat flat(depth_m.size(), CV_8UC1);
+  for (int v = 0; v < depth_m.rows; ++v) {
+    const IncidenceRow row{inverse_z.ptr<float>(v) + 1,           inverse_z.ptr<float>(v + 1) + 1,
+                           inverse_z.ptr<float>(v + 2) + 1,       x.data(),
+                           static_cast<float>(rays.at(0, v).y()), static_cast<float>(rays.camera.fx),
+                           static_cast<float>(rays.camera.fy)};
+    mark_flat(row, least_square, depth_m.cols, flat.ptr<std::uint8_t>(v));
+  }
   return flat;
 }
 
