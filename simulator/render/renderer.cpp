@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 
+#include "core/base/vector_clones.h"
 #include "simulator/render/box_pixels.h"
 #include "simulator/render/gpu_mesh.h"
 #include "simulator/render/lens.h"
@@ -46,6 +47,16 @@ bool has_shine(const Scene& scene) {
 }
 
 }  // namespace
+
+// Sums of `count` bytes each become their means. The product is exact: of sums below 2^16 and counts below
+// 257 it errs by less than one part of the divisor.
+UNIQUADRIC_VECTOR_CLONES
+void divide_rounded(const std::vector<std::uint16_t>& sums, unsigned count, unsigned char* __restrict means) {
+  const std::uint32_t inverse = ((1u << 24) + count - 1) / count, half = count / 2;
+  const std::uint16_t* sum = sums.data();
+  for (std::size_t i = 0, end = sums.size(); i < end; ++i)
+    means[i] = static_cast<unsigned char>((sum[i] + half) * inverse >> 24);
+}
 
 // What draws, and in which rows: meshes that lie beside them are left out.
 struct Pass {
@@ -249,9 +260,7 @@ void Renderer::State::expose(const std::vector<ColorStep>& steps) {
     for (std::size_t i = 0; i < row_size * static_cast<std::size_t>(rows.count); ++i)
       sum[i] = static_cast<std::uint16_t>(sum[i] + step.data[i]);
   }
-  const auto count = static_cast<unsigned>(row_count / height);
-  for (std::size_t i = 0; i < sums.size(); ++i)
-    frame.rgba.data[i] = static_cast<unsigned char>((sums[i] + count / 2) / count);
+  divide_rounded(sums, static_cast<unsigned>(row_count / height), frame.rgba.data);
 }
 
 std::vector<ObjectView> Renderer::State::view_objects(const ScenePoses& poses, const cv::Mat& ids) {
