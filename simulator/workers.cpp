@@ -1,6 +1,7 @@
 #include "simulator/workers.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -30,11 +31,22 @@ struct Worker {
   bool ended = false;
 };
 
+// Images are freed and made anew all the time; by default their memory goes back to the system and comes as
+// new pages, which cost more than what is written to them.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int kMost = 1 << 30;
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that glibc takes
+  mallopt(M_TRIM_THRESHOLD, kMost);
+#endif
+}
+
 // A child's life: it dies with its parent, and OpenCV's threads, which fork leaves behind, are not waited
 // for.
 [[noreturn]] void live(const std::function<void(int)>& work, int number, int say, pid_t parent) {
   end_with_parent(parent);
   cv::setNumThreads(1);
+  keep_freed_memory();
   std::string failure;
   try {
     work(number);
