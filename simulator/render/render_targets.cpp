@@ -48,7 +48,7 @@ RenderTargets make_render_targets(const GlFunctions& gl, int width, int height, 
   gl.CreateFramebuffers(1, &targets.image);
   const unsigned color = attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT0, GL_RGBA8);
   attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT1, GL_R16UI);
-  attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT2, GL_R32F);
+  const unsigned depth = attach(gl, targets, targets.image, GL_COLOR_ATTACHMENT2, GL_R32F);
   attach(gl, targets, targets.image, GL_DEPTH_STENCIL_ATTACHMENT, GL_DEPTH32F_STENCIL8);
   constexpr std::array<unsigned, 3> buffers = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1,
                                                GL_COLOR_ATTACHMENT2};
@@ -57,10 +57,20 @@ RenderTargets make_render_targets(const GlFunctions& gl, int width, int height, 
   attach(gl, targets, targets.silhouettes, GL_STENCIL_ATTACHMENT, GL_STENCIL_INDEX8);
   gl.CreateFramebuffers(1, &targets.samples);
   attach(gl, targets, targets.samples, GL_COLOR_ATTACHMENT0, GL_RGBA8, samples);
-  attach(gl, targets, targets.samples, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, samples);
+  const unsigned reversed_z =
+      attach(gl, targets, targets.samples, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, samples);
+  gl.CreateFramebuffers(1, &targets.depth);
+  gl.NamedFramebufferRenderbuffer(targets.depth, GL_COLOR_ATTACHMENT2, GL_RENDERBUFFER, depth);
+  if (samples > 0)
+    attach(gl, targets, targets.depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F);
+  else
+    gl.NamedFramebufferRenderbuffer(targets.depth, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, reversed_z);
+  constexpr std::array<unsigned, 3> third = {GL_NONE, GL_NONE, GL_COLOR_ATTACHMENT2};
+  gl.NamedFramebufferDrawBuffers(targets.depth, third.size(), third.data());
   gl.CreateFramebuffers(1, &targets.color);
   gl.NamedFramebufferRenderbuffer(targets.color, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
-  for (const unsigned framebuffer : {targets.image, targets.silhouettes, targets.samples, targets.color})
+  for (const unsigned framebuffer :
+       {targets.image, targets.depth, targets.silhouettes, targets.samples, targets.color})
     check_complete(gl, targets, framebuffer);
   return targets;
 }

@@ -88,6 +88,7 @@ struct Renderer::State {
   Pass prepare_pass(const Scene& scene, ProgramOutput output) const;
   void upload(const Scene& scene);
   void draw_image(const ScenePoses& poses, bool silhouettes);
+  void draw_depth(const ScenePoses& poses) const;
   void draw_color(const ScenePoses& poses, RowRange rows);
   void draw_hull(const ScenePoses& poses, RowRange rows) const;
   void draw_bodies(const Pass& pass, const ScenePoses& poses, bool silhouettes) const;
@@ -203,6 +204,15 @@ void Renderer::State::draw_image(const ScenePoses& poses, bool silhouettes) {
   draw_bodies(one_pass ? all : geometry, poses, silhouettes);
 }
 
+// What draw_image() makes of depth. Ids and stencil would cost a third more.
+void Renderer::State::draw_depth(const ScenePoses& poses) const {
+  constexpr float kNothing[4] = {0, 0, 0, 0}, kFarthest = 0;
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.depth);
+  gl.ClearBufferfv(GL_COLOR, 2, kNothing);
+  gl.ClearBufferfv(GL_DEPTH, 0, &kFarthest);
+  draw_bodies(geometry, poses, false);
+}
+
 // A depth just behind the nearest surfaces, beyond which no colour needs to be made: it decides nothing else,
 // and so the image is the same as without.
 void Renderer::State::draw_hull(const ScenePoses& poses, RowRange rows) const {
@@ -316,12 +326,14 @@ void Renderer::draw(const ScenePoses& poses) {
 cv::Mat Renderer::depth_m(const ScenePoses& poses) {
   State& s = *state_;
   s.context->make_current();
-  s.draw_image(poses, false);
   cv::Mat ids, depth_m;
-  if (s.lens)
+  if (s.lens) {
+    s.draw_image(poses, false);
     s.read_geometry(ids, depth_m);
-  else
+  } else {
+    s.draw_depth(poses);
     read_depth(s.gl, s.targets, depth_m);
+  }
   return depth_m;
 }
 
