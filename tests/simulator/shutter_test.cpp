@@ -116,5 +116,21 @@ TEST(Renderer, RollingShutterOfAWorldAtRestChangesNothing) {
   }
 }
 
+// What is hidden is found before colour is made, in bands that cut through the bodies; some of them shine.
+TEST(Renderer, ExposuresOfBodiesBehindEachOtherHaveTheColorsOfOneImage) {
+  Scene scene = two_boxes();
+  scene.imaging.samples = 1;
+  scene.shadows = true;
+  scene.objects[1].meshes[0].shine = 0.6f;
+  const ScenePoses poses = poses_at(scene, 0.4);
+  const RenderedFrame at_once = Renderer(scene).render(poses);
+  scene.imaging.exposure_s = 0.01;  // the renderer prepares for steps
+  const int half = scene.camera.height / 2;
+  const std::vector<ColorStep> steps = {
+      {poses, 0, half}, {poses, 0, half}, {poses, half, half}, {poses, half, half}};
+  const RenderedFrame exposed = Renderer(scene).render(poses, steps);
+  EXPECT_TRUE(same(at_once.rgba, exposed.rgba));
+}
+
 }  // namespace
 }  // namespace uniquadric
