@@ -1,8 +1,5 @@
 #include "harness/bench/scene_data.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -12,6 +9,7 @@
 #include "core/base/threads.h"
 #include "core/sequence/sequence.h"
 #include "harness/bench/keys.h"
+#include "harness/bench/task_pool.h"
 #include "harness/external/external_variant.h"
 #include "simulator/families/family.h"
 #include "simulator/lidar_files.h"
@@ -99,8 +97,10 @@ std::vector<SceneData> look_at_scenes(std::vector<BenchScene>& scenes, bool quie
     }
     progress.advance();
   };
-  tbb::task_arena arena(threads_to_use(kMostThreads));
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, scenes.size(), look_at); });
+  TaskPool pool(threads_to_use(kMostThreads));
+  for (std::size_t i = scenes.size(); i-- > 0;)  // it starts with the last
+    pool.add([&look_at, i] { look_at(i); });
+  pool.wait();
   fault.throw_it();
   return data;
 }
