@@ -14,6 +14,25 @@
 #include "core/base/yaml_bounds.h"
 
 namespace uniquadric {
+namespace {
+
+// Whether the value at `name` is that at `key` or part of it.
+bool is_within(const std::string& name, const std::string& key) {
+  return name.starts_with(key) &&
+         (name.size() == key.size() || name[key.size()] == '.' || name[key.size()] == '[');
+}
+
+// The value of another file that is at fault if there is no such key.
+const ConfigOverride* override_that_made(const std::string& key,
+                                         const std::vector<ConfigOverride>& overrides) {
+  const auto made = [&](const ConfigOverride& value) {
+    return !value.where.empty() && (is_within(key, value.key) || is_within(value.key, key));
+  };
+  const auto found = std::ranges::find_if(overrides, made);
+  return found == overrides.end() ? nullptr : &*found;
+}
+
+}  // namespace
 
 ConfigNode::ConfigNode(const YAML::Node& node, std::filesystem::path file, std::string name)
     : node_(std::make_shared<const YAML::Node>(node)),
@@ -56,10 +75,20 @@ ConfigNode ConfigNode::child(const YAML::Node& node, std::string name) const {
 
 // Whether the value, or one that it is part of, is none of the file.
 bool ConfigNode::is_set() const {
-  return std::ranges::any_of(*overrides_, [&](const ConfigOverride& value) {
-    return name_.starts_with(value.key) && (name_.size() == value.key.size() ||
-                                            name_[value.key.size()] == '.' || name_[value.key.size()] == '[');
-  });
+  return std::ranges::any_of(*overrides_,
+                             [&](const ConfigOverride& value) { return is_within(name_, value.key); });
+}
+
+// Throws with the place in another file that set this value, or one in this map: then either may be wrong.
+void ConfigNode::blame_other_file(const std::string& what) const {
+  for (const ConfigOverride& value : *overrides_)
+    if (!value.where.empty() && is_within(name_, value.key))
+      throw InputError(value.where + '.' + name_, what);
+  if (node_->Mark().line >= 0) return;
+  const std::string place = name_.empty() ? "" : '.' + name_;
+  for (const ConfigOverride& value : *overrides_)
+    if (!value.where.empty() && (name_.empty() || is_within(value.key, name_)))
+      throw InputError(value.where + place, fmt::format("{} (in {})", what, file_.filename().string()));
 }
 
 int ConfigNode::line() const {
@@ -68,6 +97,7 @@ int ConfigNode::line() const {
 
 void ConfigNode::fail(const std::string& what) const {
   const std::string message = name_.empty() ? what : name_ + ": " + what;
+  blame_other_file(what);
   if (is_set()) throw InputError(file_, message + " (set, not the file's)");
   if (node_->Mark().line < 0) throw InputError(file_, message);
   throw InputError(file_, line(), message);
@@ -217,6 +247,8 @@ void ConfigNode::refuse_unknown_keys() const {
       throw InputError(file_, at_line, fmt::format("key '{}' stands twice", shown));
     if (known_->contains(text)) continue;
     const std::string what = fmt::format("unknown key '{}' (known: {})", shown, fmt::join(*known_, ", "));
+    if (const ConfigOverride* value = override_that_made(shown, *overrides_))
+      throw InputError(value->where + '.' + value->key, what);
     if (is_set() || at_line < 1) throw InputError(file_, what);
     throw InputError(file_, at_line, what);
   }

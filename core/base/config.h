@@ -71,12 +71,15 @@ class ConfigNode {
   /// Throws InputError with this node's file and line.
   [[noreturn]] void fail(const std::string& what) const;
   const std::filesystem::path& file() const { return file_; }
+  /// The dotted path of keys that leads here, as messages have it; of the whole file empty.
+  const std::string& key_path() const { return name_; }
   int line() const;
 
  private:
   ConfigNode(const YAML::Node& node, std::filesystem::path file, std::string name);
   ConfigNode child(const YAML::Node& node, std::string name) const;
   bool is_set() const;
+  void blame_other_file(const std::string& what) const;
   std::shared_ptr<const YAML::Node> node_;
   std::filesystem::path file_;
   std::string name_;  // dotted path of keys, for messages

@@ -87,6 +87,7 @@ class Setter {
 
   [[noreturn]] void fail(const std::string& what) const {
     constexpr std::size_t kMostShown = 100;  // so that the reason stays in sight
+    if (!value_.where.empty()) throw InputError(value_.where + '.' + value_.key.substr(0, kMostShown), what);
     throw InputError(file_, fmt::format("set {}={}: {}", value_.key.substr(0, kMostShown),
                                         value_.value.substr(0, kMostShown), what));
   }

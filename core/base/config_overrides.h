@@ -14,6 +14,9 @@ namespace uniquadric {
 struct ConfigOverride {
   std::string key;    ///< as messages name values: `frames`, `lidar.method`, `objects[0].name`
   std::string value;  ///< YAML
+  /// Of one that another file sets: the place there as messages begin, `bench.yaml:3: scenes[0].set`. Empty:
+  /// the command line's.
+  std::string where{};
 };
 
 /// Reads texts of the form KEY=VALUE; throws InputError for any other.

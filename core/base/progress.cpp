@@ -16,11 +16,12 @@ double seconds_since(Clock::time_point t) {
 }
 }  // namespace
 
-Progress::Progress(std::string label, std::int64_t total, bool quiet)
+Progress::Progress(std::string label, std::int64_t total, bool quiet, std::chrono::milliseconds silent)
     : label_(std::move(label)),
       total_(total),
       quiet_(quiet),
       terminal_(isatty(STDERR_FILENO) == 1),
+      silent_(silent),
       start_(Clock::now()) {}
 
 Progress::~Progress() {
@@ -30,7 +31,7 @@ Progress::~Progress() {
 void Progress::advance(std::int64_t steps) {
   const std::lock_guard lock(mutex_);
   done_ += steps;
-  if (!quiet_) draw();
+  if (!quiet_ && Clock::now() - start_ >= silent_) draw();
 }
 
 void Progress::note(const std::string& line) {

@@ -15,15 +15,19 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kMaxRate_hz = 100'000;
+constexpr double kMinRate_hz = 1e-3, kMaxRate_hz = 100'000;
+constexpr double kMostAmount = 1000;  // ours: of noise and gravity, far beyond any sensor and planet
 constexpr std::string_view kHeader =
     "timestamp_ns,gyro_x_radps,gyro_y_radps,gyro_z_radps,accel_x_mps2,accel_y_mps2,accel_z_mps2";
 constexpr std::size_t kColumns = 7;
 constexpr std::size_t kShownBytes = 40;  // ours: of a column's name in an error
 
-void read_density(const ConfigNode& node, const std::string& key, double& value) {
+// Of noise densities and gravity alike.
+void read_amount(const ConfigNode& node, const std::string& key, double& value) {
   value = node.get<double>(key, value);
   if (value < 0) node.at(key).fail(fmt::format("cannot be negative, found {}", value));
+  if (value > kMostAmount)
+    node.at(key).fail(fmt::format("expected at most {}, found {}", kMostAmount, value));
 }
 
 ImuSample parse_sample(const std::filesystem::path& path, int line,
@@ -60,11 +64,12 @@ void require_header(const std::filesystem::path& path, int line,
 void read_imu_model(const ConfigNode& node, ImuCalibration& imu) {
   imu.rate_hz = node.positive("rate_hz", imu.rate_hz);
   if (imu.rate_hz > kMaxRate_hz) node.at("rate_hz").fail(fmt::format("expected at most {} Hz", kMaxRate_hz));
-  read_density(node, "gyroscope_noise_radps_rthz", imu.gyroscope_noise_radps_rthz);
-  read_density(node, "gyroscope_walk_radps2_rthz", imu.gyroscope_walk_radps2_rthz);
-  read_density(node, "accelerometer_noise_mps2_rthz", imu.accelerometer_noise_mps2_rthz);
-  read_density(node, "accelerometer_walk_mps3_rthz", imu.accelerometer_walk_mps3_rthz);
-  read_density(node, "gravity_mps2", imu.gravity_mps2);
+  if (imu.rate_hz < kMinRate_hz) node.at("rate_hz").fail(fmt::format("expected at least {} Hz", kMinRate_hz));
+  read_amount(node, "gyroscope_noise_radps_rthz", imu.gyroscope_noise_radps_rthz);
+  read_amount(node, "gyroscope_walk_radps2_rthz", imu.gyroscope_walk_radps2_rthz);
+  read_amount(node, "accelerometer_noise_mps2_rthz", imu.accelerometer_noise_mps2_rthz);
+  read_amount(node, "accelerometer_walk_mps3_rthz", imu.accelerometer_walk_mps3_rthz);
+  read_amount(node, "gravity_mps2", imu.gravity_mps2);
 }
 
 ImuCalibration read_imu_calibration(const ConfigNode& node) {

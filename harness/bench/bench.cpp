@@ -170,7 +170,7 @@ void require_results_folder(const fs::path& out, bool collects) {
 
 int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& options) {
   require_results_folder(out, options.collect);
-  BenchPlan plan = plan_bench(config_file, out);
+  BenchPlan plan = plan_bench(config_file, out, options.quiet);
   fs::create_directories(out);
   const FolderLock lock(out, out);
   write_text(out / "bench.yaml", bench_yaml(plan.config));  // at once: what is cut short can be gone on with

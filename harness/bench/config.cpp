@@ -73,7 +73,11 @@ std::string read_prompt(const ConfigNode& root, const ConfigNode& node) {
 std::vector<std::string> read_judging(const ConfigNode& node) {
   std::vector<std::string> options;
   if (const auto objects = node.find("objects")) {
-    parse_object_choice(objects->as<std::string>());
+    try {
+      parse_object_choice(objects->as<std::string>());
+    } catch (const InputError& error) {
+      node.fail(error.what());
+    }
     options = {"--objects", objects->as<std::string>()};
   }
   if (node.has("unlabelled"))
@@ -83,13 +87,19 @@ std::vector<std::string> read_judging(const ConfigNode& node) {
 }
 
 bool is_there(const BenchScene& item) {
-  return !item.generated.empty() || fs::exists(item.path);
+  return item.drawn_from || fs::exists(item.path);
+}
+
+// As messages begin.
+std::string place_of(const ConfigNode& node, const std::string& key_path) {
+  return fmt::format("{}:{}: {}", node.file().string(), node.line(), key_path);
 }
 
 std::vector<ConfigOverride> read_set(const ConfigNode& node, const std::string& key = "set") {
   std::vector<ConfigOverride> overrides;
   if (const auto set = node.find(key)) {
-    for (const auto& [name, value] : set->entries()) overrides.push_back({name, value.yaml()});
+    for (const auto& [name, value] : set->entries())
+      overrides.push_back({name, value.yaml(), place_of(value, set->key_path())});
     set->refuse_unknown_keys();  // that stand twice
   }
   return overrides;
@@ -107,25 +117,23 @@ void read_common(const ConfigNode& node, BenchScene& scene) {
 
 // A scene for each of `count` seeds of its own.
 std::vector<BenchScene> read_family(const ConfigNode& node, const std::vector<std::uint64_t>& seeds) {
-  const ConfigNode family = node.at("family");
-  FamilyRequest request{family.as<std::string>(), node.get<std::uint64_t>("first_seed", 1), read_set(node)};
+  FamilyRequest request{node.choice("family", family_names(), ""), node.get<std::uint64_t>("first_seed", 1),
+                        read_set(node)};
   const int count = node.get<int>("count", 1);
   if (count < 1 || count > kMostOfFamily)
     node.at("count").fail(fmt::format("expected 1 to {}", kMostOfFamily));
+  check_request(request);
   const std::string name = node.name("name", request.family);
   BenchScene common;
   common.seeds = seeds;
   common.set = read_set(node, "scene_set");
+  common.where = place_of(node, node.key_path());
   read_common(node, common);
   node.refuse_unknown_keys();
   std::vector<BenchScene> scenes(static_cast<std::size_t>(count), common);
   for (BenchScene& scene : scenes) {
     scene.name = fmt::format("{}_{}", name, request.seed);
-    try {
-      scene.generated = generate_scene(request);
-    } catch (const InputError& error) {
-      node.fail(error.what());
-    }
+    scene.drawn_from = request;
     ++request.seed;
   }
   return scenes;

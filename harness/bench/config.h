@@ -8,6 +8,7 @@
 
 #include "core/base/config_overrides.h"
 #include "estimator/variant.h"
+#include "simulator/families/family.h"
 
 namespace uniquadric {
 
@@ -19,13 +20,15 @@ struct BenchItem {
 
 /// A scene with what the bench makes of it, one drawn from a family, or a recording.
 struct BenchScene : BenchItem {
-  bool is_recording = false;          ///< `path` is a folder that `import` made, else a scene file
-  double noise_scale = 1;             ///< of a scene: of the amplitudes of all its noise
-  std::vector<ConfigOverride> set{};  ///< of a scene: in place of the file's values
-  std::string generated{};  ///< of a family: the scene, which will stand in `path` below the results
-  std::vector<std::uint64_t> seeds{};  ///< its own, or the bench's; of a recording [0] by default
-  std::string prompt{};                ///< boxes:FILE or points:FILE; empty: none
-  std::vector<std::string> judging{};  ///< options of `evaluate`: --objects, --unlabelled
+  bool is_recording = false;                  ///< `path` is a folder that `import` made, else a scene file
+  double noise_scale = 1;                     ///< of a scene: of the amplitudes of all its noise
+  std::vector<ConfigOverride> set{};          ///< of a scene: in place of the file's values
+  std::optional<FamilyRequest> drawn_from{};  ///< of a family: then `path` will stand below the results
+  std::string generated{};                    ///< of a family, once it is drawn: the scene
+  std::string where{};                        ///< of a family: the place in the bench, as messages begin
+  std::vector<std::uint64_t> seeds{};         ///< its own, or the bench's; of a recording [0] by default
+  std::string prompt{};                       ///< boxes:FILE or points:FILE; empty: none
+  std::vector<std::string> judging{};         ///< options of `evaluate`: --objects, --unlabelled
 };
 
 /// scenes x variants x seeds (configs/bench/README.md).

@@ -10,12 +10,9 @@
 #include "core/base/files.h"
 #include "core/base/folder_hashes.h"
 #include "core/base/hash.h"
-#include "core/sequence/sequence.h"
 #include "harness/bench/keys.h"
+#include "harness/bench/scene_data.h"
 #include "harness/external/external_variant.h"
-#include "simulator/lidar_files.h"
-#include "simulator/scene/noise_scale.h"
-#include "simulator/scene/scene.h"
 
 namespace uniquadric {
 namespace {
@@ -45,16 +42,6 @@ std::vector<PlannedVariant> load_variants(const BenchConfig& config) {
   std::vector<PlannedVariant> variants;
   for (const BenchItem& item : config.variants) variants.push_back(load_planned(item));
   return variants;
-}
-
-// Of the sequence that will be simulated.
-std::vector<std::string> sensors_of(const Scene& scene) {
-  std::vector<std::string> sensors = {"rgb", "masks"};
-  if (scene.depth) sensors.push_back("depth");
-  if (scene.lidar) sensors.push_back("lidar");
-  if (scene.imu) sensors.push_back("imu");
-  if (scene.given_camera) sensors.push_back("given_camera");
-  return sensors;
 }
 
 // What a variant of ours cannot do without.
@@ -113,11 +100,6 @@ fs::path simulation_folder(const BenchPlan& plan, const BenchSimulation& simulat
          fmt::format("seed_{}", simulation.seed);
 }
 
-bool takes_the_papers_way(const Scene& scene) {
-  const auto rig = lidar_of(scene);
-  return rig && rig->method == LidarMethod::depth_octree;
-}
-
 BenchStage stage(const fs::path& folder, const std::string& key, std::vector<std::string> command,
                  std::vector<fs::path> inputs, const fs::path& log) {
   command.insert(command.end(), {"--quiet", "--force", "--key", key});
@@ -128,33 +110,8 @@ fs::path with_suffix(const fs::path& folder, const char* suffix) {
   return folder.string() + suffix;
 }
 
-// What a plan has to know of a scene or recording.
-struct Data {
-  const char* kind;
-  std::string hash;
-  std::vector<std::string> sensors;
-  bool has_routes = false;
-  fs::path sequence, truth;  // of a recording
-};
-
-Data data_of_scene(const BenchScene& item) {
-  Scene scene = item.generated.empty() ? load_scene(item.path, item.set)
-                                       : parse_scene(item.generated, item.path, item.set);
-  scale_noise(scene, item.noise_scale);
-  return {"scene", scene.hash, sensors_of(scene), takes_the_papers_way(scene), {}, {}};
-}
-
-Data data_of_recording(const BenchScene& item) {
-  const bool is_sequence_alone = fs::exists(item.path / "sequence.yaml");
-  const fs::path sequence = is_sequence_alone ? item.path : item.path / "sequence";
-  const bool has_truth = !is_sequence_alone && fs::is_directory(item.path / "truth");
-  const fs::path truth = has_truth ? item.path / "truth" : fs::path();
-  return {"recording", recording_key(sequence, truth), sensors_of(open_sequence(sequence)), false, sequence,
-          truth};
-}
-
 BenchSimulation plan_simulation(const BenchPlan& plan, std::size_t scene, std::uint64_t seed,
-                                const Data& data) {
+                                const SceneData& data) {
   BenchSimulation simulation;
   simulation.scene = scene;
   simulation.seed = seed;
@@ -291,18 +248,18 @@ std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, con
   return stages;
 }
 
-BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out) {
+BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out, bool quiet) {
   BenchPlan plan{load_bench_config(bench_file), out, {}, {}};
   for (BenchScene& scene : plan.config.scenes)
-    if (!scene.generated.empty()) scene.path = out / "scenes" / (scene.name + ".yaml");
+    if (scene.drawn_from) scene.path = out / "scenes" / (scene.name + ".yaml");
+  const std::vector<PlannedVariant> variants = load_variants(plan.config);
+  const std::vector<SceneData> data_of_scenes = look_at_scenes(plan.config.scenes, quiet);
   const BenchConfig& config = plan.config;
-  const std::vector<PlannedVariant> variants = load_variants(config);
   plan.made_from.push_back({"bench", config.name, hex(hash_file(bench_file))});
   for (const BenchItem& variant : config.variants)
     plan.made_from.push_back({"variant", variant.name, hex(hash_file(variant.path))});
   for (std::size_t s = 0; s < config.scenes.size(); ++s) {
-    const Data data =
-        config.scenes[s].is_recording ? data_of_recording(config.scenes[s]) : data_of_scene(config.scenes[s]);
+    const SceneData& data = data_of_scenes[s];
     plan.made_from.push_back({data.kind, config.scenes[s].name, data.hash});
     const std::string prompt = prompt_key(config.scenes[s].prompt);
     for (const auto seed : config.scenes[s].seeds) {
@@ -317,7 +274,7 @@ BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out) {
 
 void write_scenes(const BenchPlan& plan) {
   for (const BenchScene& scene : plan.config.scenes) {
-    if (scene.generated.empty()) continue;
+    if (!scene.drawn_from) continue;
     fs::create_directories(scene.path.parent_path());
     write_text(scene.path, scene.generated);
   }

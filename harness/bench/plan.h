@@ -78,8 +78,9 @@ struct BenchPlan {
   std::vector<BenchStage> stages(const BenchSimulation& simulation, const BenchCell& cell) const;
 };
 
-/// Throws InputError for a bad configuration, scene or variant.
-BenchPlan plan_bench(const std::filesystem::path& bench_file, const std::filesystem::path& out);
+/// Throws InputError for a bad configuration, scene or variant. Unless `quiet`, says how far it is where that
+/// takes seconds.
+BenchPlan plan_bench(const std::filesystem::path& bench_file, const std::filesystem::path& out, bool quiet);
 
 /// Writes the scenes that are drawn from families to where the plan's commands look for them.
 void write_scenes(const BenchPlan& plan);

@@ -31,7 +31,7 @@ void add_bench(CLI::App& app, Common& common) {
     options.command = common.command;
     require_apart(out, {config});
     if (plan) {
-      const BenchPlan planned = plan_bench(config, out);
+      const BenchPlan planned = plan_bench(config, out, common.quiet);
       write_scenes(planned);
       return print_plan(planned, config, std::cout);
     }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/yaml_bounds.h"
 #include "simulator/families/families.h"
 #include "simulator/scene/realism.h"
 
@@ -44,6 +45,25 @@ FamilyOptions read_options(const FamilyRequest& request, double drawn_difficulty
   return options;
 }
 
+Draw draw_of(const std::string& family) {
+  const auto found = std::ranges::find(kFamilies, family, &std::pair<std::string, Draw>::first);
+  if (found == kFamilies.end())
+    throw InputError(
+        fmt::format("there is no family '{}' (known: {})", family, fmt::join(family_names(), ", ")));
+  return found->second;
+}
+
+// Long scenes of many objects have more way-points than a YAML file may hold.
+void require_readable(const std::string& text, const FamilyRequest& request) {
+  try {
+    require_bounded_yaml(text, request.family);
+  } catch (const InputError&) {
+    const ConfigNode set = ConfigNode::parse("{}", request.family, request.set);
+    set.at(set.has("frames") ? "frames" : "count")
+        .fail("the scene would be larger than a YAML file may be; set fewer frames or a smaller count");
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& family_names() {
@@ -55,18 +75,22 @@ const std::vector<std::string>& family_names() {
   return names;
 }
 
+void check_request(const FamilyRequest& request) {
+  draw_of(request.family);
+  read_options(request, 0);
+}
+
 std::string generate_scene(const FamilyRequest& request) {
-  const auto family = std::ranges::find(kFamilies, request.family, &std::pair<std::string, Draw>::first);
-  if (family == kFamilies.end())
-    throw InputError(
-        fmt::format("there is no family '{}' (known: {})", request.family, fmt::join(family_names(), ", ")));
+  const Draw draw = draw_of(request.family);
   RandomStream random(request.seed, "family " + request.family);
   const FamilyOptions options = read_options(request, random.uniform());
   std::string text = fmt::format("{}{}, seed {}, difficulty {}.\n", kSceneHead, request.family, request.seed,
                                  yaml_number(options.difficulty, 3));
   text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\nrealism: {}\ntexture: sparse\n", request.family,
                       request.seed, options.frames, options.realism);
-  return text + family->second(random, options);
+  text += draw(random, options);
+  require_readable(text, request);
+  return text;
 }
 
 }  // namespace uniquadric

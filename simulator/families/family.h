@@ -22,8 +22,11 @@ constexpr std::string_view kSceneHead = "# Family ";
 /// Their names, in the order of their documentation.
 const std::vector<std::string>& family_names();
 
-/// The scene as YAML, the same bytes for the same request. Throws InputError for a family that there is not,
-/// a key that it has not, and a value out of range.
+/// Throws InputError for a family that there is not, a key that it has not, and a value out of range.
+void check_request(const FamilyRequest& request);
+
+/// The scene as YAML, the same bytes for the same request. Throws as check_request, and for meshes that are
+/// not there or do not fit.
 std::string generate_scene(const FamilyRequest& request);
 
 }  // namespace uniquadric

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/error.h"
 #include "simulator/families/families.h"
 #include "simulator/families/table.h"
 
@@ -11,6 +12,10 @@ namespace {
 
 using Eigen::Vector3d;
 
+// ours: a spline from rest to rest is solved for at once, which fails or takes long for hundreds of
+// way-points
+constexpr int kStopsToRest = 40;
+constexpr double kRest_s = 0.1;
 constexpr double kUsualWay_m = 0.4, kScreen_m[] = {0.45, 0.04, 0.4};  // hides what is put away behind it
 
 // The hand that holds it: an ellipsoid that sticks out of its lower side. It moves with the object.
@@ -61,8 +66,8 @@ void add_arm(RandomStream& random, const Thing& thing, const std::string& motion
   draft.add_unscored(forearm, bends_behind(random, forearm, hand, held));
 }
 
-std::string stop_text(double time_s, const Vector3d& at_m, const Vector3d& rpy_deg) {
-  return "    " + waypoint_text(time_s, at_m, rpy_deg).substr(2);
+std::string stop_text(double time_s, const Vector3d& at_m, const Vector3d& rpy_deg, double hold_s) {
+  return "    " + waypoint_text(time_s, at_m, rpy_deg, hold_s).substr(2);
 }
 
 // About its own part of the table; now and then behind the screen, over its upper edge, or out of sight.
@@ -81,7 +86,7 @@ std::vector<Vector3d> draw_stops(RandomStream& random, const Thing& thing, const
   return {home_m + near};
 }
 
-// It turns on all the way.
+// It turns on all the way, but for the rests of a long one.
 std::string draw_motion(RandomStream& random, const Thing& thing, const Vector3d& home_m,
                         const FamilyOptions& options) {
   const double duration_s = static_cast<double>(options.frames) / 30;
@@ -90,11 +95,12 @@ std::string draw_motion(RandomStream& random, const Thing& thing, const Vector3d
   Vector3d rpy_deg(0, 0, random.uniform(-180, 180));
   Vector3d at_m = home_m;
   double time_s = -1.5 * leg_s;
+  int stops = 0;
   while (time_s < duration_s + leg_s)
     for (const Vector3d& stop_m : draw_stops(random, thing, home_m, options)) {
       time_s += leg_s * (0.5 + (stop_m - at_m).norm() / kUsualWay_m);  // far ways take longer
       at_m = stop_m;
-      text += stop_text(time_s, at_m, rpy_deg);
+      text += stop_text(time_s, at_m, rpy_deg, ++stops % kStopsToRest == 0 ? kRest_s : 0);
       rpy_deg +=
           turn_deg * Vector3d{random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), random.uniform(-1, 1)};
       rpy_deg.y() = std::clamp(rpy_deg.y(), -60.0, 60.0);  // clear of the gimbal's lock
@@ -144,6 +150,9 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
     const auto motion = draft.add_drawn(thing, [&] { return draw_motion(random, thing, home_m, options); });
     if (motion) add_arm(random, thing, *motion, draft);
   }
+  if (draft.count() == 0 && options.frames > FamilyOptions{}.frames)
+    throw InputError(fmt::format(
+        "handled: frames: no object finds a way clear of the rest for {} frames; set fewer", options.frames));
   return draft.text();
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/error.h"
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
 
@@ -131,14 +132,24 @@ bool SceneDraft::all_seen() const {
   return true;
 }
 
+// Nothing where no smooth curve leads through the way-points that were drawn.
+std::optional<Body> SceneDraft::read(const std::string& object) {
+  std::vector<std::filesystem::path> files;
+  const ConfigNode node = ConfigNode::parse("objects:\n" + object, "family");
+  try {
+    Body body = read_object(node.at("objects").items().front(), {.is_painted = false}, files);
+    body.meshes.clear();
+    return body;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 bool SceneDraft::add(const Thing& thing, const std::string& motion) {
   const std::string text = object_text(thing, motion);
-  std::vector<std::filesystem::path> files;
-  Body body = read_object(ConfigNode::parse("objects:\n" + text, "family").at("objects").items().front(),
-                          TextureAmount::none, files);
-  body.meshes.clear();
-  if (leaves(body) || meets_another(body)) return false;
-  boxes_.push_back({std::move(body), true, true});
+  std::optional<Body> body = read(text);
+  if (!body || leaves(*body) || meets_another(*body)) return false;
+  boxes_.push_back({std::move(*body), true, true});
   if (!all_seen()) {
     boxes_.pop_back();
     return false;

@@ -52,6 +52,7 @@ class SceneDraft {
 
  private:
   std::string object_text(const Thing& thing, const std::string& motion) const;
+  static std::optional<Body> read(const std::string& object);
   bool meets_another(const Body& body) const;
   bool leaves(const Body& body) const;
   bool is_seen(std::size_t body) const;

@@ -92,10 +92,11 @@ Body read_static_body(const ConfigNode& node, const MaterialDefaults& defaults,
   return body;
 }
 
-Body read_object(const ConfigNode& node, TextureAmount texture, std::vector<fs::path>& files) {
+Body read_object(const ConfigNode& node, MaterialDefaults defaults, std::vector<fs::path>& files) {
   const int id = node.get<int>("id");
   if (id < 1 || id > kMaxId) node.at("id").fail(fmt::format("expected 1 to {}, found {}", kMaxId, id));
-  Body body = read_body(node, {static_cast<std::uint64_t>(id), texture}, files);
+  defaults.seed = static_cast<std::uint64_t>(id);
+  Body body = read_body(node, defaults, files);
   body.id = id;
   if (body.shape == "room" || body.shape == "street" || body.shape == "track" || body.shape == "plane")
     node.at("primitive").fail("is for the world, not for objects");

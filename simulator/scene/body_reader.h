@@ -15,6 +15,7 @@ class ConfigNode;
 /// otherwise (an object's seed is its id). Throws InputError with file and line.
 Body read_static_body(const ConfigNode& node, const MaterialDefaults& defaults,
                       std::vector<std::filesystem::path>& files);
-Body read_object(const ConfigNode& node, TextureAmount texture, std::vector<std::filesystem::path>& files);
+Body read_object(const ConfigNode& node, MaterialDefaults defaults,
+                 std::vector<std::filesystem::path>& files);
 
 }  // namespace uniquadric

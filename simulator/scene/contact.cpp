@@ -33,13 +33,22 @@ double inverse_mass(const Eigen::Matrix3d& inverse_inertia, const Vector3d& arm,
   return 1 + lever.dot(inverse_inertia * lever);
 }
 
+// Along the axes, of each contact: they stay the same over the rounds.
+std::vector<Vector3d> inverse_masses(const Eigen::Matrix3d& inverse_inertia,
+                                     const std::vector<Contact>& contacts) {
+  std::vector<Vector3d> masses(contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      masses[i][k] = inverse_mass(inverse_inertia, contacts[i].arm_m, Vector3d::Unit(k));
+  return masses;
+}
+
 /// The impulse that the contact wants in all: upwards only, friction within Coulomb's cone.
-Vector3d wanted_impulse(const Twist& twist, const Eigen::Matrix3d& inverse_inertia, double friction,
+Vector3d wanted_impulse(const Twist& twist, const Vector3d& inverse_masses, double friction,
                         const Contact& contact) {
   const Vector3d lack = Vector3d(0, 0, contact.least_mps) - twist.at(contact.arm_m);
   Vector3d impulse = contact.impulse_mps;
-  for (int k = 0; k < 3; ++k)
-    impulse[k] += lack[k] / inverse_mass(inverse_inertia, contact.arm_m, Vector3d::Unit(k));
+  impulse += lack.cwiseQuotient(inverse_masses);
   impulse.z() = std::max(impulse.z(), 0.0);
   const double sideways = impulse.head<2>().norm(), most = friction * impulse.z();
   if (sideways > most) impulse.head<2>() *= most / sideways;
@@ -64,10 +73,12 @@ std::vector<Vector3d> contact_points(std::span<const Mesh> meshes) {
 
 void stop_at_contacts(Twist twist, const Eigen::Matrix3d& inverse_inertia, double friction,
                       std::vector<Contact>& contacts) {
+  const std::vector<Vector3d> masses = inverse_masses(inverse_inertia, contacts);
   for (int round = 0; round < kRounds; ++round) {
     double change_mps = 0;
-    for (Contact& contact : contacts) {
-      const Vector3d impulse = wanted_impulse(twist, inverse_inertia, friction, contact);
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      Contact& contact = contacts[i];
+      const Vector3d impulse = wanted_impulse(twist, masses[i], friction, contact);
       const Vector3d more = impulse - contact.impulse_mps;
       twist.velocity_mps += more;
       twist.angular_velocity_radps += inverse_inertia * contact.arm_m.cross(more);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "simulator/scene/bounds.h"
 #include "simulator/scene/named_motions.h"
 
 namespace uniquadric {
@@ -60,6 +61,18 @@ Pose read_pose(const ConfigNode& node, Mover mover) {
   return {read_orientation(node, mover, position), position};
 }
 
+namespace {
+
+Pose read_mounted(const ConfigNode& node) {
+  read_within(node, "position_m", Vector3d::Zero(), kMostOffset_m);
+  read_within(node, "rpy_deg", Vector3d::Zero(), kMostTurn_deg);
+  const Pose pose = read_pose(node, Mover::body);
+  node.refuse_unknown_keys();
+  return pose;
+}
+
+}  // namespace
+
 Pose camera_from_body_axes() {
   return {Quaterniond(0.5, 0.5, -0.5, 0.5), Vector3d::Zero()};  // x -> z, y -> -x, z -> -y
 }
@@ -68,18 +81,13 @@ Pose read_mounting(const ConfigNode& node, const std::string& sensor) {
   const auto in_camera = node.find("camera_from_" + sensor), in_body = node.find("body_from_" + sensor);
   if (in_camera && in_body) in_body->fail(fmt::format("give one of camera_from_{0}, body_from_{0}", sensor));
   if (!in_camera && !in_body) return camera_from_body_axes();
-  const ConfigNode& given = in_camera ? *in_camera : *in_body;
-  const Pose pose = read_pose(given, Mover::body);
-  given.refuse_unknown_keys();
+  const Pose pose = read_mounted(in_camera ? *in_camera : *in_body);
   return in_camera ? pose : camera_from_body_axes() * pose;
 }
 
 Pose read_mounting_error(const ConfigNode& node) {
   const auto error = node.find("mounting_error");
-  if (!error) return {};
-  const Pose pose = read_pose(*error, Mover::body);
-  error->refuse_unknown_keys();
-  return pose;
+  return error ? read_mounted(*error) : Pose{};
 }
 
 }  // namespace uniquadric

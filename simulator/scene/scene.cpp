@@ -92,9 +92,11 @@ void check_memory(const ConfigNode& item, const Scene& scene) {
     item.fail(fmt::format("meshes and textures up to here take more than {} MiB", kMostMeshBytes >> 20));
 }
 
-void read_world(const ConfigNode& list, TextureAmount texture, Scene& scene, std::vector<fs::path>& files) {
+void read_world(const ConfigNode& list, MaterialDefaults defaults, Scene& scene,
+                std::vector<fs::path>& files) {
   for (const ConfigNode& item : list.items()) {
-    scene.world.push_back(read_static_body(item, {kWorldSeed + scene.world.size(), texture}, files));
+    defaults.seed = kWorldSeed + scene.world.size();
+    scene.world.push_back(read_static_body(item, defaults, files));
     check_memory(item, scene);
     try {
       check_pose(scene.world.back().motion.at(0));
@@ -104,11 +106,12 @@ void read_world(const ConfigNode& list, TextureAmount texture, Scene& scene, std
   }
 }
 
-void read_objects(const ConfigNode& list, TextureAmount texture, Scene& scene, std::vector<fs::path>& files) {
+void read_objects(const ConfigNode& list, const MaterialDefaults& defaults, Scene& scene,
+                  std::vector<fs::path>& files) {
   std::set<int> ids;
   std::set<std::string> names;
   for (const ConfigNode& item : list.items()) {
-    scene.objects.push_back(read_object(item, texture, files));
+    scene.objects.push_back(read_object(item, defaults, files));
     check_memory(item, scene);
     const Body& body = scene.objects.back();
     if (!ids.insert(body.id).second)
@@ -144,12 +147,12 @@ Camera Scene::told_camera() const {
   return told;
 }
 
-Scene load_scene(const fs::path& path, const std::vector<ConfigOverride>& overrides) {
-  return parse_scene(read_file(path, kYamlFile), path, overrides);
+Scene load_scene(const fs::path& path, const std::vector<ConfigOverride>& overrides, Textures textures) {
+  return parse_scene(read_file(path, kYamlFile), path, overrides, textures);
 }
 
-Scene parse_scene(const std::string& text, const fs::path& path,
-                  const std::vector<ConfigOverride>& overrides) {
+Scene parse_scene(const std::string& text, const fs::path& path, const std::vector<ConfigOverride>& overrides,
+                  Textures textures) {
   std::vector<ConfigOverride> all = realism_of(ConfigNode::parse(text, path, overrides));
   all.insert(all.begin(), overrides.begin(), overrides.end());
   const ConfigNode root = ConfigNode::parse(text, path, all);
@@ -166,9 +169,11 @@ Scene parse_scene(const std::string& text, const fs::path& path,
   }
   if (scene.lidar)
     if (const auto csv = scene.lidar->find("csv")) files.push_back(resolve_path(*csv));
-  const TextureAmount texture = read_texture_amount(root, TextureAmount::rich);
-  if (const auto world = root.find("world")) read_world(*world, texture, scene, files);
-  if (const auto objects = root.find("objects")) read_objects(*objects, texture, scene, files);
+  MaterialDefaults defaults;
+  defaults.amount = read_texture_amount(root, defaults.amount);
+  defaults.is_painted = textures == Textures::painted;
+  if (const auto world = root.find("world")) read_world(*world, defaults, scene, files);
+  if (const auto objects = root.find("objects")) read_objects(*objects, defaults, scene, files);
   if (scene.world.empty() && scene.objects.empty())
     root.fail("has neither world nor objects: nothing to see");
   const double noise_scale = root.get<double>("noise_scale", 1);

@@ -144,12 +144,17 @@ struct Scene {
   std::int64_t stamp_ns(std::int64_t frame) const;  ///< of a frame, from 0 on, rounded to the nanosecond
 };
 
+/// Whether primitives' textures are painted, which takes most of the time to load a scene, or left in one
+/// tone: enough for who only checks a scene, hashes it or asks what sensors it has.
+enum class Textures { painted, plain };
+
 /// Loads a scene, with values set that need not be the file's; meshes are generated or loaded, re-centred,
 /// scaled. Throws InputError with file and line.
-Scene load_scene(const std::filesystem::path& path, const std::vector<ConfigOverride>& overrides = {});
+Scene load_scene(const std::filesystem::path& path, const std::vector<ConfigOverride>& overrides = {},
+                 Textures textures = Textures::painted);
 
 /// The same of a text that stands, or will stand, in the file `path`.
 Scene parse_scene(const std::string& text, const std::filesystem::path& path,
-                  const std::vector<ConfigOverride>& overrides = {});
+                  const std::vector<ConfigOverride>& overrides = {}, Textures textures = Textures::painted);
 
 }  // namespace uniquadric

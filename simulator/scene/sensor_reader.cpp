@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/config.h"
+#include "simulator/scene/bounds.h"
 #include "simulator/scene/pose_reader.h"
 
 namespace uniquadric {
@@ -16,29 +17,14 @@ double at_least_0(const ConfigNode& node, const std::string& key, double fallbac
   return value;
 }
 
-constexpr double kMostSize_px = 100;  // ours: of errors in the image, a sixth of 640 px
-
-double at_most(const ConfigNode& node, const std::string& key, double fallback, double most) {
-  const double value = at_least_0(node, key, fallback);
-  if (value > most) node.at(key).fail(fmt::format("expected at most {}, found {}", most, value));
-  return value;
-}
-
-double within(const ConfigNode& node, const std::string& key, double fallback, double most) {
-  const double value = node.get<double>(key, fallback);
-  if (std::abs(value) > most) node.at(key).fail(fmt::format("expected -{0} to {0}, found {1}", most, value));
-  return value;
-}
-
 double probability(const ConfigNode& node, const std::string& key, double fallback) {
-  const double value = at_least_0(node, key, fallback);
-  if (value > 1) node.at(key).fail(fmt::format("expected 0 to 1, found {}", value));
-  return value;
+  return read_between(node, key, fallback, 0, 1);
 }
 
 void read_light(const ConfigNode& node, Scene& scene) {
-  scene.sun_direction = node.get<Eigen::Vector3d>("sun_direction", scene.sun_direction);
-  if (!(scene.sun_direction.norm() > 0)) node.at("sun_direction").fail("a direction cannot be zero");
+  constexpr double kLeastNorm = 1e-6, kMostPart = 1e6;  // ours: its square is far from 0 and infinity
+  scene.sun_direction = read_within(node, "sun_direction", scene.sun_direction, kMostPart);
+  if (scene.sun_direction.norm() < kLeastNorm) node.at("sun_direction").fail("a direction cannot be zero");
   scene.sky_color = node.get<Eigen::Vector3d>("sky_color", scene.sky_color);
   if (scene.sky_color.minCoeff() < 0 || scene.sky_color.maxCoeff() > 1)
     node.at("sky_color").fail("expected red, green, blue from 0 to 1");
@@ -59,31 +45,35 @@ Eigen::Vector2d pixels(const ConfigNode& node, const std::string& key) {
 }
 
 void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
-  constexpr double kMostOffset_m = 1, kMostDelay_s = 1;  // ours: a wide rig, a slow interface
+  constexpr double kMostColorOffset_m = 1, kMostBaseline_m = 10, kLeastBaseline_m = 1e-3;  // ours: a wide rig
+  constexpr double kMostShare = 1;  // of the distance: nothing is measured
+  constexpr double kMostLevel = 255, kRightAngle_deg = 90, kLeastStep_px = 1e-6;
   const std::string model = node.choice("model", {"none", "proportional", "stereo"}, "proportional");
   noise.model = model == "none"           ? DepthNoise::Model::none
                 : model == "proportional" ? DepthNoise::Model::proportional
                                           : DepthNoise::Model::stereo;
-  noise.k = at_least_0(node, "k", noise.k);
-  noise.baseline_m = node.positive("baseline_m", noise.baseline_m);
-  noise.disparity_sigma_px = at_most(node, "disparity_sigma_px", noise.disparity_sigma_px, kMostSize_px);
-  noise.disparity_step_px = at_most(node, "disparity_step_px", noise.disparity_step_px, kMostSize_px);
+  noise.k = read_at_most(node, "k", noise.k, kMostShare);
+  noise.baseline_m = read_between(node, "baseline_m", noise.baseline_m, kLeastBaseline_m, kMostBaseline_m);
+  noise.disparity_sigma_px = read_at_most(node, "disparity_sigma_px", noise.disparity_sigma_px, kMostSize_px);
+  noise.disparity_step_px =
+      read_zero_or(node, "disparity_step_px", noise.disparity_step_px, kLeastStep_px, kMostSize_px);
   noise.edge_dropout = probability(node, "edge_dropout", noise.edge_dropout);
   noise.flying_pixels = probability(node, "flying_pixels", noise.flying_pixels);
-  noise.max_incidence_deg = node.positive("max_incidence_deg", noise.max_incidence_deg);
-  if (noise.max_incidence_deg > 90) node.at("max_incidence_deg").fail("expected at most 90");
+  noise.max_incidence_deg =
+      read_positive(node, "max_incidence_deg", noise.max_incidence_deg, kRightAngle_deg);
   noise.shadow = node.get<bool>("shadow", noise.shadow);
-  noise.correlation_px = at_most(node, "correlation_px", noise.correlation_px, kMostSize_px);
-  noise.disparity_bias_px = within(node, "disparity_bias_px", noise.disparity_bias_px, kMostSize_px);
-  noise.smear_px = at_most(node, "smear_px", noise.smear_px, kMostSize_px);
+  noise.correlation_px =
+      read_zero_or(node, "correlation_px", noise.correlation_px, kLeastSize_px, kMostSize_px);
+  noise.disparity_bias_px = read_within(node, "disparity_bias_px", noise.disparity_bias_px, kMostSize_px);
+  noise.smear_px = read_at_most(node, "smear_px", noise.smear_px, kMostSize_px);
   noise.dark_dropout = probability(node, "dark_dropout", noise.dark_dropout);
-  noise.dark_level = node.positive("dark_level", noise.dark_level);
-  noise.color_offset_m = within(node, "color_offset_m", noise.color_offset_m, kMostOffset_m);
+  noise.dark_level = read_positive(node, "dark_level", noise.dark_level, kMostLevel);
+  noise.color_offset_m = read_within(node, "color_offset_m", noise.color_offset_m, kMostColorOffset_m);
   noise.registered = node.get<bool>("registered", noise.registered);
   noise.registration_error_px = pixels(node, "registration_error_px");
-  noise.delay_s = at_most(node, "delay_s", noise.delay_s, kMostDelay_s);
-  noise.min_range_m = node.positive("min_range_m", noise.min_range_m);
-  noise.max_range_m = node.positive("max_range_m", noise.max_range_m);
+  noise.delay_s = read_at_most(node, "delay_s", noise.delay_s, kMostDelay_s);
+  noise.min_range_m = read_positive(node, "min_range_m", noise.min_range_m, kMostRange_m);
+  noise.max_range_m = read_positive(node, "max_range_m", noise.max_range_m, kMostRange_m);
   if (noise.max_range_m <= noise.min_range_m)
     node.fail(
         fmt::format("max_range_m {} is not above min_range_m {}", noise.max_range_m, noise.min_range_m));
@@ -108,10 +98,11 @@ int read_bands(const ConfigNode& node, int height_px, int fallback) {
 
 void read_imaging(const ConfigNode& node, const Scene& scene, Imaging& imaging) {
   const double rate_hz = scene.rate_hz;
-  constexpr int kMostSteps = 256;  // of 255 grey levels each, in 16 bits
+  constexpr double kMostGain = 1000, kMostLevel = 255;  // ours: white from a third of a grey level on
+  constexpr int kMostSteps = 256;                       // of 255 grey levels each, in 16 bits
   imaging.samples = node.get<int>("samples", imaging.samples);
   if (imaging.samples != 1 && imaging.samples != 4) node.at("samples").fail("expected 1 or 4");
-  imaging.gain = node.positive("gain", imaging.gain);
+  imaging.gain = read_positive(node, "gain", imaging.gain, kMostGain);
   imaging.exposure_s = at_least_0(node, "exposure_s", imaging.exposure_s);
   if (imaging.exposure_s * rate_hz > 1)
     node.at("exposure_s").fail(fmt::format("is longer than a frame, {} s", 1 / rate_hz));
@@ -121,49 +112,61 @@ void read_imaging(const ConfigNode& node, const Scene& scene, Imaging& imaging) 
   imaging.rolling_shutter_s = at_least_0(node, "rolling_shutter_s", imaging.rolling_shutter_s);
   if (imaging.rolling_shutter_s * rate_hz > 1)
     node.at("rolling_shutter_s").fail(fmt::format("is longer than a frame, {} s", 1 / rate_hz));
-  imaging.auto_exposure_level = at_least_0(node, "auto_exposure_level", imaging.auto_exposure_level);
-  if (imaging.auto_exposure_level > 255) node.at("auto_exposure_level").fail("expected at most 255");
+  imaging.auto_exposure_level =
+      read_at_most(node, "auto_exposure_level", imaging.auto_exposure_level, kMostLevel);
   constexpr double kMostDrift = 1;  // ours: a factor of 2.7 is one standard deviation
-  imaging.exposure_drift = at_most(node, "exposure_drift", imaging.exposure_drift, kMostDrift);
-  imaging.white_balance_drift = at_most(node, "white_balance_drift", imaging.white_balance_drift, kMostDrift);
+  imaging.exposure_drift = read_at_most(node, "exposure_drift", imaging.exposure_drift, kMostDrift);
+  imaging.white_balance_drift =
+      read_at_most(node, "white_balance_drift", imaging.white_balance_drift, kMostDrift);
   imaging.stamp_offset_s = stamp_error(node, "stamp_offset_s", rate_hz);
   imaging.stamp_jitter_s = at_least_0(node, "stamp_jitter_s", stamp_error(node, "stamp_jitter_s", rate_hz));
   imaging.rolling_shutter_bands = read_bands(node, scene.camera.height, imaging.rolling_shutter_bands);
 }
 
+void read_image_noise(const ConfigNode& node, ImageNoise& noise) {
+  constexpr double kMostSigma = 255, kLeastElectrons = 1e-3, kMostElectrons = 1e6;  // ours: a level
+  noise.sigma = read_at_most(node, "sigma", noise.sigma, kMostSigma);
+  noise.electrons_per_level =
+      read_zero_or(node, "electrons_per_level", noise.electrons_per_level, kLeastElectrons, kMostElectrons);
+}
+
 void read_segmenter(const ConfigNode& node, SegmenterNoise& noise) {
-  noise.boundary_sigma_px = at_most(node, "boundary_sigma_px", noise.boundary_sigma_px, kMostSize_px);
-  noise.boundary_length_px = node.positive("boundary_length_px", noise.boundary_length_px);
-  at_most(node, "boundary_length_px", noise.boundary_length_px, kMostSize_px);
+  noise.boundary_sigma_px = read_at_most(node, "boundary_sigma_px", noise.boundary_sigma_px, kMostSize_px);
+  noise.boundary_length_px =
+      read_between(node, "boundary_length_px", noise.boundary_length_px, kLeastSize_px, kMostSize_px);
   noise.miss_probability = probability(node, "miss_probability", noise.miss_probability);
-  noise.latency_s = at_least_0(node, "latency_s", noise.latency_s);
-  noise.latency_sigma_s = at_least_0(node, "latency_sigma_s", noise.latency_sigma_s);
+  noise.latency_s = read_at_most(node, "latency_s", noise.latency_s, kMostLatency_s);
+  noise.latency_sigma_s = read_at_most(node, "latency_sigma_s", noise.latency_sigma_s, kMostLatency_s);
   noise.merge_probability = probability(node, "merge_probability", noise.merge_probability);
   noise.split_probability = probability(node, "split_probability", noise.split_probability);
   noise.leak_probability = probability(node, "leak_probability", noise.leak_probability);
   noise.false_probability = probability(node, "false_probability", noise.false_probability);
-  noise.leak_px = at_most(node, "leak_px", noise.leak_px, kMostSize_px);
-  noise.outage_every_s = at_least_0(node, "outage_every_s", noise.outage_every_s);
-  noise.outage_s = node.positive("outage_s", noise.outage_s);
+  noise.leak_px = read_at_most(node, "leak_px", noise.leak_px, kMostSize_px);
+  noise.outage_every_s =
+      read_zero_or(node, "outage_every_s", noise.outage_every_s, kLeastOutage_s, kMostOutage_s);
+  noise.outage_s = read_positive(node, "outage_s", noise.outage_s, kMostOutage_s);
   noise.every_n_frames = node.get<int>("every_n_frames", noise.every_n_frames);
   if (noise.every_n_frames < 1) node.at("every_n_frames").fail("expected at least 1");
   noise.min_pixels = node.get<int>("min_pixels", noise.min_pixels);
   if (noise.min_pixels < 1) node.at("min_pixels").fail("expected at least 1");
 }
 
-std::optional<double> optional_positive(const ConfigNode& node, const std::string& key) {
-  return node.has(key) ? std::optional(node.positive(key)) : std::nullopt;
+std::optional<double> optional_positive(const ConfigNode& node, const std::string& key, double most) {
+  return node.has(key) ? std::optional(read_positive(node, key, most, most)) : std::nullopt;
 }
 
 void read_imu(const ConfigNode& node, ImuRig& imu) {
+  constexpr double kMostTurn_radps = 1000,
+                   kMostForce_mps2 = 10'000;  // ours: 1,000 g, as no MEMS sensor reads
   read_imu_model(node, imu.calibration);
   imu.calibration.camera_from_imu = read_mounting(node, "imu");
   imu.mounting_error = read_mounting_error(node);
-  imu.gyroscope_bias_radps = node.get<Eigen::Vector3d>("gyroscope_bias_radps", imu.gyroscope_bias_radps);
+  imu.gyroscope_bias_radps =
+      read_within(node, "gyroscope_bias_radps", imu.gyroscope_bias_radps, kMostTurn_radps);
   imu.accelerometer_bias_mps2 =
-      node.get<Eigen::Vector3d>("accelerometer_bias_mps2", imu.accelerometer_bias_mps2);
-  imu.gyroscope_range_radps = optional_positive(node, "gyroscope_range_radps");
-  imu.accelerometer_range_mps2 = optional_positive(node, "accelerometer_range_mps2");
+      read_within(node, "accelerometer_bias_mps2", imu.accelerometer_bias_mps2, kMostForce_mps2);
+  imu.gyroscope_range_radps = optional_positive(node, "gyroscope_range_radps", kMostTurn_radps);
+  imu.accelerometer_range_mps2 = optional_positive(node, "accelerometer_range_mps2", kMostForce_mps2);
 }
 
 }  // namespace
@@ -186,11 +189,7 @@ void read_sensor_models(const ConfigNode& root, Scene& scene) {
   section("light", [&](const ConfigNode& node) { read_light(node, scene); });
   section("depth_noise", [&](const ConfigNode& node) { read_depth_noise(node, scene.depth_noise); });
   section("image", [&](const ConfigNode& node) { read_imaging(node, scene, scene.imaging); });
-  section("image_noise", [&](const ConfigNode& node) {
-    scene.image_noise.sigma = at_least_0(node, "sigma", scene.image_noise.sigma);
-    scene.image_noise.electrons_per_level =
-        at_least_0(node, "electrons_per_level", scene.image_noise.electrons_per_level);
-  });
+  section("image_noise", [&](const ConfigNode& node) { read_image_noise(node, scene.image_noise); });
   section("imu", [&](const ConfigNode& node) { read_imu(node, scene.imu.emplace()); });
   scene.lidar = root.find("lidar");
   section("segmenter", [&](const ConfigNode& node) { read_segmenter(node, scene.segmenter); });

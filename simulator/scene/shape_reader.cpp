@@ -37,6 +37,7 @@ Material read_material(const ConfigNode& body, const MaterialDefaults& defaults,
   Material material;
   material.seed = defaults.seed;
   material.amount = defaults.amount;
+  material.is_painted = defaults.is_painted;
   if (primitive == "room" || primitive == "street" || primitive == "car" ||
       primitive == "carriage") {  // seen from nearer than their size
     material.size_px = 1024;

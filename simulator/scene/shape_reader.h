@@ -24,6 +24,7 @@ struct Shape {
 struct MaterialDefaults {
   std::uint64_t seed = 0;
   TextureAmount amount = TextureAmount::rich;
+  bool is_painted = true;
 };
 
 /// `texture: rich | sparse | none` of a map.

@@ -29,6 +29,7 @@ struct Material {
   int marks = 10;           ///< medium marks along the longer side; small ones are a tenth, large ones twice
   double shine = 0;         ///< as Mesh has it
   double depth_return = 1;  ///< as Mesh has it
+  bool is_painted = true;   ///< else its textures have their size and one tone: for who looks at none
 };
 
 /// Paints the texture of one part (face, wall) of a body, CV_8UC3 (blue, green, red); the shorter side

@@ -106,6 +106,59 @@ TEST_F(Cli, RefusesBadVariantsAndBenches) {
   refused("bench.yaml, {scene: bench.yaml, noise_scale: 2}", "scenes[1]: the name 'bench' stands twice");
 }
 
+// The scenes of a family are no files yet, so the bench's line is named.
+TEST_F(Cli, NamesTheBenchsLineOfAValueThatItSets) {
+  write("small.yaml", small_scene_yaml());
+  write("v.yaml", "schema: 1\n");
+  const auto refused = [&](const std::string& scene, const std::string& why) {
+    const std::string text = "variants: [v.yaml]\nseeds: [1]\nscenes:\n  - " + scene + "\n";
+    const fs::path bench = write("bench.yaml", text);
+    expect_refusal({"bench", bench, out()}, bench.string() + ":4: scenes[0]" + why);
+  };
+  const auto of_family = [&](const std::string& set, const std::string& scene_set, const std::string& why) {
+    refused("{family: room, set: {frames: 3" + set + "}, scene_set: {" + scene_set + "}}", why);
+  };
+  of_family("", "bad.key: 1", ".scene_set.bad.key: unknown key 'bad' (known: ");
+  of_family("", "depth_noise: {bad: 1}", ".scene_set.depth_noise: unknown key 'depth_noise.bad'");
+  of_family("", "depth_noise.bad: 1", ".scene_set.depth_noise.bad: unknown key 'depth_noise.bad'");
+  of_family("", "depth_noise.k: [1]", ".scene_set.depth_noise.k: expected a number");
+  of_family("", "image: {gain: 1e30}", ".scene_set.image.gain: expected at most 1000, found 1e+30");
+  of_family("", "lidar.rate_hz: 10", ".scene_set.lidar: give one of pattern, csv (in room_1.yaml)");
+  of_family("", "lidar: {pattern: vlp17}", ".scene_set.lidar.pattern: 'vlp17' is no scan pattern");
+  of_family("", "name.first: 1", ".scene_set.name.first: there is no key 'first'");
+  of_family("", "world: []", ".scene_set: has neither world nor objects");
+  of_family(", bad: 1", "", ".set.bad: unknown key 'bad' (known: ");
+  of_family(", difficulty: high", "", ".set.difficulty: expected a number");
+  of_family(", realism: perfect", "", ".set.realism: 'perfect' is none of");
+  refused("{family: room, set: {frames: 0}}", ".set.frames: expected 1 to 100000, found 0");
+  refused("{scene: small.yaml, set: {bad.key: 1}}", ".set.bad.key: unknown key 'bad'");
+  refused("{scene: small.yaml, set: {frames: -1}}", ".set.frames: expected 1 to ");
+  refused("{scene: small.yaml, objects: ','}", ": objects: ',' has an empty item");
+}
+
+// Scenes are looked at several at a time.
+TEST_F(Cli, NamesTheFirstOfSeveralFaultyScenes) {
+  write("v.yaml", "schema: 1\n");
+  const fs::path bench = write("bench.yaml",
+                               "variants: [v.yaml]\nseeds: [1]\nscenes:\n"
+                               "  - {family: room, set: {frames: 3}}\n"
+                               "  - {family: tabletop, scene_set: {first: 1}}\n"
+                               "  - {family: room, name: other, set: {frames: 3}, scene_set: {second: 1}}\n");
+  expect_refusal({"bench", bench, out()}, bench.string() + ":5: scenes[1].scene_set.first: unknown key");
+}
+
+TEST_F(Cli, NamesTheSceneForItsOwnFaultsThoughABenchSetsValues) {
+  const fs::path scene = write("small.yaml", small_scene_yaml() + "image:\n  gain: -1\n");
+  const fs::path bench = write("bench.yaml",
+                               "variants: [v.yaml]\nseeds: [1]\nscenes: [{scene: small.yaml, "
+                               "set: {frames: 3}}]\n");
+  write("v.yaml", "schema: 1\n");
+  const std::string text = read_text(scene);
+  expect_refusal({"bench", bench, out()}, scene.string() + ":" +
+                                              std::to_string(std::count(text.begin(), text.end(), '\n')) +
+                                              ": image.gain: expected a number greater than 0");
+}
+
 // Nobody writes to the pipe: a program that opened it would wait for ever.
 TEST_F(Cli, RefusesPipesForFiles) {
   const fs::path pipe = folder() / "pipe";

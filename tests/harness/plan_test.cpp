@@ -99,6 +99,20 @@ TEST_F(BenchPlanCommand, ItsCommandsMakeWhatBenchMakes) {
   EXPECT_EQ(fs::last_write_time(last), made) << "and they are not made twice";
 }
 
+TEST_F(BenchPlanCommand, DrawsTheScenesThatGenerateDraws) {
+  const fs::path out = folder() / "out",
+                 variant = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/bbox.yaml";
+  write_text(bench_,
+             "scenes: [{family: tabletop, name: t, count: 3, first_seed: 7, set: {frames: 9}}]\nvariants: [" +
+                 variant.string() + "]\nseeds: [1]\n");
+  plan(out);
+  for (const std::string seed : {"7", "8", "9"}) {
+    const fs::path drawn = folder() / ("drawn_" + seed + ".yaml");
+    ASSERT_EQ(run_program({"generate", "tabletop", drawn, "--seed", seed, "--set", "frames=9"}).exit_code, 0);
+    EXPECT_EQ(read_text(out / "scenes" / ("t_" + seed + ".yaml")), read_text(drawn));
+  }
+}
+
 // With one cell failed and one never run.
 TEST_F(BenchPlanCommand, CollectTellsWhatIsThere) {
   const fs::path out = folder() / "out";

@@ -215,6 +215,39 @@ TEST(LidarReader, TheDataSheetIsTheSensors) {
   EXPECT_EQ(numbers(own.data_sheet), (std::vector<double>{0.05, 0.28, 0.1}));
 }
 
+TEST(LidarReader, BoundsEveryNumber) {
+  for (const std::string key : {"rate_hz: X",
+                                "spin_hz: X",
+                                "time_offset_s: X",
+                                "octree_resolution_m: X",
+                                "motion_tolerance_m: X",
+                                "mounting_error: {position_m: [X, 0, 0]}",
+                                "mounting_error: {rpy_deg: [0, X, 0]}",
+                                "body_from_lidar: {position_m: [X, 0, 0]}",
+                                "reflectivity: {sign: X}",
+                                "beam: {vertical_deg: X}",
+                                "beam: {horizontal_deg: X}",
+                                "beam: {merge_m: X}",
+                                "noise: {range_sigma_m: X}",
+                                "noise: {divergence_deg: X}",
+                                "noise: {angle_sigma_deg: X}",
+                                "noise: {quantum_m: X}",
+                                "noise: {min_range_m: X}",
+                                "noise: {max_range_m: X}",
+                                "noise: {r10_m: X}",
+                                "noise: {extinction_per_m: X}",
+                                "noise: {detection_sigma: X}",
+                                "noise: {false_alarm: X}",
+                                "noise: {crosstalk: X}",
+                                "noise: {weak_bias_m: X}"})
+    for (const char* value : {"1e30", "-1e30", ".nan", ".inf"}) {
+      std::string text = key;
+      text.replace(text.find('X'), 1, value);
+      const std::string said = input_error([&] { read("pattern: vlp16\n" + text + "\n"); });
+      EXPECT_NE(said.find("scene.yaml:2: "), std::string::npos) << text << ": " << said;
+    }
+}
+
 TEST(LidarReader, RefusesByLine) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"rate_hz: 10\n", "scene.yaml:1: give one of pattern, csv"},
@@ -228,7 +261,7 @@ TEST(LidarReader, RefusesByLine) {
       {"pattern: vlp16\nmotion_keys: 1\n", "scene.yaml:2: motion_keys: expected 0"},
       {"pattern: vlp16\nmotion_keys: 130\n", "scene.yaml:2: motion_keys: expected 0 to 129"},
       {"pattern: vlp16\nnoise:\n  range_sigma_m: -1\n",
-       "scene.yaml:3: noise.range_sigma_m: expected at least 0"},
+       "scene.yaml:3: noise.range_sigma_m: cannot be negative"},
       {"pattern: vlp16\nnoise:\n  false_alarm: 1\n",
        "scene.yaml:3: noise.false_alarm: expected a probability below 1"},
       {"pattern: vlp16\nnoise: {min_range_m: 9, max_range_m: 8}\n",

@@ -115,6 +115,19 @@ TEST(Tossed, NothingFliesThroughTheWalls) {
   }
 }
 
+// Hundreds of way-points were one spline, whose error named a file that there is not.
+TEST(Handled, SaysWhereAScenesFramesAreTooMany) {
+  const std::string said = input_error([] {
+    generate_scene({"handled", 1, {{"frames", "20000"}, {"count", "1"}}});
+  });
+  EXPECT_EQ(said, "handled: frames: no object finds a way clear of the rest for 20000 frames; set fewer");
+}
+
+// A rest would change the scenes of results.
+TEST(Handled, RestsInNoSceneOfUsualLength) {
+  EXPECT_EQ(generate_scene({"handled", 1, {{"difficulty", "1"}}}).find("hold_s"), std::string::npos);
+}
+
 TEST(Handled, TheScreenStandsOnTheTable) {
   const Scene scene = scene_of("handled", 1, {{"count", "5"}, {"frames", "90"}});
   const auto find = [&](const char* name) {

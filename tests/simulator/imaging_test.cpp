@@ -64,13 +64,80 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
        "registration_error_px: expected -100 to 100 each, found 101"},
       {"segmenter: {leak_px: 1e9}", "leak_px: expected at most 100"},
       {"segmenter: {boundary_sigma_px: 101}", "boundary_sigma_px: expected at most 100"},
-      {"segmenter: {boundary_length_px: 101}", "boundary_length_px: expected at most 100"}};
+      {"segmenter: {boundary_length_px: 101}", "boundary_length_px: expected 0.1 to 100"}};
   for (const auto& [section, said] : cases) {
     const std::string message = input_error([&] { read_with(section + "\n"); });
     EXPECT_NE(message.find(said), std::string::npos) << section << ": " << message;
     EXPECT_NE(message.find("scene.yaml:5"), std::string::npos) << message;
   }
   EXPECT_EQ(cases.size(), 27u);
+}
+
+// What overflows, or asks for memory or time without end, is no sensor's.
+TEST(ReadSensors, BoundsEveryNumber) {
+  const std::vector<std::string> keys = {"image: {gain: X}",
+                                         "image: {exposure_s: X}",
+                                         "image: {rolling_shutter_s: X}",
+                                         "image: {auto_exposure_level: X}",
+                                         "image: {exposure_drift: X}",
+                                         "image: {white_balance_drift: X}",
+                                         "image: {stamp_offset_s: X}",
+                                         "image: {stamp_jitter_s: X}",
+                                         "image_noise: {sigma: X}",
+                                         "image_noise: {electrons_per_level: X}",
+                                         "depth_noise: {k: X}",
+                                         "depth_noise: {baseline_m: X}",
+                                         "depth_noise: {disparity_sigma_px: X}",
+                                         "depth_noise: {disparity_step_px: X}",
+                                         "depth_noise: {max_incidence_deg: X}",
+                                         "depth_noise: {correlation_px: X}",
+                                         "depth_noise: {disparity_bias_px: X}",
+                                         "depth_noise: {smear_px: X}",
+                                         "depth_noise: {dark_level: X}",
+                                         "depth_noise: {color_offset_m: X}",
+                                         "depth_noise: {registration_error_px: [X, 0]}",
+                                         "depth_noise: {delay_s: X}",
+                                         "depth_noise: {min_range_m: X}",
+                                         "depth_noise: {max_range_m: X}",
+                                         "segmenter: {boundary_sigma_px: X}",
+                                         "segmenter: {boundary_length_px: X}",
+                                         "segmenter: {latency_s: X}",
+                                         "segmenter: {latency_sigma_s: X}",
+                                         "segmenter: {leak_px: X}",
+                                         "segmenter: {outage_every_s: X}",
+                                         "segmenter: {outage_s: X}",
+                                         "light: {sun_direction: [X, 0, 0]}",
+                                         "imu: {rate_hz: X}",
+                                         "imu: {gravity_mps2: X}",
+                                         "imu: {gyroscope_noise_radps_rthz: X}",
+                                         "imu: {accelerometer_walk_mps3_rthz: X}",
+                                         "imu: {gyroscope_bias_radps: [0, X, 0]}",
+                                         "imu: {accelerometer_bias_mps2: [X, 0, 0]}",
+                                         "imu: {gyroscope_range_radps: X}",
+                                         "imu: {accelerometer_range_mps2: X}",
+                                         "imu: {mounting_error: {position_m: [0, 0, X]}}",
+                                         "imu: {mounting_error: {rpy_deg: [X, 0, 0]}}",
+                                         "imu: {body_from_imu: {position_m: [X, 0, 0]}}"};
+  for (const std::string& key : keys)
+    for (const char* value : {"1e30", "-1e30", ".nan", ".inf"}) {
+      std::string section = key;
+      section.replace(section.find('X'), 1, value);
+      const std::string message = input_error([&] { read_with(section + "\n"); });
+      EXPECT_NE(message.find("scene.yaml:5: "), std::string::npos) << section << ": " << message;
+    }
+}
+
+// So small that a length or time between two of them is no number, and not 0, which is none.
+TEST(ReadSensors, RefusesWhatIsAllButZero) {
+  for (const char* section :
+       {"segmenter: {outage_every_s: 1e-300}", "segmenter: {boundary_length_px: 1e-300}",
+        "depth_noise: {correlation_px: 1e-300}", "depth_noise: {baseline_m: 1e-300}",
+        "depth_noise: {disparity_step_px: 1e-300}", "image_noise: {electrons_per_level: 1e-300}",
+        "light: {sun_direction: [1e-160, 0, 0]}", "imu: {rate_hz: 1e-300}"})
+    EXPECT_NE(input_error([&] { read_with(std::string(section) + "\n"); }).find("scene.yaml:5: "),
+              std::string::npos)
+        << section;
+  EXPECT_EQ(read_with("segmenter: {outage_every_s: 0}\n").segmenter.outage_every_s, 0);
 }
 
 TEST(ReadAppearance, TakesEveryKey) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,31 @@ TEST(SceneFile, SaysWhatTheSceneHolds) {
   EXPECT_EQ(block.shape, "box");
   EXPECT_EQ(block.semi_axes_m, Eigen::Vector3d(0.2, 0.1, 0.05));
   EXPECT_LT((block.motion.at(0) * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, 1, 1)).norm(), 1e-15);
+}
+
+// Who plans looks at no texture.
+TEST(SceneFile, WithoutPaintIsTheSceneButForItsTextures) {
+  const Scene painted = parse_scene(kScene, "scene.yaml"),
+              plain = parse_scene(kScene, "scene.yaml", {}, Textures::plain);
+  EXPECT_EQ(plain.hash, painted.hash);
+  const auto colors = [](const cv::Mat& texture) {
+    std::set<std::uint32_t> found;
+    for (int i = 0; i < texture.rows; ++i)
+      for (int j = 0; j < texture.cols; ++j) {
+        const auto& c = texture.at<cv::Vec3b>(i, j);
+        found.insert((std::uint32_t{c[0]} << 16) + (std::uint32_t{c[1]} << 8) + c[2]);
+      }
+    return found.size();
+  };
+  ASSERT_EQ(plain.objects.size(), 2u);
+  for (std::size_t i = 0; i < plain.objects.size(); ++i)
+    for (std::size_t k = 0; k < plain.objects[i].meshes.size(); ++k) {
+      const Mesh &with = painted.objects[i].meshes[k], &without = plain.objects[i].meshes[k];
+      EXPECT_EQ(without.positions, with.positions);
+      EXPECT_EQ(without.texture.size(), with.texture.size());
+      EXPECT_EQ(colors(without.texture), 1u);
+      EXPECT_GT(colors(with.texture), 10u);
+    }
 }
 
 TEST(SceneFile, StatesAnObjectsSymmetry) {
