@@ -111,7 +111,7 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
     if (result.keyframe) landmark.misses = solution->inliers[i] ? 0 : landmark.misses + 1;
   }
   if (!result.keyframe) return result;
-  std::erase_if(landmarks_, [](const auto& entry) { return entry.second.misses >= kMaxMisses; });
+  forget_missed();
   for (const Feature& feature : body.features)
     if (feature.depth_m > 0 && !landmarks_.contains(feature.track)) kept.push_back(feature);
   add_keyframe(frame, std::move(kept), result.world_from_body, shows_whole(body));
@@ -121,6 +121,14 @@ std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const Bo
   bound_memory();
   result.world_from_body = keyframes_.back().world_from_body;
   return result;
+}
+
+// With its sightings: what the track shows from now on is another point.
+void ShortWindow::forget_missed() {
+  for (BodyKeyframe& keyframe : keyframes_)
+    std::erase_if(keyframe.features,
+                  [&](const Feature& feature) { return landmarks_.at(feature.track).misses >= kMaxMisses; });
+  std::erase_if(landmarks_, [](const auto& entry) { return entry.second.misses >= kMaxMisses; });
 }
 
 bool ShortWindow::keyframe_is_due(const PerceivedFrame& frame, bool whole, const Pose& camera_from_body,

@@ -80,6 +80,7 @@ class ShortWindow {
   void add_keyframe(const PerceivedFrame& frame, std::vector<Feature> features, const Pose& world_from_body,
                     bool whole);
   void optimise();
+  void forget_missed();
   void drop_outliers();
   void marginalise_oldest();
   void bound_memory();
