@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 
 #include "core/base/config.h"
 #include "core/base/error.h"
@@ -167,11 +168,26 @@ cv::Mat read_rgb(const Sequence& sequence, const SequenceFrame& frame) {
   return read_of_kind(sequence, frame.rgb, ImageKind::color);
 }
 
+namespace {
+
+// A depth that would lie behind infinity is none.
+void unbias(std::span<float> depths_m, double bias_per_m) {
+  for (float& z : depths_m) {
+    const float share = 1 - static_cast<float>(bias_per_m) * z;
+    z = share > 0 ? z / share : 0;
+  }
+}
+
+}  // namespace
+
 cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame) {
   const cv::Mat units = read_of_kind(sequence, frame.depth, ImageKind::depth);
   cv::Mat depth;
   units.convertTo(depth, CV_32F, 1 / sequence.depth_units_per_m);
   depth.setTo(0, units == kDepthCutOff);
+  if (const double bias = sequence.inverse_depth_bias_per_m; bias != 0)
+    for (int v = 0; v < depth.rows; ++v)
+      unbias({depth.ptr<float>(v), static_cast<std::size_t>(depth.cols)}, bias);
   return depth;
 }
 

@@ -39,6 +39,7 @@ struct Sequence {
   double rate_hz = 0;                      ///< nominal frame rate
   double rolling_shutter_s = 0;            ///< from a colour image's first row to its last; stamp: the middle
   double depth_units_per_m = 5000;         ///< value of a depth pixel at 1 m
+  double inverse_depth_bias_per_m = 0;     ///< that depth images have, as estimated; not in any file
   std::optional<ImuCalibration> imu;       ///< of imu.csv, when there is one
   std::optional<LidarCalibration> lidar;   ///< of the scans, when there are any
   std::vector<SequenceScan> scans;         ///< in strictly increasing order of stamps
@@ -58,7 +59,8 @@ void write_sequence_index(const std::filesystem::path& folder, const Sequence& s
 /// images that are unreadable, truncated, of the wrong type or not of the camera's size.
 cv::Mat read_rgb(const Sequence& sequence, const SequenceFrame& frame);
 /// Depth as CV_32FC1: z along the optical axis [m], 0 where there is none, which the file says by 0 or by the
-/// largest number that it can hold: there a sensor gave up, or a depth was cut off.
+/// largest number that it can hold: there a sensor gave up, or a depth was cut off. The
+/// bias of inverse depth is taken out: z = measured / (1 - bias * measured).
 inline constexpr int kDepthCutOff = 65535;
 cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame);
 /// Instance masks as CV_16UC1: 0 is background. More than kMostIds others are no masks.

@@ -421,6 +421,10 @@ Trajectory RgbdOdometry::lagged_trajectory() {
   return s.in_world(s.lagged);
 }
 
+const EgoMap& RgbdOdometry::map() const {
+  return state_->map;
+}
+
 std::int64_t RgbdOdometry::features_kept() const {
   std::int64_t kept = 0;
   for (const FramePose& frame : state_->frames) kept += std::ssize(frame.features);

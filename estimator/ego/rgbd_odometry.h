@@ -8,6 +8,7 @@
 #include "core/sequence/sequence.h"
 #include "core/sequence/trajectory.h"
 #include "estimator/ego/bundle_adjustment.h"
+#include "estimator/ego/ego_map.h"
 #include "estimator/ego/loop_closure.h"
 #include "estimator/ego/world_frame.h"
 #include "estimator/perception/features.h"
@@ -75,6 +76,9 @@ class RgbdOdometry {
   Trajectory causal_trajectory() const;
   /// The same as known `fixed_lag_s` after each frame, or now. After the last frame.
   Trajectory lagged_trajectory();
+
+  /// Of the world as it is known now.
+  const EgoMap& map() const;
 
   /// Features by which frames of the present map will be placed once more: as many as the frames of the local
   /// bundle adjustment have.

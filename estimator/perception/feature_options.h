@@ -30,6 +30,7 @@ void visit(Io& io, PlaneDepthOptions& o) {
   io.positive("agreement_sigmas", o.agreement_sigmas);
   io.number("curvature_share", o.curvature_share, 0.0, 10.0);
   io.number("min_sigma", o.min_sigma, 0.0, 1.0);
+  io.flag("correlated_noise", o.correlated_noise);
 }
 
 template <typename Io>

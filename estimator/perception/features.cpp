@@ -6,6 +6,7 @@
 
 #include "estimator/perception/depth_scale_watch.h"
 #include "estimator/perception/frame_view.h"
+#include "estimator/perception/noise_correlation.h"
 
 namespace uniquadric {
 namespace {
@@ -238,6 +239,7 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
   view.frame = frame.frame;
   view.step_ns = frame.stamp_ns - s.last_stamp_ns;
   view.seed = s.seed;
+  if (s.options.depth.correlated_noise) view.noise = surface_noise(depth, s.options.depth);
   FlowImage flow_image = make_flow_image(view.gray, s.options.flow);
   if (!s.last_image.pyramid.empty()) s.follow_all(view, flow_image);
   if (const auto expected = expected_pose(view, s.bodies[0])) follow_twist(view, s.bodies[0], *expected);

@@ -21,7 +21,7 @@ std::optional<double> expected_depth_m(const PointTrack& track, const TrackedBod
 
 bool FrameView::place(PointTrack& track, const Eigen::Vector2d& pixel, const TrackedBody& body) const {
   if (!place_roughly(track, pixel, body)) return false;
-  track.depth = fit_plane_depth(depth, regions.labels, track.at_stamp, options.depth);
+  track.depth = fit_plane_depth(depth, regions.labels, track.at_stamp, options.depth, noise);
   return true;
 }
 
@@ -40,7 +40,7 @@ bool FrameView::place_roughly(PointTrack& track, const Eigen::Vector2d& pixel,
 std::optional<PlaneDepth> FrameView::quick_depth(const Eigen::Vector2d& pixel) const {
   PlaneDepthOptions quick = options.depth;
   quick.half_wide_px = 0;
-  return fit_plane_depth(depth, regions.labels, pixel, quick);
+  return fit_plane_depth(depth, regions.labels, pixel, quick, noise);
 }
 
 std::optional<Eigen::Vector2d> FrameView::at_stamp(const PointTrack& track, const Eigen::Vector2d& pixel,

@@ -23,6 +23,7 @@ struct FrameView {
   Regions regions;
   std::int64_t frame = 0, step_ns = 0;
   std::uint64_t seed = 0;
+  SurfaceNoise noise{};
 
   /// Puts a track of a body at a pixel and measures its depth where it would be seen at the stamp, of which
   /// depth and labels are; false where the lens has no ray.

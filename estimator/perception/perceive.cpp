@@ -15,6 +15,7 @@
 #include "core/base/threads.h"
 #include "core/base/warning.h"
 #include "estimator/perception/check_sequence.h"
+#include "estimator/perception/depth_bias.h"
 #include "estimator/perception/lidar_stream.h"
 #include "estimator/perception/point_colors.h"
 #include "estimator/perception/repeats.h"
@@ -233,7 +234,7 @@ Camera perception_camera(const Sequence& sequence, const PerceptionOptions& opti
 
 void perceive(const Sequence& recorded, const PerceptionOptions& options, const PerceiveOptions& run,
               PerceptionWriter& out, std::vector<StageTime>& times) {
-  const Sequence sequence = on_camera_clock(recorded, options.lidar_time_offset_ns);
+  Sequence sequence = on_camera_clock(recorded, options.lidar_time_offset_ns);
   const bool by_lidar = options.ego == EgoSource::lidar;
   if (sequence.frames.empty() || !options.images) {
     if (!by_lidar)
@@ -247,6 +248,13 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
   const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
   check_sequence(sequence, segmenter, poses, by_lidar, options.depth == DepthSource::images);
+  DepthBias bias;
+  if (options.depth_calibration && !wants_lidar_depth(sequence, options)) {
+    Stopwatch watch(sequence.frames.front().frame, times);
+    bias = depth_bias(sequence, options.features, options.odometry, run.seed);
+    sequence.inverse_depth_bias_per_m = bias.per_m;
+    watch.stop("calibration");
+  }
   const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence &&
                            segmenter.source != MaskSource::none;
   if (keeps_masks) std::filesystem::create_directories(run.masks_folder);
@@ -441,7 +449,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
                  ? CameraTrajectories{odometry.causal_trajectory(), odometry.lagged_trajectory(),
                                       odometry.trajectory()}
                  : CameraTrajectories{known, later, later},  // a filter never goes back to a pose
-             odometry.restarts());
+             odometry.restarts(), bias);
 }
 
 }  // namespace uniquadric

@@ -46,6 +46,8 @@ struct PerceptionOptions {
   LidarEgoOptions lidar;   // of EgoSource::lidar
   DepthSource depth = DepthSource::recorded;
   DepthCheckOptions depth_check;  // of depth images
+  /// Takes the bias of the depth images' stereo out (depth_bias). False: they are right as they are.
+  bool depth_calibration = true;
   LidarDepthOptions lidar_depth;  // of DepthSource::lidar
   SegmentationOptions segmentation;
   AotOptions aot;

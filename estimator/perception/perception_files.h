@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/camera.h"
+#include "estimator/ego/depth_calibration.h"
 #include "estimator/perception/perception.h"
 
 namespace uniquadric {
@@ -43,7 +44,8 @@ class PerceptionWriter {
 
   /// To be called last. A frame without a pose in `camera.final` is one where the camera was lost.
   /// `ego_restarts`: how often a new map went on from the last known pose.
-  void finish(const CameraTrajectories& camera, int ego_restarts = 0);
+  /// `depth_bias`: that was taken out of the depth images.
+  void finish(const CameraTrajectories& camera, int ego_restarts = 0, const DepthBias& depth_bias = {});
 
  private:
   void write(const std::string& bytes);
@@ -68,6 +70,7 @@ class Perception {
   const PerceptionSource& source() const { return source_; }
   const std::vector<FrameInfo>& frames() const { return frames_; }
   int ego_restarts() const { return ego_restarts_; }
+  const DepthBias& depth_bias() const { return depth_bias_; }
 
   /// One frame with its bodies; from any thread. Throws InputError when the file is damaged.
   PerceivedFrame read(std::size_t index) const;
@@ -79,6 +82,7 @@ class Perception {
   std::vector<FrameInfo> frames_;
   std::vector<FilePlace> places_;
   int ego_restarts_ = 0;
+  DepthBias depth_bias_;
 };
 
 /// What lies in a folder (below it, in order) that no kept perception has.

@@ -147,6 +147,7 @@ void visit(Io& io, PerceptionOptions& o) {
                                       {"images", DepthSource::images},
                                       {"lidar", DepthSource::lidar}});
     inner.section("check", [&](auto& innermost) { visit(innermost, o.depth_check); });
+    inner.flag("calibration", o.depth_calibration);
     inner.section("lidar", [&](auto& innermost) { visit(innermost, o.lidar_depth); });
   });
   io.section("segmentation", [&](auto& inner) { visit(inner, o.segmentation); });

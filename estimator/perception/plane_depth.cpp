@@ -120,9 +120,13 @@ void keep_below(Samples& s, const std::array<float, Samples::kMost>& r, float li
   s.count = kept;
 }
 
-// The plane of a window's samples in inverse depth, without its outliers, at `offset` from the middle.
-std::optional<PlaneDepth> robust_plane(Samples& samples, int half, const Eigen::Vector2d& offset,
-                                       const PlaneDepthOptions& options) {
+struct RobustFit {
+  Fit fit;
+  double variance;  // of a sample about the plane
+};
+
+// The plane of a window's samples in inverse depth, without its outliers.
+std::optional<RobustFit> robust_fit(Samples& samples, int half, const PlaneDepthOptions& options) {
   const double side = 2 * half + 1;
   const int needed = std::max(kMinSamples, static_cast<int>(std::lround(options.min_share * side * side)));
   std::array<float, Samples::kMost> r, sorted;
@@ -141,19 +145,30 @@ std::optional<PlaneDepth> robust_plane(Samples& samples, int half, const Eigen::
     }
     keep_below(samples, r, std::max(static_cast<float>(options.outlier_sigmas) * sigma, 1e-7F));
   }
+  return RobustFit{*fit, kCutVariance * mean_square(r, samples.count, 3)};
+}
+
+// The same at `offset` from the middle.
+std::optional<PlaneDepth> robust_plane(Samples& samples, int half, const Eigen::Vector2d& offset,
+                                       const PlaneDepthOptions& options, const WindowNoise& noise) {
+  const auto found = robust_fit(samples, half, options);
+  if (!found) return std::nullopt;
   const Eigen::Vector3d at(1, offset.x(), offset.y());
-  const double inverse_depth = at.dot(fit->plane);
+  const double inverse_depth = at.dot(found->fit.plane);
   if (!(inverse_depth > 0)) return std::nullopt;
-  const double variance = kCutVariance * mean_square(r, samples.count, 3), z = 1 / inverse_depth;
-  const Eigen::Matrix3d& C = fit->inverse_normal_matrix;
-  return PlaneDepth{z, std::hypot(std::sqrt(variance * at.dot(C * at)) * z * z, options.min_sigma * z),
-                    fit->plane.tail<2>(), std::sqrt(variance * std::max(C(1, 1), C(2, 2)))};
+  const double z = 1 / inverse_depth;
+  const Eigen::Matrix3d& C = found->fit.inverse_normal_matrix;
+  const double middle = found->variance * noise.middle * at.dot(C * at),
+               slope = found->variance * noise.slope * std::max(C(1, 1), C(2, 2));
+  return PlaneDepth{z, std::hypot(std::sqrt(middle) * z * z, options.min_sigma * z),
+                    found->fit.plane.tail<2>(), std::sqrt(slope)};
 }
 
 }  // namespace
 
 std::optional<PlaneDepth> fit_plane_depth(const cv::Mat& depth, const cv::Mat& labels,
-                                          const Eigen::Vector2d& pixel, const PlaneDepthOptions& options) {
+                                          const Eigen::Vector2d& pixel, const PlaneDepthOptions& options,
+                                          const SurfaceNoise& noise) {
   Middle middle{static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())), 0};
   if (depth.empty() || middle.u < 0 || middle.v < 0 || middle.u >= depth.cols || middle.v >= depth.rows)
     return std::nullopt;
@@ -164,14 +179,27 @@ std::optional<PlaneDepth> fit_plane_depth(const cv::Mat& depth, const cv::Mat& l
   gather(depth, labels, middle, options.max_jump, half_narrow, std::max(half_narrow, half_wide), inner,
          outer);
   const Eigen::Vector2d offset = pixel - Eigen::Vector2d(middle.u, middle.v);
-  auto narrow = robust_plane(inner, half_narrow, offset, options);
+  auto narrow = robust_plane(inner, half_narrow, offset, options, noise.narrow);
   if (!narrow || half_wide <= half_narrow) return narrow;
-  const auto wide = robust_plane(outer, half_wide, offset, options);
+  const auto wide = robust_plane(outer, half_wide, offset, options, noise.wide);
   if (!wide) return narrow;
   const double difference = std::abs(wide->depth_m - narrow->depth_m);
   if (difference <= options.agreement_sigmas * narrow->sigma_m) return wide;
   narrow->sigma_m = std::hypot(narrow->sigma_m, options.curvature_share * difference);
   return narrow;
+}
+
+std::optional<double> residual_ratio(const cv::Mat& depth, const Eigen::Vector2d& pixel,
+                                     const PlaneDepthOptions& options) {
+  const Middle middle{static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())), 0};
+  const int half_narrow = std::min(options.half_window_px, kMostHalf);
+  const int half_wide = std::min(options.half_wide_px, kMostHalf);
+  Samples inner, outer;
+  gather(depth, {}, middle, options.max_jump, half_narrow, half_wide, inner, outer);
+  const auto narrow = robust_fit(inner, half_narrow, options);
+  const auto wide = robust_fit(outer, half_wide, options);
+  if (!narrow || !wide || !(wide->variance > 0)) return std::nullopt;
+  return narrow->variance / wide->variance;
 }
 
 }  // namespace uniquadric

@@ -74,6 +74,18 @@ TEST_F(SequenceFolder, ReadsBackAsItWasWritten) {
   EXPECT_EQ(sequence.given_camera->size(), 2u);
 }
 
+TEST_F(SequenceFolder, ABiasOfInverseDepthIsTakenOutAsItIsRead) {
+  Sequence sequence = open_sequence(folder());
+  constexpr double kMeasured = 1.502;
+  for (const double bias : {0.006, -0.02}) {
+    sequence.inverse_depth_bias_per_m = bias;
+    const float z = read_depth(sequence, sequence.frames[2]).at<float>(0, 0);
+    EXPECT_NEAR(1 / z, 1 / kMeasured - bias, 1e-6);
+  }
+  sequence.inverse_depth_bias_per_m = 1;  // behind infinity
+  EXPECT_EQ(read_depth(sequence, sequence.frames[2]).at<float>(0, 0), 0);
+}
+
 TEST_F(SequenceFolder, TheLidarsDataSheetReadsBackAndMayBeUnknown) {
   Sequence sequence = open_sequence(folder());
   sequence.lidar = LidarCalibration{"livox_mid40", 10, {}, {}};

@@ -8,6 +8,7 @@
 #include "core/sequence/tracks.h"
 #include "estimator/ego/rgbd_odometry.h"
 #include "estimator/estimate.h"
+#include "estimator/perception/depth_bias.h"
 #include "estimator/perception/features.h"
 #include "evaluation/align/alignment.h"
 #include "evaluation/trajectory/trajectory_error.h"
@@ -59,6 +60,24 @@ double median(std::vector<double> values) {
 double distance_to_box(const Ellipsoid& filling, const Eigen::Vector3d& world) {
   const Eigen::Vector3d p = (filling.world_from_object.inverse() * world).cwiseAbs() - filling.semi_axes_m;
   return std::abs(p.cwiseMax(0).norm() + std::min(0.0, p.maxCoeff()));
+}
+
+// Depth that is made worse by a known bias is found to have that much more of it.
+TEST(Recordings, ABiasThatIsAddedToDepthIsFound) {
+  SKIP_WITHOUT("visp_cube");
+  const TempFolder temp;
+  import_quietly(recording("visp_cube"), temp.path() / "sequence");
+  Sequence sequence = open_sequence(temp.path() / "sequence");
+  const auto bias = [&] {
+    return depth_bias(sequence, FeatureOptions(), variant_of("superquadric.yaml").perception.odometry, 0);
+  };
+  const DepthBias as_it_is = bias();
+  constexpr double kAdded = 0.01;
+  sequence.inverse_depth_bias_per_m = -kAdded;
+  const DepthBias worse = bias();
+  const double sigma = std::hypot(as_it_is.sigma_per_m, worse.sigma_per_m);
+  EXPECT_LT(sigma, 0.006);
+  EXPECT_NEAR(worse.per_m - as_it_is.per_m, kAdded, 3 * sigma);
 }
 
 // Per-frame boxes from box prompts agree with each other.

@@ -1,0 +1,156 @@
+#include "estimator/ego/depth_calibration.h"
+
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "estimator/factors/pose_block.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr std::size_t kKeyframes = 60, kPoints = 500;  // of the adjustment: as many as are needed
+constexpr int kLeastSightings = 3;
+constexpr int kIterations = 40;
+constexpr double kHuberSigmas = 2;
+constexpr double kNearest_m = 0.05;
+constexpr double kProfileStep = 0.1;  // of the bias, in sigmas of its prior
+// Priors. Bias: 2 % at 2 m, the accuracy that the D435's data sheet promises. Focal length and principal
+// point: ours, of a calibration of some care.
+constexpr double kBiasSigma_per_m = 0.01, kFocalSigma = 0.005, kCentreSigma_px = 3;
+
+using Calibration = std::array<double, 4>;  // bias, logarithm of the focal length's factor, centre's shift
+
+// The bias is on the side of what is predicted. Were it to change what is measured, a negative one would
+// shrink the noise with the depths, and win by that.
+struct Sighting {
+  Camera camera;
+  Feature feature;
+  double pixel_sigma;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* point, const T* calibration, T* residual) const {
+    const Eigen::Map<const Eigen::Quaternion<T>> rotation(pose);
+    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> translation(pose + 4), position(point);
+    const Eigen::Matrix<T, 3, 1> p = rotation * position + translation;
+    const T z = p.z() < kNearest_m ? T(kNearest_m) : p.z();
+    const T focal = exp(calibration[1]);
+    residual[0] =
+        (camera.fx * focal * p.x() / z + camera.cx + calibration[2] - feature.pixel.x()) / pixel_sigma;
+    residual[1] =
+        (camera.fy * focal * p.y() / z + camera.cy + calibration[3] - feature.pixel.y()) / pixel_sigma;
+    residual[2] = T(0);
+    if (feature.depth_m > 0 && feature.depth_sigma_m > 0)
+      residual[2] = (z / (1.0 + calibration[0] * z) - feature.depth_m) / feature.depth_sigma_m;
+    return true;
+  }
+};
+
+struct Prior {
+  template <typename T>
+  bool operator()(const T* calibration, T* residual) const {
+    residual[0] = calibration[0] / kBiasSigma_per_m;
+    residual[1] = calibration[1] / kFocalSigma;
+    residual[2] = calibration[2] / kCentreSigma_px;
+    residual[3] = calibration[3] / kCentreSigma_px;
+    return true;
+  }
+};
+
+std::vector<const Keyframe*> evenly_chosen(const std::vector<Keyframe>& keyframes) {
+  const std::size_t count = std::min(keyframes.size(), kKeyframes);
+  std::vector<const Keyframe*> chosen;
+  for (std::size_t i = 0; i < count; ++i)
+    chosen.push_back(&keyframes[i * (keyframes.size() - 1) / (count - 1)]);
+  return chosen;
+}
+
+// Positions of the points that the keyframes see most, by track.
+std::map<std::int64_t, Eigen::Vector3d> most_seen(const EgoMap& map,
+                                                  const std::vector<const Keyframe*>& keyframes) {
+  std::map<std::int64_t, int> sightings;
+  for (const Keyframe* keyframe : keyframes)
+    for (const Feature& feature : keyframe->features)
+      if (map.points.contains(feature.track)) ++sightings[feature.track];
+  std::vector<std::pair<int, std::int64_t>> order;
+  for (const auto& [track, count] : sightings)
+    if (count >= kLeastSightings) order.emplace_back(-count, track);
+  std::sort(order.begin(), order.end());
+  if (order.size() > kPoints) order.resize(kPoints);
+  std::map<std::int64_t, Eigen::Vector3d> points;
+  for (const auto& [count, track] : order) points[track] = map.points.at(track).position;
+  return points;
+}
+
+double solve(ceres::Problem& problem, const std::shared_ptr<ceres::ParameterBlockOrdering>& ordering) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>(*ordering);
+  options.max_num_iterations = kIterations;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return summary.final_cost;
+}
+
+}  // namespace
+
+std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma) {
+  if (map.keyframes.size() < 4) return std::nullopt;
+  const auto keyframes = evenly_chosen(map.keyframes);
+  const auto places = most_seen(map, keyframes);
+  // In one piece each: Ceres sorts what is eliminated first by address.
+  std::vector<PoseBlock> poses;
+  std::vector<Eigen::Vector3d> points;
+  std::map<std::int64_t, double*> point_of;
+  poses.reserve(keyframes.size());
+  points.reserve(places.size());
+  Calibration calibration{};
+  ceres::HuberLoss loss(kHuberSigmas);
+  ceres::SubsetManifold without_bias(4, {0});
+  const auto manifold = pose_manifold();
+  ceres::Problem::Options ownership;
+  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (const auto& [track, place] : places) {
+    double* point = points.emplace_back(place).data();
+    point_of[track] = point;
+    problem.AddParameterBlock(point, 3);
+    ordering->AddElementToGroup(point, 0);
+  }
+  for (const Keyframe* keyframe : keyframes) {
+    double* pose = poses.emplace_back(pose_block(keyframe->camera_from_world)).data();
+    problem.AddParameterBlock(pose, 7, manifold.get());
+    ordering->AddElementToGroup(pose, 1);
+    for (const Feature& feature : keyframe->features)
+      if (const auto point = point_of.find(feature.track); point != point_of.end())
+        problem.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<Sighting, 3, 7, 3, 4>(new Sighting{camera, feature, pixel_sigma}),
+            &loss, pose, point->second, calibration.data());
+  }
+  problem.SetParameterBlockConstant(poses.front().data());
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 4, 4>(new Prior), nullptr,
+                           calibration.data());
+  ordering->AddElementToGroup(calibration.data(), 1);
+  const double least = solve(problem, ordering);
+  const double bias = calibration[0], step = kProfileStep * kBiasSigma_per_m;
+  // The cost's curvature along the bias, all else at its best, is the information on it.
+  calibration[0] += step;
+  problem.SetManifold(calibration.data(), &without_bias);
+  const double risen = solve(problem, ordering) - least;
+  return DepthBias{bias, std::min(kBiasSigma_per_m, step / std::sqrt(2 * std::max(risen, 1e-12)))};
+}
+
+}  // namespace uniquadric

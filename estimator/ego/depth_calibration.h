@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+
+#include "estimator/ego/ego_map.h"
+
+namespace uniquadric {
+
+/// What a stereo camera that is a little out of line adds to inverse depth: 1 / measured = 1 / z + bias.
+struct DepthBias {
+  double per_m = 0;        ///< [1/m]
+  double sigma_per_m = 0;  ///< its standard deviation
+};
+
+/// The bias by which the map's points are seen most rigidly: bundle adjustment over an even choice of
+/// keyframes and the points most seen, with the bias, the focal length and the principal point as unknowns.
+/// The last two have priors, and take what would else be blamed on depth. `pixel_sigma` is a feature's [px].
+/// A common scale of all depth cannot be seen. Nothing for fewer than four keyframes.
+std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma);
+
+}  // namespace uniquadric
