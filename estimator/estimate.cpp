@@ -230,10 +230,7 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   text += fmt::format("frames_with_states: {}\n", with_states.size());
   text += fmt::format("frames_without_pose: {}\n",
                       count(perception.frames(), [](const auto& f) { return !f.world_from_camera; }));
-  text += fmt::format(
-      "ego_restarts: {}\ninverse_depth_bias_per_m: {:.5f}\n"
-      "inverse_depth_bias_sigma_per_m: {:.5f}\n",
-      perception.ego_restarts(), perception.depth_bias().per_m, perception.depth_bias().sigma_per_m);
+  text += fmt::format("ego_restarts: {}\n", perception.ego_restarts()) + bias_yaml(perception.depth_bias());
   text += fmt::format("frames_without_depth: {}\n",
                       count(sequence.frames, [](const auto& f) { return f.depth.empty(); }) +
                           count(perception.frames(), [](const auto& f) { return f.depth_refused; }));

@@ -23,7 +23,10 @@ constexpr int kLeastSightings = 3;
 constexpr int kIterations = 40;
 constexpr double kHuberSigmas = 2;
 constexpr double kNearest_m = 0.05;
+constexpr std::size_t kLeastKeyframes = 4;
+constexpr int kGroups = 6;            // of points, each left out once
 constexpr double kProfileStep = 0.1;  // of the bias, in sigmas of its prior
+constexpr double kNoInformation = 1e-3;
 // Priors. Bias: 2 % at 2 m, the accuracy that the D435's data sheet promises. Focal length and principal
 // point: ours, of a calibration of some care.
 constexpr double kBiasSigma_per_m = 0.01, kFocalSigma = 0.005, kCentreSigma_px = 3;
@@ -91,31 +94,20 @@ std::map<std::int64_t, Eigen::Vector3d> most_seen(const EgoMap& map,
   return points;
 }
 
-double solve(ceres::Problem& problem, const std::shared_ptr<ceres::ParameterBlockOrdering>& ordering) {
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>(*ordering);
-  options.max_num_iterations = kIterations;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return summary.final_cost;
-}
-
-}  // namespace
-
-std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma) {
-  if (map.keyframes.size() < 4) return std::nullopt;
-  const auto keyframes = evenly_chosen(map.keyframes);
-  const auto places = most_seen(map, keyframes);
-  // In one piece each: Ceres sorts what is eliminated first by address.
-  std::vector<PoseBlock> poses;
-  std::vector<Eigen::Vector3d> points;
-  std::map<std::int64_t, double*> point_of;
-  poses.reserve(keyframes.size());
-  points.reserve(places.size());
+// What an adjustment begins with and ends with.
+struct Estimate {
+  std::vector<PoseBlock> poses;                    // camera_from_world of the keyframes
+  std::map<std::int64_t, Eigen::Vector3d> places;  // of points
   Calibration calibration{};
+  double cost = 0;
+};
+
+enum class Bias { free, held };
+constexpr int kNone = -1;
+
+// The best estimate by the points whose group is not `left_out`.
+Estimate adjusted(Estimate start, const std::vector<const Keyframe*>& keyframes, const Camera& camera,
+                  double pixel_sigma, const std::map<std::int64_t, int>& groups, int left_out, Bias bias) {
   ceres::HuberLoss loss(kHuberSigmas);
   ceres::SubsetManifold without_bias(4, {0});
   const auto manifold = pose_manifold();
@@ -124,33 +116,77 @@ std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera
   ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (const auto& [track, place] : places) {
-    double* point = points.emplace_back(place).data();
-    point_of[track] = point;
-    problem.AddParameterBlock(point, 3);
-    ordering->AddElementToGroup(point, 0);
-  }
-  for (const Keyframe* keyframe : keyframes) {
-    double* pose = poses.emplace_back(pose_block(keyframe->camera_from_world)).data();
+  // In one piece: Ceres sorts what is eliminated first by address.
+  std::vector<Eigen::Vector3d> points;
+  std::map<std::int64_t, double*> point_of;
+  points.reserve(start.places.size());
+  for (const auto& [track, place] : start.places)
+    if (groups.at(track) != left_out) {
+      double* point = point_of[track] = points.emplace_back(place).data();
+      problem.AddParameterBlock(point, 3);
+      ordering->AddElementToGroup(point, 0);
+    }
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    double* pose = start.poses[i].data();
     problem.AddParameterBlock(pose, 7, manifold.get());
     ordering->AddElementToGroup(pose, 1);
-    for (const Feature& feature : keyframe->features)
+    for (const Feature& feature : keyframes[i]->features)
       if (const auto point = point_of.find(feature.track); point != point_of.end())
         problem.AddResidualBlock(
             new ceres::AutoDiffCostFunction<Sighting, 3, 7, 3, 4>(new Sighting{camera, feature, pixel_sigma}),
-            &loss, pose, point->second, calibration.data());
+            &loss, pose, point->second, start.calibration.data());
   }
-  problem.SetParameterBlockConstant(poses.front().data());
+  problem.SetParameterBlockConstant(start.poses.front().data());
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 4, 4>(new Prior), nullptr,
-                           calibration.data());
-  ordering->AddElementToGroup(calibration.data(), 1);
-  const double least = solve(problem, ordering);
-  const double bias = calibration[0], step = kProfileStep * kBiasSigma_per_m;
-  // The cost's curvature along the bias, all else at its best, is the information on it.
-  calibration[0] += step;
-  problem.SetManifold(calibration.data(), &without_bias);
-  const double risen = solve(problem, ordering) - least;
-  return DepthBias{bias, std::min(kBiasSigma_per_m, step / std::sqrt(2 * std::max(risen, 1e-12)))};
+                           start.calibration.data());
+  if (bias == Bias::held) problem.SetManifold(start.calibration.data(), &without_bias);
+  ordering->AddElementToGroup(start.calibration.data(), 1);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.linear_solver_ordering = ordering;
+  options.max_num_iterations = kIterations;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  start.cost = summary.final_cost;
+  for (const auto& [track, point] : point_of) start.places[track] = Eigen::Map<Eigen::Vector3d>(point);
+  return start;
+}
+
+}  // namespace
+
+std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma) {
+  if (map.keyframes.size() < kLeastKeyframes) return std::nullopt;
+  const auto keyframes = evenly_chosen(map.keyframes);
+  Estimate start;
+  start.places = most_seen(map, keyframes);
+  for (const Keyframe* keyframe : keyframes) start.poses.push_back(pose_block(keyframe->camera_from_world));
+  std::map<std::int64_t, int> groups;
+  for (const auto& [track, place] : start.places)
+    groups.emplace(track, static_cast<int>(groups.size()) % kGroups);
+  const auto solve = [&](const Estimate& from, int left_out, Bias bias) {
+    return adjusted(from, keyframes, camera, pixel_sigma, groups, left_out, bias);
+  };
+  const Estimate all = solve(start, kNone, Bias::free);
+  // The cost's curvature along the bias, all else at its best, is the information on it, the prior's too.
+  Estimate beside = all;
+  beside.calibration[0] += kProfileStep * kBiasSigma_per_m;
+  const double rise = solve(beside, kNone, Bias::held).cost - all.cost;
+  const double prior = 1 / (kBiasSigma_per_m * kBiasSigma_per_m);
+  const double step = kProfileStep * kBiasSigma_per_m;
+  const double curvature = std::max(2 * rise / (step * step), (1 + kNoInformation) * prior) - prior;
+  double mean = 0, square = 0;
+  for (int group = 0; group < kGroups; ++group) {
+    const double bias = solve(all, group, Bias::free).calibration[0];
+    mean += bias / kGroups;
+    square += bias * bias / kGroups;
+  }
+  const double spread = (kGroups - 1) * std::max(0.0, square - mean * mean);
+  // Sightings whose errors hang together tell less than the adjustment takes them for.
+  const double information = std::min(curvature, 1 / std::max(spread, 1e-12));
+  const double share = information / (information + prior) * (curvature + prior) / curvature;
+  return DepthBias{share * all.calibration[0], 1 / std::sqrt(information + prior)};
 }
 
 }  // namespace uniquadric

@@ -15,7 +15,8 @@ struct DepthBias {
 /// The bias by which the map's points are seen most rigidly: bundle adjustment over an even choice of
 /// keyframes and the points most seen, with the bias, the focal length and the principal point as unknowns.
 /// The last two have priors, and take what would else be blamed on depth. `pixel_sigma` is a feature's [px].
-/// A common scale of all depth cannot be seen. Nothing for fewer than four keyframes.
+/// A common scale of all depth cannot be seen. The sigma is a jackknife's over groups of points: a
+/// point's errors are alike in all its sightings. Nothing for fewer than four keyframes.
 std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma);
 
 }  // namespace uniquadric

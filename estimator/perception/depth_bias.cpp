@@ -1,8 +1,10 @@
 #include "estimator/perception/depth_bias.h"
 
-#include <cmath>
+#include <algorithm>
+#include <span>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
 
@@ -10,8 +12,17 @@ namespace uniquadric {
 namespace {
 
 constexpr double kLongest_s = 10;
-constexpr std::size_t kFirstFrames = 30;  // before the first adjustment; then after twice as many
-constexpr double kEnough = 3e-4;          // of depth: what a sigma of the bias may do to it
+constexpr int kFirstImages = 30;  // of depth, before the first adjustment; then after twice as many
+constexpr double kEnough =
+    5e-4;  // of depth: what a sigma of the bias may do to it. Ours: as far as noise lets it
+
+std::span<const SequenceFrame> frames_to_use(const Sequence& sequence) {
+  const auto& frames = sequence.frames;
+  const auto end = std::find_if(frames.begin(), frames.end(), [&](const SequenceFrame& frame) {
+    return seconds(frames.front().stamp_ns, frame.stamp_ns) > kLongest_s;
+  });
+  return {frames.begin(), end};
+}
 
 double usual_depth_m(const EgoMap& map) {
   std::vector<double> depths;
@@ -23,32 +34,40 @@ double usual_depth_m(const EgoMap& map) {
 
 }  // namespace
 
-DepthBias depth_bias(const Sequence& sequence, FeatureOptions options, const EgoOptions& ego,
-                     std::uint64_t seed) {
-  options.body_features = 0;
-  FeatureTracker features(sequence.camera, options, seed, sequence.rolling_shutter_s);
-  RgbdOdometry odometry(sequence.camera, ego, seed, 0,
-                        options.rolling_shutter.enabled ? sequence.rolling_shutter_s : 0);
-  DepthBias known;
-  std::size_t next = kFirstFrames;
-  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
-    const SequenceFrame& frame = sequence.frames[i];
-    if (frame.depth.empty()) continue;
-    const cv::Mat depth = read_depth(sequence, frame);
+std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOptions& options,
+                                    bool has_masks, const PerceiveOptions& run) {
+  FeatureOptions own = options.features;
+  own.body_features = 0;
+  FeatureTracker features(sequence.camera, own, run.seed, sequence.rolling_shutter_s);
+  RgbdOdometry odometry(sequence.camera, options.odometry, run.seed, 0,
+                        own.rolling_shutter.enabled ? sequence.rolling_shutter_s : 0);
+  DepthCheck check(options.depth_check);
+  std::optional<DepthBias> best;  // a map that was begun anew may know less than the one before
+  const auto adjust = [&] {
+    const auto bias = calibrate_depth(odometry.map(), without_distortion(sequence.camera),
+                                      options.odometry.bundle.pixel_sigma);
+    if (bias && (!best || bias->sigma_per_m < best->sigma_per_m)) best = bias;
+  };
+  const auto first_frames = frames_to_use(sequence);
+  Progress progress("calibrate", std::ssize(first_frames), run.quiet);
+  int images = 0, next = kFirstImages;
+  for (const SequenceFrame& frame : first_frames) {
+    cv::Mat depth = frame.depth.empty() ? cv::Mat() : read_depth(sequence, frame);
+    if (!depth.empty() && !check.is_measurement(frame.stamp_ns, depth)) depth.setTo(0);
     const cv::Mat masks =
-        frame.masks.empty() ? cv::Mat(cv::Mat::zeros(depth.size(), CV_16UC1)) : read_masks(sequence, frame);
+        has_masks && !frame.masks.empty()
+            ? read_masks(sequence, frame)
+            : cv::Mat(cv::Mat::zeros(sequence.camera.height, sequence.camera.width, CV_16UC1));
     odometry.track(frame, features.track(frame, read_rgb(sequence, frame), depth, masks, {}), depth, masks);
-    const bool is_last = i + 1 == sequence.frames.size() ||
-                         seconds(sequence.frames.front().stamp_ns, frame.stamp_ns) > kLongest_s;
-    if (!is_last && i + 1 < next) continue;
+    progress.advance();
+    images += !depth.empty();
+    if (images < next) continue;
     next *= 2;
-    if (const auto bias =
-            calibrate_depth(odometry.map(), without_distortion(sequence.camera), ego.bundle.pixel_sigma))
-      known = *bias;
-    if (is_last || (known.sigma_per_m > 0 && known.sigma_per_m * usual_depth_m(odometry.map()) < kEnough))
-      break;
+    adjust();
+    if (best && best->sigma_per_m * usual_depth_m(odometry.map()) < kEnough) return best;
   }
-  return known;
+  adjust();
+  return best;
 }
 
 }  // namespace uniquadric

@@ -1,18 +1,18 @@
 #pragma once
 
-#include <cstdint>
+#include <optional>
 
 #include "core/sequence/sequence.h"
 #include "estimator/ego/depth_calibration.h"
-#include "estimator/ego/rgbd_odometry.h"
-#include "estimator/perception/features.h"
+#include "estimator/perception/perceive.h"
 
 namespace uniquadric {
 
 /// The bias of a sequence's depth images, as of a calibration before it is used: by the first seconds of its
-/// background, as many as it takes to know the bias well. No bias where they do not say, or without depth
-/// images.
-DepthBias depth_bias(const Sequence& sequence, FeatureOptions features, const EgoOptions& ego,
-                     std::uint64_t seed);
+/// background, as many as it takes to know the bias well. `has_masks`: whether the sequence's masks may be
+/// used to tell what is background; without, it is what most moves alike. Nothing where too few frames have
+/// depth.
+std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOptions& options,
+                                    bool has_masks, const PerceiveOptions& run);
 
 }  // namespace uniquadric

@@ -49,7 +49,7 @@ double noise_correlation_px(const cv::Mat& depth, const PlaneDepthOptions& optio
                             window_noise(options.half_wide_px, middle).residual;
     (expected > measured ? low : high) = middle;
   }
-  return low;
+  return high < kLongest_px ? low : 0;
 }
 
 SurfaceNoise surface_noise(const cv::Mat& depth, const PlaneDepthOptions& options) {

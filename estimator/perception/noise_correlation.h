@@ -12,8 +12,8 @@ namespace uniquadric {
 WindowNoise window_noise(int half_px, double correlation_px);
 
 /// The length l [px] of the noise in a depth image (CV_32FC1 [m], 0 none), from how much smaller residuals
-/// are in narrow windows than in wide ones, in the median over a lattice of windows that lie on planes. 0
-/// where too few do.
+/// are in narrow windows than in wide ones, in the median over a lattice of windows. 0 where too few of them
+/// have a plane, or where it is longer than the windows tell: that is the form of things, not noise.
 double noise_correlation_px(const cv::Mat& depth, const PlaneDepthOptions& options);
 
 /// Both windows' factors at the length that an image's noise has.

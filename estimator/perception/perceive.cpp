@@ -175,9 +175,13 @@ std::unique_ptr<SegmenterClock> segmenter_of(const Sequence& sequence, const Per
   return make_virtual_clock(std::move(slow));
 }
 
+bool has_depth_images(const Sequence& sequence) {
+  return std::any_of(sequence.frames.begin(), sequence.frames.end(),
+                     [](const SequenceFrame& frame) { return !frame.depth.empty(); });
+}
+
 // Points are put together along the camera's path, which features that wait for their depth cannot give.
 bool wants_lidar_depth(const Sequence& sequence, const PerceptionOptions& options) {
-  const auto has_depth = [](const SequenceFrame& frame) { return !frame.depth.empty(); };
   const bool can = sequence.lidar && options.ego != EgoSource::rgbd;
   if (options.depth == DepthSource::lidar && !can)
     throw InputError(sequence.folder, sequence.lidar
@@ -185,8 +189,7 @@ bool wants_lidar_depth(const Sequence& sequence, const PerceptionOptions& option
                                             "camera's motion from depth (ego: rgbd); use ego: lidar"
                                           : "has no LiDAR, which the variant (depth: lidar) needs");
   return options.depth == DepthSource::lidar ||
-         (options.depth == DepthSource::recorded && can &&
-          std::none_of(sequence.frames.begin(), sequence.frames.end(), has_depth));
+         (options.depth == DepthSource::recorded && can && !has_depth_images(sequence));
 }
 
 // Between the poses of the frames; nothing outside.
@@ -248,11 +251,11 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
   const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
   check_sequence(sequence, segmenter, poses, by_lidar, options.depth == DepthSource::images);
-  DepthBias bias;
-  if (options.depth_calibration && !wants_lidar_depth(sequence, options)) {
+  std::optional<DepthBias> bias;
+  if (options.depth_calibration && has_depth_images(sequence) && !wants_lidar_depth(sequence, options)) {
     Stopwatch watch(sequence.frames.front().frame, times);
-    bias = depth_bias(sequence, options.features, options.odometry, run.seed);
-    sequence.inverse_depth_bias_per_m = bias.per_m;
+    bias = depth_bias(sequence, options, segmenter.source == MaskSource::sequence, run);
+    sequence.inverse_depth_bias_per_m = bias ? bias->per_m : 0;
     watch.stop("calibration");
   }
   const bool keeps_masks = !run.masks_folder.empty() && segmenter.source != MaskSource::sequence &&

@@ -21,6 +21,8 @@
 
 namespace uniquadric {
 namespace {
+
+constexpr const char *kBias = "inverse_depth_bias_per_m", *kBiasSigma = "inverse_depth_bias_sigma_per_m";
 namespace fs = std::filesystem;
 
 constexpr int kSchema = 3;
@@ -284,7 +286,7 @@ void PerceptionWriter::keep_map(const std::vector<Eigen::Vector3d>& points) cons
 }
 
 void PerceptionWriter::finish(const CameraTrajectories& camera, int ego_restarts,
-                              const DepthBias& depth_bias) {
+                              const std::optional<DepthBias>& depth_bias) {
   const auto causal = by_stamp(camera.causal), fixed_lag = by_stamp(camera.fixed_lag),
              final = by_stamp(camera.final);
   Writer index, end;
@@ -307,14 +309,17 @@ void PerceptionWriter::finish(const CameraTrajectories& camera, int ego_restarts
   write(end.bytes());
   write_tum(folder_ / "camera.tum", camera.final);
   write_camera_yaml(folder_ / "camera.yaml", camera_);
-  write_text(
-      folder_ / "perception.yaml",
-      fmt::format("schema: {}\nprogram: {}\nkey: {}\nsequence: {}\nsequence_hash: {}\nframes: {}\n"
-                  "ego_restarts: {}\ninverse_depth_bias_per_m: {}\n"
-                  "inverse_depth_bias_sigma_per_m: {}\ncamera_hash: \"{}\"\n",
-                  kSchema, yaml_quoted(kProgram), yaml_quoted(source_.key), yaml_quoted(source_.sequence),
-                  yaml_quoted(source_.sequence_hash), frames_.size(), ego_restarts, depth_bias.per_m,
-                  depth_bias.sigma_per_m, hex(hash_file(folder_ / "camera.yaml"))));
+  write_text(folder_ / "perception.yaml",
+             fmt::format("schema: {}\nprogram: {}\nkey: {}\nsequence: {}\nsequence_hash: {}\nframes: {}\n"
+                         "ego_restarts: {}\n{}camera_hash: \"{}\"\n",
+                         kSchema, yaml_quoted(kProgram), yaml_quoted(source_.key),
+                         yaml_quoted(source_.sequence), yaml_quoted(source_.sequence_hash), frames_.size(),
+                         ego_restarts, bias_yaml(depth_bias), hex(hash_file(folder_ / "camera.yaml"))));
+}
+
+std::string bias_yaml(const std::optional<DepthBias>& bias) {
+  if (!bias) return "";
+  return fmt::format("{}: {}\n{}: {}\n", kBias, bias->per_m, kBiasSigma, bias->sigma_per_m);
 }
 
 std::vector<fs::path> foreign_files(const fs::path& folder) {
@@ -343,8 +348,7 @@ Perception::Perception(const fs::path& folder)
   const ConfigNode root = load_description(folder);
   source_ = source_in(root);
   ego_restarts_ = root.get<int>("ego_restarts", 0);
-  depth_bias_.per_m = root.get<double>("inverse_depth_bias_per_m", 0);
-  depth_bias_.sigma_per_m = root.get<double>("inverse_depth_bias_sigma_per_m", 0);
+  if (root.has(kBias)) depth_bias_ = DepthBias{root.get<double>(kBias), root.get<double>(kBiasSigma)};
   if (read_part(file_, 0, sizeof kMagic) != std::string_view(kMagic, sizeof kMagic))
     throw InputError(file_, "holds no observations of this version");
   const std::string end = read_part(file_, fs::file_size(file_) - sizeof(FilePlace), sizeof(FilePlace));

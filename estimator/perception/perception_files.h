@@ -44,8 +44,9 @@ class PerceptionWriter {
 
   /// To be called last. A frame without a pose in `camera.final` is one where the camera was lost.
   /// `ego_restarts`: how often a new map went on from the last known pose.
-  /// `depth_bias`: that was taken out of the depth images.
-  void finish(const CameraTrajectories& camera, int ego_restarts = 0, const DepthBias& depth_bias = {});
+  /// `depth_bias`: that was taken out of the depth images; nothing: it was not looked for, or not found.
+  void finish(const CameraTrajectories& camera, int ego_restarts = 0,
+              const std::optional<DepthBias>& depth_bias = {});
 
  private:
   void write(const std::string& bytes);
@@ -70,7 +71,7 @@ class Perception {
   const PerceptionSource& source() const { return source_; }
   const std::vector<FrameInfo>& frames() const { return frames_; }
   int ego_restarts() const { return ego_restarts_; }
-  const DepthBias& depth_bias() const { return depth_bias_; }
+  const std::optional<DepthBias>& depth_bias() const { return depth_bias_; }
 
   /// One frame with its bodies; from any thread. Throws InputError when the file is damaged.
   PerceivedFrame read(std::size_t index) const;
@@ -82,8 +83,11 @@ class Perception {
   std::vector<FrameInfo> frames_;
   std::vector<FilePlace> places_;
   int ego_restarts_ = 0;
-  DepthBias depth_bias_;
+  std::optional<DepthBias> depth_bias_;
 };
+
+/// The lines `inverse_depth_bias_per_m` and `inverse_depth_bias_sigma_per_m` [1/m]; none for no bias.
+std::string bias_yaml(const std::optional<DepthBias>& bias);
 
 /// What lies in a folder (below it, in order) that no kept perception has.
 std::vector<std::filesystem::path> foreign_files(const std::filesystem::path& folder);

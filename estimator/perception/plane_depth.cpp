@@ -194,11 +194,12 @@ std::optional<double> residual_ratio(const cv::Mat& depth, const Eigen::Vector2d
   const Middle middle{static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())), 0};
   const int half_narrow = std::min(options.half_window_px, kMostHalf);
   const int half_wide = std::min(options.half_wide_px, kMostHalf);
+  if (half_wide <= half_narrow) return std::nullopt;
   Samples inner, outer;
   gather(depth, {}, middle, options.max_jump, half_narrow, half_wide, inner, outer);
   const auto narrow = robust_fit(inner, half_narrow, options);
   const auto wide = robust_fit(outer, half_wide, options);
-  if (!narrow || !wide || !(wide->variance > 0)) return std::nullopt;
+  if (!narrow || !wide || !(narrow->variance > 0)) return std::nullopt;
   return narrow->variance / wide->variance;
 }
 

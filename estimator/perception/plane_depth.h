@@ -52,8 +52,8 @@ std::optional<PlaneDepth> fit_plane_depth(const cv::Mat& depth, const cv::Mat& l
                                           const Eigen::Vector2d& pixel, const PlaneDepthOptions& options,
                                           const SurfaceNoise& noise = {});
 
-/// Mean square of the residuals in the narrow window over that in the wide one, where both lie on a plane and
-/// are full. Nothing else.
+/// Mean square of the residuals in the narrow window over that in the wide one, each about its own plane.
+/// Nothing where one of them has none, or nothing is off it.
 std::optional<double> residual_ratio(const cv::Mat& depth, const Eigen::Vector2d& pixel,
                                      const PlaneDepthOptions& options);
 

@@ -14,6 +14,7 @@ constexpr double kPixelSigma = 0.15;
 // A camera that goes about a table on an arc, and sees what lies on it and behind it with biased depth.
 struct Orbit {
   double bias_per_m = 0, depth_share = 0.004, focal_error = 0;
+  double own_share = 0;  // of a point's depth, the same in all frames
   std::uint64_t seed = 1;
   int frames = 30;
 
@@ -25,6 +26,8 @@ struct Orbit {
     Camera lens = camera;
     lens.fx *= 1 + focal_error;
     lens.fy *= 1 + focal_error;
+    std::vector<double> own;
+    for (std::size_t k = 0; k < points.size(); ++k) own.push_back(own_share * random.normal());
     EgoMap map;
     for (int i = 0; i < frames; ++i) {
       const double angle = 0.6 * i / frames;
@@ -35,6 +38,7 @@ struct Orbit {
         if (const auto feature = seen(keyframe.camera_from_world * points[k], lens, random)) {
           keyframe.features.push_back(*feature);
           keyframe.features.back().track = static_cast<std::int64_t>(k);
+          keyframe.features.back().depth_m *= 1 + own[k];
         }
       add_keyframe(map, camera, std::move(keyframe));
     }
@@ -99,6 +103,11 @@ TEST(DepthCalibration, FindsNoneInMuchNoise) {
 
 TEST(DepthCalibration, DoesNotBlameDepthForTheFocalLength) {
   expect_honest(pulls({.bias_per_m = 0.006, .focal_error = 0.004}, kDraws));
+}
+
+// As where a camera hardly moves, and sees the same error of a surface again and again.
+TEST(DepthCalibration, ItsSigmaCoversErrorsThatStayWithAPoint) {
+  expect_honest(pulls({.bias_per_m = 0.006, .own_share = 0.01}, kDraws));
 }
 
 TEST(DepthCalibration, NeedsKeyframes) {

@@ -47,6 +47,22 @@ TEST(NoiseCorrelation, SaysNothingWithoutPlanes) {
   EXPECT_EQ(noise_correlation_px({}, {}), 0);
 }
 
+// A ball without noise: its form is the larger, the wider the window, beyond what any noise does.
+TEST(NoiseCorrelation, DoesNotTakeFormForNoise) {
+  cv::Mat depth(kSize, CV_32FC1);
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u)
+      depth.at<float>(v, u) = static_cast<float>(
+          2 - std::sqrt(1 - std::pow((u - 320) / 500.0, 2) - std::pow((v - 240) / 500.0, 2)));
+  EXPECT_EQ(noise_correlation_px(depth, {}), 0);
+}
+
+TEST(NoiseCorrelation, NeedsAWiderWindow) {
+  PlaneDepthOptions options;
+  options.half_wide_px = options.half_window_px - 1;
+  EXPECT_EQ(noise_correlation_px(noisy_plane(3, 1), options), 0);
+}
+
 TEST(NoiseCorrelation, IsNoneForWhiteNoise) {
   const WindowNoise noise = window_noise(3, 0);
   EXPECT_EQ(noise.middle, 1);
