@@ -48,12 +48,10 @@ std::vector<CarvedBody> bodies_to_carve(const std::vector<ObjectTrack>& tracks,
 
 }  // namespace
 
-std::map<int, SurfaceFile> carve_bodies(const Sequence& recorded, const Perception& perception,
+std::map<int, SurfaceFile> carve_bodies(const Sequence& sequence, const Perception& perception,
                                         const BackendResult& result, const Variant& variant) {
   const CarvingOptions& options = variant.body.carving;
   if (!options.enabled || !result.final || variant.perception.depth == DepthSource::lidar) return {};
-  Sequence sequence = recorded;
-  if (perception.depth_bias()) sequence.inverse_depth_bias_per_m = perception.depth_bias()->per_m;
   std::map<std::int64_t, const FrameInfo*> frames;
   for (const FrameInfo& info : perception.frames())
     if (info.final_camera && !info.depth_refused) frames[info.frame] = &info;

@@ -350,7 +350,7 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
               const fs::path& out) {
   keep_solver_silent();
   if (options.verify) require_unchanged_texts(sequence_folder);
-  const Sequence sequence = open_sequence(sequence_folder);
+  Sequence sequence = open_sequence(sequence_folder);
   const Variant variant = options.camera_only ? of_camera_alone(wanted, sequence) : wanted;
   refuse_to_keep_joined(variant, options);
   warn_of_the_calibration(sequence);
@@ -365,6 +365,7 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
       is_own
           ? perceive_into(perceived, sequence, variant, options, "")
           : kept_perception(sequence, variant, options, options.force ? Replace::sequence : Replace::its_own);
+  if (const auto& bias = perception.depth_bias()) sequence.inverse_depth_bias_per_m = bias->per_m;
   // from here on, and before it what the perception took, whoever made it and when
   const ResourceUsage before = is_own ? own.used() : read_usage(perceived).value_or(ResourceUsage{});
   const UsageMeter backend;

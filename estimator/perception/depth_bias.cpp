@@ -61,12 +61,11 @@ std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOp
     odometry.track(frame, features.track(frame, read_rgb(sequence, frame), depth, masks, {}), depth, masks);
     progress.advance();
     images += !depth.empty();
-    if (images < next) continue;
+    if (images < next && &frame != &first_frames.back()) continue;
     next *= 2;
     adjust();
-    if (best && best->sigma_per_m * usual_depth_m(odometry.map()) < kEnough) return best;
+    if (best && best->sigma_per_m * usual_depth_m(odometry.map()) < kEnough) break;
   }
-  adjust();
   return best;
 }
 

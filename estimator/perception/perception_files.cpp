@@ -21,11 +21,10 @@
 
 namespace uniquadric {
 namespace {
-
-constexpr const char *kBias = "inverse_depth_bias_per_m", *kBiasSigma = "inverse_depth_bias_sigma_per_m";
 namespace fs = std::filesystem;
 
 constexpr int kSchema = 3;
+constexpr const char *kBias = "inverse_depth_bias_per_m", *kBiasSigma = "inverse_depth_bias_sigma_per_m";
 // The magic, the bodies of each frame, the index of the frames, and where that is.
 constexpr const char* kObservations = "observations.bin";
 constexpr const char* kMasks = "masks";

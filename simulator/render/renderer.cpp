@@ -46,8 +46,6 @@ bool has_shine(const Scene& scene) {
   return std::ranges::any_of(scene.world, shines) || std::ranges::any_of(scene.objects, shines);
 }
 
-}  // namespace
-
 // Sums of `count` bytes each become their means. The product is exact: of sums below 2^16 and counts below
 // 257 it errs by less than one part of the divisor.
 UNIQUADRIC_VECTOR_CLONES
@@ -63,6 +61,8 @@ struct Pass {
   unsigned matte = 0, shiny = 0;  // programs, each for meshes of its kind
   RowRange rows;
 };
+
+}  // namespace
 
 struct Renderer::State {
   std::unique_ptr<GlContext> context;
