@@ -20,6 +20,8 @@ void visit(Io& io, UprightBoxOptions& o) {
   io.number("lost_after_s", o.lost_after_s, 0.0, 60.0);
   io.flag("shape_yaw", o.shape_yaw);
   io.flag("street_sizes", o.street_sizes);
+  io.flag("beam_gaps", o.beam_gaps);
+  io.flag("turn_at_rest", o.turn_at_rest);
 }
 
 template <typename Io>

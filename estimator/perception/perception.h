@@ -70,6 +70,7 @@ struct BodyObservation {
   /// sensor's view ends. Empty: not known.
   std::vector<bool> cut;
   double row_gap_m = 0;                 ///< between a spinning sensor's rows on it; 0: there are none
+  double beam_gap_m = 0;                ///< from beam to beam along a row of it; 0: not known
   std::optional<ContactPlane> contact;  ///< what the body stands on
   /// The first frame at which it may be known that this is a body: of a scan's, by how it moves later.
   std::int64_t known_at_frame = 0;

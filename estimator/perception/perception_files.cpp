@@ -178,6 +178,7 @@ void put(Writer& out, const BodyObservation& body) {
   put_columns(out, body.normals);
   put_columns(out, body.colors);
   out.put(body.row_gap_m);
+  out.put(body.beam_gap_m);
   out.put(body.known_at_frame);
   out.put(static_cast<std::uint64_t>(body.cut.size()));
   for (const bool cut : body.cut) out.put(cut);
@@ -207,6 +208,7 @@ BodyObservation get_body(Reader& in) {
   get_columns(in, body.normals);
   get_columns(in, body.colors);
   body.row_gap_m = in.get<double>();
+  body.beam_gap_m = in.get<double>();
   body.known_at_frame = in.get<std::int64_t>();
   body.cut.resize(in.count(1));
   for (std::size_t i = 0; i < body.cut.size(); ++i) body.cut[i] = in.get<char>() != 0;

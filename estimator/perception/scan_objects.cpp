@@ -96,8 +96,9 @@ class ScanObjects {
   }
 
   /// Of each mask (a label of CV_16UC1) of the image that `seen_from` took, the cluster that most of it lies
-  /// on is known at frame `now` to be a body, if it lies under that mask: what is behind the body shows a rim.
-  /// `frame` is one of look(), with its pose, and its bodies are put where they were at that image's time.
+  /// on is known at frame `now` to be a body, if it lies under that mask: what is behind the body shows a
+  /// rim. `frame` is one of look(), with its pose, and its bodies are put where they were at that image's
+  /// time.
   void see_masks(const PerceivedFrame& frame, const Pose& world_from_camera, const cv::Mat& masks,
                  const StampedPose& seen_from, const Camera& camera, std::int64_t now) {
     if (masks.empty()) return;
@@ -187,9 +188,13 @@ class ScanObjects {
       body.points.col(next++) = camera_from_world * p;
       body.cut.push_back(cut[static_cast<std::size_t>(k)]);
     }
-    std::vector<double> gaps_m;
-    for (const int i : cluster) gaps_m.push_back(points.rises_m[i]);
-    body.row_gap_m = upper_median(std::move(gaps_m));
+    std::vector<double> rises_m, steps_m;
+    for (const int i : cluster) {
+      rises_m.push_back(points.rises_m[i]);
+      steps_m.push_back(points.steps_m[i]);
+    }
+    body.row_gap_m = upper_median(std::move(rises_m));
+    body.beam_gap_m = upper_median(std::move(steps_m));
     if (ground)
       body.contact = ground_under(points.world(Eigen::seqN(0, 2), cluster), *ground, near_plane,
                                   options_.clusters.ground_m / 2, camera_from_world);
@@ -227,7 +232,7 @@ class ScanObjects {
   std::uint64_t seed_;
   ClusterTracker tracker_;
   SensorView view_;
-  std::map<int, std::int64_t> known_;  // by id: the frame in which it was seen to be a body
+  std::map<int, std::int64_t> known_;              // by id: the frame in which it was seen to be a body
   std::map<int, Eigen::Vector2d> velocities_mps_;  // by id: as last known
   std::optional<StampedPose> last_;
 };

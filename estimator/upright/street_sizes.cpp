@@ -30,8 +30,9 @@ double misfit(const StreetUser& user, const SeenSize& seen) {
   double sum = std::min(std::pow((seen.speed_mps - user.speed_mps) / user.speed_sigma_mps, 2),
                         std::pow(seen.speed_mps / kRestSpeed, 2));
   for (int axis = 0; axis < 3; ++axis) {
-    const double more_m = seen.size_m[axis] - user.size_m[axis];
+    double more_m = seen.size_m[axis] - user.size_m[axis];
     if (more_m < 0 && !seen.is_whole[axis]) continue;
+    if (more_m < 0) more_m = std::min(0.0, more_m + seen.beyond_m[axis]);
     sum += more_m * more_m /
            (std::pow(kSpread * user.size_m[axis], 2) + seen.sigma_m[axis] * seen.sigma_m[axis]);
   }

@@ -9,7 +9,8 @@ namespace uniquadric {
 struct SeenSize {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
-  std::array<bool, 3> is_whole{};  ///< whether it is not only a part
+  Eigen::Vector3d beyond_m = Eigen::Vector3d::Zero();  ///< that it may be larger by, between two beams
+  std::array<bool, 3> is_whole{};                      ///< whether it is not only a part
   double speed_mps = 0;
 };
 

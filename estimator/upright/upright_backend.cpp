@@ -125,7 +125,8 @@ BackendResult estimate_upright(const Perception& perception, const Variant& vari
     }
     for (const auto& [id, observation] : seen) {
       BodyRun& body = bodies.try_emplace(id, options).first->second;
-      const UprightSight sight = upright_sight(frame, *observation);
+      const UprightSight seen_then = upright_sight(frame, *observation);
+      const UprightSight sight = options.beam_gaps ? seen_then : without_gaps(seen_then);
       body.seen_ns = frame.stamp_ns;
       body.velocity_mps = velocity_of(before, frame, *observation);
       body.known_at_frame = observation->known_at_frame;

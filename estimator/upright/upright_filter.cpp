@@ -16,6 +16,8 @@ constexpr double kRestSpeed = 0.5;        // [m/s]: slower is not known to go an
 constexpr double kReach = 0.35;           // [rad] about the expected yaw, that sides are looked for in
 constexpr double kSlip = 0.3;             // of the acceleration, across the body
 constexpr double kLeastSize = 0.1;        // [m]
+constexpr double kNarrow = 0.01;          // sigmas between two bounds that are one measurement
+constexpr double kFarSigmas = 5;          // beyond a bound, where the other one does not count
 constexpr int kPatience = 3;              // scans in which an end is not where it was expected
 
 double angle_between(double to, double from) {
@@ -30,10 +32,12 @@ SeenSize seen_size(const UprightSight& sight, double yaw_rad, double speed_mps) 
     const BoxEnd &back = ends[2 * axis], &front = ends[2 * axis + 1];
     seen.size_m[axis] = front.position_m + back.position_m;
     seen.sigma_m[axis] = std::hypot(front.sigma_m, back.sigma_m);
+    seen.beyond_m[axis] = front.beyond_m + back.beyond_m;
     seen.is_whole[axis] = !front.is_bound && !back.is_bound;
   }
   seen.size_m.z() = sight.height_m;
   seen.sigma_m.z() = sight.height_sigma_m;
+  seen.beyond_m.z() = sight.row_gap_m;
   seen.is_whole[2] = true;
   seen.speed_mps = speed_mps;
   return seen;
@@ -44,6 +48,25 @@ SizeBelief any_size(const SeenSize& seen) {
   const double most_m = seen.size_m.maxCoeff();
   const double longer = seen.size_m.x() < seen.size_m.y() ? 1 : 0;  // its length is its longer side
   return {seen.size_m.cwiseMax(kLeastSize), Eigen::Vector3d::Constant(most_m), longer};
+}
+
+// Of the logarithm of the chance that a number whose mean is 0 lies between two, by its mean: the first
+// derivative, and the second one's negative. Far from both, and where they are one, those of a measurement.
+struct Slopes {
+  double first = 0, second = 0;
+};
+Slopes slopes_between(double low, double high, double sigma) {
+  const double a = low / sigma, b = high / sigma;
+  const auto measured = [&](double at) { return Slopes{at / sigma, 1 / (sigma * sigma)}; };
+  if (b - a < kNarrow) return measured((a + b) / 2);
+  if (a > kFarSigmas) return measured(a);
+  if (b < -kFarSigmas) return measured(b);
+  const auto density = [](double x) { return std::exp(-x * x / 2) / std::sqrt(2 * std::numbers::pi); };
+  const auto below = [](double x) { return std::erfc(-x / std::numbers::sqrt2) / 2; };
+  const double chance = below(b) - below(a);
+  const double first = (density(a) - density(b)) / chance;
+  const double second = first * first - (a * density(a) - b * density(b)) / chance;
+  return {first / sigma, second / (sigma * sigma)};
 }
 
 UprightMatrix noise_over(double t, double yaw_rad, const UprightBoxOptions& o) {
@@ -89,15 +112,44 @@ void UprightFilter::start(const UprightSight& sight, const Eigen::Vector2d& velo
     const SizeBelief other = expected_size(sight, across);
     if (other.misfit < size.misfit) s.mean[kYaw] = across.mean[kYaw], size = other;
   }
-  s.mean.tail<3>() = size.size_m;
-  s.mean.head<2>() = sight.points.rowwise().mean();
-  UprightVector sigmas;
-  sigmas << size.size_m.norm(), size.size_m.norm(), yaw_sigma, kStartSpeedShare * s.mean[kSpeed], kStartYaw,
-      size.sigma_m;
-  s.covariance = sigmas.cwiseAbs2().asDiagonal();
-  see(sight, s);
+  begin(sight, size, yaw_sigma, s);
   step.predicted = s.mean;
   step.predicted_covariance = s.covariance;
+}
+
+// With a yaw and a speed: place and size as far as one sight tells.
+void UprightFilter::begin(const UprightSight& sight, const SizeBelief& size, double yaw_sigma,
+                          UprightState& state) {
+  state.mean.tail<3>() = size.size_m;
+  state.mean.head<2>() = sight.points.rowwise().mean();
+  UprightVector sigmas;
+  sigmas << size.size_m.norm(), size.size_m.norm(), yaw_sigma,
+      kStartSpeedShare * std::abs(state.mean[kSpeed]), kStartYaw, size.sigma_m;
+  state.covariance = sigmas.cwiseAbs2().asDiagonal();
+  see(sight, state);
+}
+
+// The way that a body at rest would go, its sides and sizes alone tell, and first sights may mislead. Where
+// all sights together fit a street user better in the yaw that this one alone has, it begins anew.
+bool UprightFilter::turn_at_rest(const UprightSight& sight, UprightState& state) {
+  if (!options_.turn_at_rest) return false;
+  if (std::abs(state.mean[kSpeed]) > kRestSpeed) return false;
+  const auto yaw = seen_yaw(sight, state.mean[kYaw], std::numbers::pi / 4);
+  if (!yaw) return false;
+  UprightState other = state;
+  other.mean[kYaw] = yaw->yaw_rad;
+  other.mean[kSpeed] = other.mean[kYawRate] = 0;
+  SizeBelief size = expected_size(sight, other);
+  UprightState across = other;
+  across.mean[kYaw] += std::numbers::pi / 2;
+  if (const SizeBelief turned = expected_size(sight, across); turned.misfit < size.misfit)
+    other = across, size = turned;
+  worse_so_ += expected_size(sight, state).misfit - size.misfit;
+  if (worse_so_ <= 0 || std::abs(angle_between(other.mean[kYaw], state.mean[kYaw])) < kReach) return false;
+  worse_so_ = 0;
+  begin(sight, size, yaw->sigma_rad, other);
+  state = other;
+  return true;
 }
 
 UprightFilter::Step UprightFilter::gone_on(const UprightState& from, std::int64_t frame,
@@ -126,7 +178,10 @@ UprightFilter::Step UprightFilter::gone_on(const UprightState& from, std::int64_
 
 void UprightFilter::step(std::int64_t frame, std::int64_t stamp_ns, const UprightSight* sight) {
   Step step = gone_on(steps_.back().now, frame, stamp_ns);
-  if (sight) see(*sight, step.now);
+  if (sight && turn_at_rest(*sight, step.now))
+    step.transition.setZero();  // what comes later does not tell of before
+  else if (sight)
+    see(*sight, step.now);
   steps_.push_back(step);
 }
 
@@ -143,15 +198,14 @@ std::vector<UprightState> UprightFilter::before(const UprightState& first,
 }
 
 // One number that was measured, where it is not far from what is expected.
-bool UprightFilter::measure(const UprightVector& row, double innovation, double sigma,
-                            UprightState& state) const {
+bool UprightFilter::measure(const UprightVector& row, const Seen& seen, UprightState& state) const {
   const UprightVector by_row = state.covariance * row;
-  const double variance = row.dot(by_row) + sigma * sigma;
-  if (innovation * innovation > options_.gate_sigmas * options_.gate_sigmas * variance) return false;
-  const UprightVector gain = by_row / variance;
-  state.mean += gain * innovation;
-  const UprightMatrix rest = UprightMatrix::Identity() - gain * row.transpose();
-  state.covariance = rest * state.covariance * rest.transpose() + sigma * sigma * gain * gain.transpose();
+  const double variance = row.dot(by_row) + seen.sigma * seen.sigma;
+  const double off = std::max({0.0, seen.low, -seen.high});
+  if (off * off > options_.gate_sigmas * options_.gate_sigmas * variance) return false;
+  const Slopes slopes = slopes_between(seen.low, seen.high, std::sqrt(variance));
+  state.mean += by_row * slopes.first;
+  state.covariance -= slopes.second * by_row * by_row.transpose();
   state.mean.tail<3>() = state.mean.tail<3>().cwiseMax(kLeastSize);
   return true;
 }
@@ -159,8 +213,10 @@ bool UprightFilter::measure(const UprightVector& row, double innovation, double 
 void UprightFilter::see(const UprightSight& sight, UprightState& state) {
   state.is_seen = true;
   state.bottom_m = sight.bottom_m;
-  if (const auto yaw = options_.shape_yaw ? seen_yaw(sight, state.mean[kYaw], kReach) : std::nullopt)
-    measure(UprightVector::Unit(kYaw), angle_between(yaw->yaw_rad, state.mean[kYaw]), yaw->sigma_rad, state);
+  if (const auto yaw = options_.shape_yaw ? seen_yaw(sight, state.mean[kYaw], kReach) : std::nullopt) {
+    const double off_rad = angle_between(yaw->yaw_rad, state.mean[kYaw]);
+    measure(UprightVector::Unit(kYaw), {off_rad, off_rad, yaw->sigma_rad}, state);
+  }
   const double yaw_sigma = std::sqrt(state.covariance(kYaw, kYaw));
   const auto ends = box_ends(sight, state.mean[kYaw]);
   for (int side = 0; side < 4; ++side) {
@@ -173,14 +229,16 @@ void UprightFilter::see(const UprightSight& sight, UprightState& state) {
     if (end.is_bound && innovation < 0) continue;
     // a corner of a box that is turned otherwise stands out
     const double sigma = std::hypot(end.sigma_m, yaw_sigma * state.mean[other] / 2);
-    if (measure(row, innovation, sigma, state)) {
+    const Seen seen{innovation, innovation + (end.is_bound ? 0 : end.beyond_m), sigma};
+    if (measure(row, seen, state)) {
       scans_off_[side] = 0;
     } else if (++scans_off_[side] >= kPatience) {
-      doubt(row, innovation, state);
-      measure(row, innovation, sigma, state);
+      doubt(row, seen.low > 0 ? seen.low : seen.high, state);
+      measure(row, seen, state);
     }
   }
-  measure(UprightVector::Unit(kHeight), sight.height_m - state.mean[kHeight], sight.height_sigma_m, state);
+  const double higher_m = sight.height_m - state.mean[kHeight];
+  measure(UprightVector::Unit(kHeight), {higher_m, higher_m + sight.row_gap_m, sight.height_sigma_m}, state);
 }
 
 // An end that was elsewhere for some scans: place and size, which say where it should be, may be as wrong.

@@ -48,6 +48,10 @@ class UprightFilter {
   std::vector<UprightState> before(const UprightState& first, const std::vector<UprightFrame>& frames);
 
  private:
+  // A number that was measured, less what was expected: from `low` to `high`, with a sigma of both.
+  struct Seen {
+    double low = 0, high = 0, sigma = 0;
+  };
   struct Step {
     UprightState now;
     UprightVector predicted = UprightVector::Zero();
@@ -57,12 +61,15 @@ class UprightFilter {
   UprightState looked_back(std::size_t step, const UprightState& later) const;
   SizeBelief expected_size(const UprightSight& sight, const UprightState& state) const;
   Step gone_on(const UprightState& from, std::int64_t frame, std::int64_t stamp_ns) const;
+  void begin(const UprightSight& sight, const SizeBelief& size, double yaw_sigma, UprightState& state);
+  bool turn_at_rest(const UprightSight& sight, UprightState& state);
   void see(const UprightSight& sight, UprightState& state);
-  bool measure(const UprightVector& row, double innovation, double sigma, UprightState& state) const;
+  bool measure(const UprightVector& row, const Seen& seen, UprightState& state) const;
   static void doubt(const UprightVector& row, double innovation, UprightState& state);
 
   UprightBoxOptions options_;
   std::vector<Step> steps_;
+  double worse_so_ = 0;  // at rest: by how much sights' sizes fit worse in the body's yaw than in their own
   std::array<int, 4> scans_off_{};  // in which each end was not where it was expected
 };
 

@@ -10,6 +10,8 @@ struct UprightBoxOptions {
   double lost_after_s = 0.8;              // of prediction alone
   bool shape_yaw = true;                  // whether sides that are seen tell the yaw, too, or the way alone
   bool street_sizes = true;               // whether what is hidden is as large as street users mostly are
+  bool beam_gaps = true;                  // whether it may end anywhere before the next beam, which missed it
+  bool turn_at_rest = true;               // whether what rests may begin anew in the yaw of later sights
 };
 
 }  // namespace uniquadric

@@ -51,6 +51,15 @@ Extent extent_along(const UprightSight& sight, const Eigen::Vector2d& direction)
   return {quantile(values, kOutliers), quantile(values, 1 - kOutliers), direction.dot(sight.sensor)};
 }
 
+// From beam to beam along a side that leads to an end in this direction; 0 of one that faces the sensor,
+// which ends where its points are.
+double beam_gap_along(const UprightSight& sight, const Eigen::Vector2d& direction, double end_m) {
+  if (direction.dot(sight.sensor) > end_m) return 0;
+  const Eigen::Vector2d beam = (sight.points.rowwise().mean() - sight.sensor).normalized();
+  const double slope = std::abs(beam.x() * direction.y() - beam.y() * direction.x());
+  return sight.beam_gap_m / std::max(slope, kGrazing);
+}
+
 BoxEnd end_towards(const UprightSight& sight, const Eigen::Vector2d& direction, double size_m) {
   const Eigen::VectorXd along = sight.points.transpose() * direction;
   const std::vector<int> order = furthest_first(along);
@@ -67,6 +76,7 @@ BoxEnd end_towards(const UprightSight& sight, const Eigen::Vector2d& direction, 
   for (std::ptrdiff_t k = first; k < last; ++k)
     cut += !sight.cut.empty() && sight.cut[static_cast<std::size_t>(order[k])];
   end.is_bound = 2 * cut > last - first;
+  end.beyond_m = beam_gap_along(sight, direction, end.position_m);
   return end;
 }
 
@@ -114,10 +124,18 @@ UprightSight upright_sight(const FrameInfo& frame, const BodyObservation& body) 
   }
   const auto last =
       static_cast<std::size_t>(std::max(0.0, static_cast<double>(heights.size()) * (1 - kLastShare) - 1));
-  // the next row would have met what is higher
-  sight.height_m = heights.back() + body.row_gap_m / 2 - sight.bottom_m;
-  sight.height_sigma_m =
-      heights.back() - heights[last] + body.row_gap_m / std::sqrt(12) + kLeastSigma * sight.height_m;
+  // the next row would have met what is higher by `row_gap_m`
+  sight.height_m = heights.back() - sight.bottom_m;
+  sight.height_sigma_m = heights.back() - heights[last] + kLeastSigma * sight.height_m;
+  sight.row_gap_m = body.row_gap_m;
+  sight.beam_gap_m = body.beam_gap_m;
+  return sight;
+}
+
+UprightSight without_gaps(UprightSight sight) {
+  sight.height_m += sight.row_gap_m / 2;
+  sight.height_sigma_m += sight.row_gap_m / std::sqrt(12);
+  sight.beam_gap_m = sight.row_gap_m = 0;
   return sight;
 }
 

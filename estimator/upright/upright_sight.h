@@ -18,17 +18,22 @@ struct UprightSight {
   Eigen::Vector2d sensor = Eigen::Vector2d::Zero();
   double bottom_m = 0;  ///< z of the ground under it
   double height_m = 0, height_sigma_m = 0;
+  double beam_gap_m = 0, row_gap_m = 0;  ///< as in BodyObservation
 };
 
 /// A body with the ground under it (`contact`), and points.
 UprightSight upright_sight(const FrameInfo& frame, const BodyObservation& body);
+
+/// As if it ended where the last beam met it, and upwards half-way to the next row.
+UprightSight without_gaps(UprightSight sight);
 
 /// Where a body ends in a direction, by the points that are furthest there.
 struct BoxEnd {
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< outward
   double position_m = 0;                                 ///< direction . p of the end
   double sigma_m = 0;
-  bool is_bound = false;  ///< the body may go on beyond
+  double beyond_m = 0;    ///< that the body may go on by, as the next beam missed it
+  bool is_bound = false;  ///< the body may go on beyond, however far
 };
 
 /// The ends of a body at its back, front, right and left, whose length has this yaw. A side that faces the

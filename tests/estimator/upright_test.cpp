@@ -162,6 +162,60 @@ TEST(UprightFilter, FollowsACarThatTurnsAndFindsItsSize) {
   }
 }
 
+// Rows 0.9 m apart: the uppermost one on a car of 1.5 m is 0.65 m up, scan after scan.
+TEST(UprightFilter, RowsThatAreFarApartDoNotMakeACarLow) {
+  RandomStream random(5, "test");
+  UprightSight sight = sight_of({{20, 0.2}}, {0, 0}, 20, 0.02, random);
+  sight.height_m = 0.65;
+  sight.row_gap_m = 0.9;
+  const auto height_m = [](UprightSight seen) {
+    UprightFilter filter({});
+    filter.start(seen, {8, 0});
+    for (int scan = 1; scan < 30; ++scan) {
+      seen.points.row(0).array() += 0.8;
+      seen.stamp_ns += 100'000'000;
+      filter.step(scan, seen.stamp_ns, &seen);
+    }
+    return filter.causal().back().mean[kHeight];
+  };
+  const double open_m = height_m(sight);
+  EXPECT_NEAR(open_m, 1.5, 0.25);
+  EXPECT_GT(open_m, height_m(without_gaps(sight)) + 0.1);
+}
+
+TEST(UprightSight, BeamsLeaveAnEndOpenAsFarAsTheNextOneIs) {
+  RandomStream random(6, "test");
+  UprightSight sight = sight_of({{20, 5}}, {0, 0}, 20, 0, random);
+  sight.beam_gap_m = 0.1;
+  const auto ends = box_ends(sight, 0);
+  EXPECT_EQ(ends[0].beyond_m, 0);    // its rear faces the sensor
+  EXPECT_GT(ends[1].beyond_m, 0.3);  // along its side, which beams meet under 14 degrees
+  EXPECT_LT(ends[1].beyond_m, 0.5);
+  EXPECT_EQ(ends[2].beyond_m, 0);            // as does its right
+  EXPECT_NEAR(ends[3].beyond_m, 0.1, 0.01);  // across the line of sight
+  EXPECT_EQ(without_gaps(sight).beam_gap_m, 0);
+}
+
+// Of a parked car the first sight misleads by more than sides are looked for about an expected yaw.
+TEST(UprightFilter, WhatRestsIsTurnedWhenItsSidesShow) {
+  RandomStream random(7, "test");
+  const UprightSight misleading = sight_of({{12, 7}, 0.7}, {0, 0}, 20, 0.01, random);
+  for (const bool turns : {true, false}) {
+    UprightBoxOptions options;
+    options.turn_at_rest = turns;
+    UprightFilter filter(options);
+    filter.start(misleading, {0, 0});
+    for (int scan = 1; scan < 15; ++scan) {
+      UprightSight whole = sight_of({{12, 7}}, {0, 0}, 20, 0.01, random);
+      whole.stamp_ns = 100'000'000 * std::int64_t{scan};
+      filter.step(scan, whole.stamp_ns, &whole);
+    }
+    const UprightState last = filter.causal().back();
+    EXPECT_EQ(std::abs(std::cos(last.mean[kYaw])) > 0.99, turns);
+    if (turns) EXPECT_NEAR(last.mean[kLength], 4.4, 0.2);
+  }
+}
+
 TEST(UprightFilter, LooksBackWithWhatItLearnsLater) {
   const TurningCar car;
   constexpr int kScans = 40;
