@@ -20,6 +20,7 @@
 #include "core/base/warning.h"
 #include "core/sequence/calibration.h"
 #include "core/sequence/depth_scale.h"
+#include "core/sequence/smeared_edges.h"
 #include "estimator/backend.h"
 #include "estimator/carve.h"
 #include "estimator/factors/solver_log.h"
@@ -366,6 +367,7 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
           ? perceive_into(perceived, sequence, variant, options, "")
           : kept_perception(sequence, variant, options, options.force ? Replace::sequence : Replace::its_own);
   if (const auto& bias = perception.depth_bias()) sequence.inverse_depth_bias_per_m = bias->per_m;
+  if (variant.perception.drop_smeared_edges) sequence.depth_edge_width_px = depth_edge_width_px(sequence);
   // from here on, and before it what the perception took, whoever made it and when
   const ResourceUsage before = is_own ? own.used() : read_usage(perceived).value_or(ResourceUsage{});
   const UsageMeter backend;

@@ -12,6 +12,7 @@
 #include "core/base/text.h"
 #include "core/sequence/calibration.h"
 #include "core/sequence/file_list.h"
+#include "core/sequence/smeared_edges.h"
 
 namespace uniquadric {
 namespace {
@@ -188,6 +189,7 @@ cv::Mat read_depth(const Sequence& sequence, const SequenceFrame& frame) {
   if (const double bias = sequence.inverse_depth_bias_per_m; bias != 0)
     for (int v = 0; v < depth.rows; ++v)
       unbias({depth.ptr<float>(v), static_cast<std::size_t>(depth.cols)}, bias);
+  drop_smeared_edges(depth, sequence.depth_edge_width_px);
   return depth;
 }
 

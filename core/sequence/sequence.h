@@ -36,14 +36,15 @@ struct Sequence {
   std::string scene_hash;  ///< empty for recordings
   std::uint64_t seed = 0;
   Camera camera;
-  double rate_hz = 0;                      ///< nominal frame rate
-  double rolling_shutter_s = 0;            ///< from a colour image's first row to its last; stamp: the middle
-  double depth_units_per_m = 5000;         ///< value of a depth pixel at 1 m
-  double inverse_depth_bias_per_m = 0;     ///< that depth images have, as estimated; not in any file
-  std::optional<ImuCalibration> imu;       ///< of imu.csv, when there is one
-  std::optional<LidarCalibration> lidar;   ///< of the scans, when there are any
-  std::vector<SequenceScan> scans;         ///< in strictly increasing order of stamps
-  std::vector<SequenceFrame> frames;       ///< in strictly increasing order of stamps
+  double rate_hz = 0;                     ///< nominal frame rate
+  double rolling_shutter_s = 0;           ///< from a colour image's first row to its last; stamp: the middle
+  double depth_units_per_m = 5000;        ///< value of a depth pixel at 1 m
+  double inverse_depth_bias_per_m = 0;    ///< that depth images have, as estimated; not in any file
+  double depth_edge_width_px = 1;         ///< of ramps that depth images make of steps: read_depth drops them
+  std::optional<ImuCalibration> imu;      ///< of imu.csv, when there is one
+  std::optional<LidarCalibration> lidar;  ///< of the scans, when there are any
+  std::vector<SequenceScan> scans;        ///< in strictly increasing order of stamps
+  std::vector<SequenceFrame> frames;      ///< in strictly increasing order of stamps
   std::optional<Trajectory> given_camera;  ///< world_from_camera from another system (camera_given.tum)
 };
 

@@ -14,6 +14,7 @@
 #include "core/base/progress.h"
 #include "core/base/threads.h"
 #include "core/base/warning.h"
+#include "core/sequence/smeared_edges.h"
 #include "estimator/perception/check_sequence.h"
 #include "estimator/perception/depth_bias.h"
 #include "estimator/perception/lidar_stream.h"
@@ -251,6 +252,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   const auto poses = is_given ? std::optional(given_poses(sequence)) : std::nullopt;
   const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
   check_sequence(sequence, segmenter, poses, by_lidar, options.depth == DepthSource::images);
+  if (options.drop_smeared_edges) sequence.depth_edge_width_px = depth_edge_width_px(sequence);
   std::optional<DepthBias> bias;
   if (options.depth_calibration && has_depth_images(sequence) && !wants_lidar_depth(sequence, options)) {
     Stopwatch watch(sequence.frames.front().frame, times);

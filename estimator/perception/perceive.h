@@ -48,6 +48,8 @@ struct PerceptionOptions {
   DepthCheckOptions depth_check;  // of depth images
   /// Takes the bias of the depth images' stereo out (depth_bias). False: they are right as they are.
   bool depth_calibration = true;
+  /// Takes out depth between two surfaces, where edges of depth are ramps (depth_edge_width_px).
+  bool drop_smeared_edges = true;
   LidarDepthOptions lidar_depth;  // of DepthSource::lidar
   SegmentationOptions segmentation;
   AotOptions aot;

@@ -148,6 +148,7 @@ void visit(Io& io, PerceptionOptions& o) {
                                       {"lidar", DepthSource::lidar}});
     inner.section("check", [&](auto& innermost) { visit(innermost, o.depth_check); });
     inner.flag("calibration", o.depth_calibration);
+    inner.flag("drop_smeared_edges", o.drop_smeared_edges);
     inner.section("lidar", [&](auto& innermost) { visit(innermost, o.lidar_depth); });
   });
   io.section("segmentation", [&](auto& inner) { visit(inner, o.segmentation); });
