@@ -15,9 +15,11 @@ namespace {
 
 constexpr int kReach = 8;      // px on either side within which a ramp is looked for
 constexpr double kStep = 0.1;  // relative: steps that are this clear tell the width
+constexpr double kNoises = 6;  // that a step exceeds
 constexpr double kSide = 0.1;  // of a step: nearer to one side's line than this is that side
 constexpr int kApart = 8;      // px between the rows and columns that are looked at
 constexpr std::size_t kLeastSteps = 20;
+constexpr double kQuantile = 0.25;
 constexpr int kImages = 20;
 constexpr double kFirst_s = 10;
 constexpr double kMost = 0.8, kMeanOfMost = 0.558;  // of a normal distribution: mean size of the smaller 80 %
@@ -41,7 +43,7 @@ Profile column_of(const cv::Mat& w, int u) {
 
 struct Line {
   double at_zero, slope;
-  double at(int i) const { return at_zero + slope * i; }
+  double at(double i) const { return at_zero + slope * i; }
 };
 
 // Through the samples from `begin` to before `end`; nothing where one has no depth.
@@ -56,16 +58,29 @@ std::optional<Line> line(const Profile& profile, int begin, int end) {
   return Line{(w - slope * x) / n, slope};
 }
 
-// Width of the ramp about the step from i - 1 to i.
-std::optional<double> ramp_width(const Profile& profile, int i) {
+// Both sides of the place between i - 1 and i.
+struct Sides {
+  Line before, after;
+  double step(double i) const { return std::abs(after.at(i) - before.at(i)); }
+};
+
+std::optional<Sides> sides(const Profile& profile, int i) {
   const auto before = line(profile, i - 2 * kReach, i - kReach),
              after = line(profile, i + kReach, i + 2 * kReach);
   if (!before || !after) return std::nullopt;
-  const double from = before->at(i), to = after->at(i);
-  if (!(std::abs(to - from) > kStep * std::max(from, to))) return std::nullopt;
+  return Sides{*before, *after};
+}
+
+// Width of the ramp about the step from i - 1 to i. Where the sides' lines meet nearby it is a crease.
+std::optional<double> ramp_width(const Profile& profile, int i, double least) {
+  const auto s = sides(profile, i);
+  if (!s || s->step(i) < std::max(least, kStep * std::max(s->before.at(i), s->after.at(i))))
+    return std::nullopt;
+  if (s->step(i) < 2 * kReach * std::abs(s->after.slope - s->before.slope)) return std::nullopt;
   int first = i, last = i - 1;
   for (int k = i - kReach; k < i + kReach; ++k) {
-    const double w = profile.at(k), share = (w - before->at(k)) / (after->at(k) - before->at(k));
+    const double w = profile.at(k);
+    const double share = (w - s->before.at(k)) / (s->after.at(k) - s->before.at(k));
     if (!(w > 0) || share < kSide || share > 1 - kSide) continue;
     first = std::min(first, k), last = std::max(last, k);
   }
@@ -73,7 +88,7 @@ std::optional<double> ramp_width(const Profile& profile, int i) {
 }
 
 // Widths of the steps: each at its steepest place.
-void add_widths(const Profile& profile, std::vector<double>& widths) {
+void add_widths(const Profile& profile, double least, std::vector<double>& widths) {
   const auto step = [&](int i) { return std::abs(profile.at(i) - profile.at(i - 1)); };
   for (int i = 2 * kReach; i + 2 * kReach <= profile.count; ++i) {
     const float here = step(i);
@@ -82,8 +97,17 @@ void add_widths(const Profile& profile, std::vector<double>& widths) {
     for (int k = i - kReach; k <= i + kReach && steepest; ++k)
       steepest = k < i ? step(k) < here : step(k) <= here;
     if (!steepest) continue;
-    if (const auto width = ramp_width(profile, i)) widths.push_back(*width);
+    if (const auto width = ramp_width(profile, i, least)) widths.push_back(*width);
   }
+}
+
+// The sigma of what noise makes of a place without a step.
+double step_noise(const cv::Mat& w) {
+  std::vector<double> steps;
+  for (int v = kApart / 2; v < w.rows; v += kApart)
+    for (int u = 2 * kReach; u + 2 * kReach <= w.cols; u += kApart)
+      if (const auto s = sides(row_of(w, v), u)) steps.push_back(s->step(u));
+  return steps.empty() ? 0 : kMadToSigma * quantile(std::move(steps), 0.5);
 }
 
 cv::Mat inverse(const cv::Mat& depth) {
@@ -148,8 +172,13 @@ cv::Mat beside_holes(const cv::Mat& w, int half) {
 
 void add_edge_widths(const cv::Mat& depth, std::vector<double>& widths_px) {
   const cv::Mat w = inverse(depth);
-  for (int v = kApart / 2; v < w.rows; v += kApart) add_widths(row_of(w, v), widths_px);
-  for (int u = kApart / 2; u < w.cols; u += kApart) add_widths(column_of(w, u), widths_px);
+  const double least = kNoises * step_noise(w);
+  for (int v = kApart / 2; v < w.rows; v += kApart) add_widths(row_of(w, v), least, widths_px);
+  for (int u = kApart / 2; u < w.cols; u += kApart) add_widths(column_of(w, u), least, widths_px);
+}
+
+double usual_edge_width_px(std::vector<double> widths_px) {
+  return widths_px.size() < kLeastSteps ? 1 : quantile(std::move(widths_px), kQuantile);
 }
 
 double depth_edge_width_px(const Sequence& sequence) {
@@ -161,7 +190,7 @@ double depth_edge_width_px(const Sequence& sequence) {
   const std::size_t step = std::max<std::size_t>(frames.size() / kImages, 1);
   for (std::size_t i = 0; i < frames.size(); i += step)
     add_edge_widths(read_depth(sequence, *frames[i]), widths_px);
-  return widths_px.size() < kLeastSteps ? 1 : quantile(std::move(widths_px), 0.5);
+  return usual_edge_width_px(std::move(widths_px));
 }
 
 void drop_smeared_edges(cv::Mat& depth, double width_px) {

@@ -9,11 +9,14 @@ namespace uniquadric {
 
 /// Adds the widths [px] of the ramps that a depth camera makes of steps between two surfaces: 1 where a step
 /// is sharp. `depth` CV_32FC1 [m], 0 none. They are read off rows and columns: lines of inverse depth through
-/// both sides disagree there, and the ramp is what lies between them.
+/// both sides disagree there by more than noise, and the ramp is what lies between them.
 void add_edge_widths(const cv::Mat& depth, std::vector<double>& widths_px);
 
-/// The median of these over some images of a sequence's first seconds: a narrow face between two others looks
-/// like a ramp too, but few faces do. 1 where there are too few steps.
+/// Their lower quartile: a narrow face between two others looks like a ramp too, but where a camera smooths
+/// nearly all steps are ramps. 1 where there are too few steps.
+double usual_edge_width_px(std::vector<double> widths_px);
+
+/// The same over some images of a sequence's first ten seconds.
 double depth_edge_width_px(const Sequence& sequence);
 
 /// Takes out the depth (CV_32FC1 [m]) of ramps of that width: where depth changes much more from one end of
