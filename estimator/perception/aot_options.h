@@ -15,6 +15,7 @@ void visit(Io& io, FlowTrackerOptions& o) {
   io.number("downscale", o.flow.downscale, 1, 8);
   io.positive("depth_tolerance", o.depth_tolerance);
   io.positive("max_depth_change", o.max_depth_change);
+  io.number("lost_share", o.lost_share, 0.0, 1.0);
 }
 
 template <typename Io>

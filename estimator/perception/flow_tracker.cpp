@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
 
 #include "core/base/quantile.h"
+#include "estimator/perception/body_shift.h"
 #include "estimator/perception/outline.h"
 
 namespace uniquadric {
@@ -20,10 +22,11 @@ cv::Rect enlarged(const cv::Rect& small, int downscale, const cv::Size& size) {
          cv::Rect({0, 0}, size);
 }
 
-float at_nearest(const cv::Mat& image, const cv::Vec2f& position) {
+template <typename T>
+T at_nearest(const cv::Mat& image, const cv::Vec2f& position) {
   const int x = std::clamp(static_cast<int>(std::lround(position[0])), 0, image.cols - 1);
   const int y = std::clamp(static_cast<int>(std::lround(position[1])), 0, image.rows - 1);
-  return image.at<float>(y, x);
+  return image.at<T>(y, x);
 }
 
 // By how much the depth under a mask has changed since: the median over pixels that may still be the body;
@@ -46,7 +49,7 @@ cv::Mat depth_at_origins(const cv::Mat& mask, const cv::Mat& depth, const cv::Ma
   for (int v = 0; v < mask.rows; ++v)
     for (int u = 0; u < mask.cols; ++u)
       if (mask.at<unsigned char>(v, u))
-        result.at<float>(v, u) = at_nearest(depth, positions.at<cv::Vec2f>(v, u));
+        result.at<float>(v, u) = at_nearest<float>(depth, positions.at<cv::Vec2f>(v, u));
   return result;
 }
 
@@ -69,30 +72,86 @@ void FlowTracker::prepare(TrackedImage& image, const TrackedImage* previous) con
 
 CarriedMasks FlowTracker::carry(const cv::Mat& masks, const TrackedImage& from,
                                 const TrackedImage& to) const {
-  const cv::Mat& flow = to.flow_to_previous;
   const bool has_depth = !from.depth.empty() && !to.depth.empty();
-  cv::Mat small, small_carried;
-  cv::resize(masks, small, flow.size(), 0, 0, cv::INTER_NEAREST);
-  cv::remap(small, small_carried, origins(flow, cv::Rect({0, 0}, flow.size()), 1), {}, cv::INTER_NEAREST,
-            cv::BORDER_REPLICATE);
   CarriedMasks carried{cv::Mat::zeros(masks.size(), CV_16UC1), {}};
   if (has_depth) carried.expected_depth = cv::Mat::zeros(masks.size(), CV_32FC1);
-  for (const auto& [id, box] : id_boxes(small_carried)) {
-    const cv::Rect region = enlarged(box, options_.flow.downscale, masks.size());
-    const cv::Mat positions = origins(flow, region, options_.flow.downscale);
-    cv::Mat found;
-    cv::remap(masks == id, found, positions, {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-    found = found > 127;
-    if (has_depth) {
-      cv::Mat expected = depth_at_origins(found, from.depth, positions);
-      cv::add(expected, depth_change(found, to.depth(region), expected, options_.max_depth_change), expected,
-              expected > 0);
-      expected.copyTo(carried.expected_depth(region), found);
-      keep_what_moved_along(found, to.depth(region), expected, options_.depth_tolerance);
-    }
-    carried.masks(region).setTo(id, found);
+  const auto put = [&](int id, const CarriedBody& body) {
+    const cv::Mat is_free = carried.masks(body.region) == 0;
+    if (has_depth) body.expected_depth.copyTo(carried.expected_depth(body.region), body.mask & is_free);
+    carried.masks(body.region).setTo(id, body.mask & is_free);
+  };
+  std::vector<std::pair<int, CarriedBody>> found;  // as wholes: what flow says of other bodies comes first
+  for (const auto& entry : id_boxes(masks)) {
+    const int id = entry.first;
+    const cv::Mat mask = masks == id;
+    const CarriedBody body = carry_body(mask, from, to, to.flow_to_previous);
+    if (auto whole = find_whole(mask, from, to, body))
+      found.emplace_back(id, std::move(*whole));
+    else if (!body.region.empty())
+      put(id, body);
   }
+  for (const auto& [id, body] : found) put(id, body);
   return carried;
+}
+
+FlowTracker::CarriedBody FlowTracker::carry_body(const cv::Mat& mask, const TrackedImage& from,
+                                                 const TrackedImage& to, const cv::Mat& flow) const {
+  cv::Mat small, small_carried;
+  cv::resize(mask, small, flow.size(), 0, 0, cv::INTER_NEAREST);
+  cv::remap(small, small_carried, origins(flow, cv::Rect({0, 0}, flow.size()), 1), {}, cv::INTER_NEAREST,
+            cv::BORDER_REPLICATE);
+  const cv::Rect box = cv::boundingRect(small_carried);
+  if (box.empty()) return {};
+  CarriedBody body;
+  body.region = enlarged(box, options_.flow.downscale, mask.size());
+  body.origins = origins(flow, body.region, options_.flow.downscale);
+  cv::remap(mask, body.mask, body.origins, {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  body.mask = body.mask > 127;
+  if (!from.depth.empty() && !to.depth.empty()) {
+    const cv::Mat depth = to.depth(body.region);
+    cv::Mat& expected = body.expected_depth;
+    expected = depth_at_origins(body.mask, from.depth, body.origins);
+    cv::add(expected, depth_change(body.mask, depth, expected, options_.max_depth_change), expected,
+            expected > 0);
+    keep_what_moved_along(body.mask, depth, expected, options_.depth_tolerance);
+  }
+  return body;
+}
+
+double FlowTracker::CarriedBody::seen_again(const TrackedImage& from, const TrackedImage& to,
+                                            double color_scale) const {
+  double sum = 0;
+  for (int v = 0; v < region.height; ++v)
+    for (int u = 0; u < region.width; ++u)
+      if (mask.at<unsigned char>(v, u))
+        sum += color_likeness(at_nearest<cv::Vec3b>(from.rgb, origins.at<cv::Vec2f>(v, u)),
+                              to.rgb.at<cv::Vec3b>(region.y + v, region.x + u), color_scale);
+  return sum;
+}
+
+// Flow comes from a coarse image, in which the background about a small body that moves far outweighs it. Its
+// shift as a whole does not. Nothing where flow finds more of the body.
+std::optional<FlowTracker::CarriedBody> FlowTracker::find_whole(const cv::Mat& mask, const TrackedImage& from,
+                                                                const TrackedImage& to,
+                                                                const CarriedBody& by_flow) const {
+  const int found = by_flow.mask.empty() ? 0 : cv::countNonZero(by_flow.mask);
+  if (found >= options_.lost_share * cv::countNonZero(mask)) return std::nullopt;
+  const cv::Size size = to.grey.size();
+  const auto shrunk = [&](const cv::Mat& image, int how) {
+    cv::Mat result;
+    if (!image.empty()) cv::resize(image, result, size, 0, 0, how);
+    return result;
+  };
+  const auto small = [&](const TrackedImage& image) {
+    return SmallImage{shrunk(image.rgb, cv::INTER_AREA), shrunk(image.depth, cv::INTER_NEAREST)};
+  };
+  const BodyShift shift = body_shift(shrunk(mask, cv::INTER_NEAREST), small(from), small(to),
+                                     {options_.depth_tolerance, options_.max_depth_change});
+  const cv::Scalar back(-shift.pixels.x, -shift.pixels.y);
+  CarriedBody whole = carry_body(mask, from, to, cv::Mat(size, CV_32FC2, back));
+  const double seen = whole.seen_again(from, to, shift.color_scale);
+  if (!(seen > by_flow.seen_again(from, to, shift.color_scale))) return std::nullopt;
+  return whole;
 }
 
 }  // namespace uniquadric

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
 #include "estimator/perception/dense_flow.h"
 #include "estimator/perception/mask_tracker.h"
 
@@ -12,6 +15,9 @@ struct FlowTrackerOptions {
       0.05;  // ours: relative; ten sigma of depth noise, no body turns as much in a frame
   double max_depth_change = 0.05;  // ours: relative, of a whole body in a frame: 3 m/s at 2 m and 30 Hz; more
                                    // is something else in its place
+  double lost_share = 0.9;  // ours: of a mask's pixels; where flow finds fewer again, the body is looked for
+                            // as a whole (body_shift.h), and the mask whose colours agree over more of it is
+                            // taken; 0: never
 };
 
 /// Carries masks by dense flow. Pixels whose depth has not moved with the body's are left out: background
@@ -24,6 +30,17 @@ class FlowTracker : public MaskTracker {
   CarriedMasks carry(const cv::Mat& masks, const TrackedImage& from, const TrackedImage& to) const override;
 
  private:
+  struct CarriedBody {
+    cv::Rect region;
+    cv::Mat origins;               // where the region's pixels come from
+    cv::Mat mask, expected_depth;  // of the region's size
+    double seen_again(const TrackedImage& from, const TrackedImage& to, double color_scale) const;
+  };
+  CarriedBody carry_body(const cv::Mat& mask, const TrackedImage& from, const TrackedImage& to,
+                         const cv::Mat& flow) const;
+  std::optional<CarriedBody> find_whole(const cv::Mat& mask, const TrackedImage& from, const TrackedImage& to,
+                                        const CarriedBody& by_flow) const;
+
   FlowTrackerOptions options_;
 };
 

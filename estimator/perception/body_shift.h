@@ -1,0 +1,33 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace uniquadric {
+
+/// A frame's colours (CV_8UC3) and depth (CV_32FC1 [m], 0 none; may be empty) at the size of the flow.
+struct SmallImage {
+  cv::Mat rgb, depth;
+};
+
+/// Limits of what counts as one body in two frames, relative to its depth.
+struct DepthAgreement {
+  double tolerance = 0;    ///< between a pixel's change of depth and the body's
+  double most_change = 0;  ///< of the body
+};
+
+/// Where a body's mask went as a whole.
+struct BodyShift {
+  cv::Point pixels;        ///< along columns and rows
+  double color_scale = 1;  ///< mean difference of colour between the body and anything near it
+};
+
+/// How like two colours are, from 1, the same, to 0, no more alike than any two.
+double color_likeness(const cv::Vec3b& a, const cv::Vec3b& b, double color_scale);
+
+/// By how many pixels a body's mask (CV_8UC1) has moved from a frame to the next: where most of it is seen
+/// again with its colours, and with its depth but for one change of it all. It is looked for within its own
+/// size.
+BodyShift body_shift(const cv::Mat& mask, const SmallImage& from, const SmallImage& to,
+                     const DepthAgreement& agreement);
+
+}  // namespace uniquadric

@@ -1,0 +1,60 @@
+#include "estimator/perception/body_shift.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "drawn_world.h"
+#include "estimator/perception/flow_tracker.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kLess = 0.97;  // of the depth, in the second frame
+const cv::Point kShift{28, -18};
+
+Sprite body(double depth_m, const cv::Point& corner) {
+  return {4,        21,      {50, 60, 180},
+          {34, 26}, depth_m, [=](std::int64_t) {
+            return Eigen::Vector2d(corner.x, corner.y); }};
+}
+
+const DrawnFrame kFrom = draw_world({body(2, {100, 80})}, 0);
+const DrawnFrame kTo = draw_world({body(2 * kLess, cv::Point(100, 80) + kShift)}, 1);
+
+TEST(BodyShift, IsThatOfColoursAndDepth) {
+  EXPECT_EQ(body_shift(kFrom.masks == 4, {kFrom.rgb, kFrom.depth}, {kTo.rgb, kTo.depth}, {0.01, 0.05}).pixels,
+            kShift);
+  EXPECT_EQ(body_shift(kFrom.masks == 4, {kFrom.rgb, {}}, {kTo.rgb, {}}, {0.01, 0.05}).pixels, kShift);
+}
+
+TEST(BodyShift, DepthAloneTellsABodyWithoutColours) {
+  const cv::Mat grey(kFrom.rgb.size(), CV_8UC3, cv::Scalar(90, 90, 90));
+  EXPECT_EQ(body_shift(kFrom.masks == 4, {grey, kFrom.depth}, {grey, kTo.depth}, {0.01, 0.05}).pixels,
+            kShift);
+}
+
+TEST(BodyShift, NothingHasNone) {
+  EXPECT_EQ(
+      body_shift(cv::Mat::zeros(kFrom.masks.size(), CV_8UC1), {kFrom.rgb, {}}, {kTo.rgb, {}}, {0.01, 0.05})
+          .pixels,
+      cv::Point());
+}
+
+double carried_iou(double lost_share) {
+  FlowTrackerOptions options;
+  options.lost_share = lost_share;
+  const FlowTracker tracker(options);
+  TrackedImage from{0, kFrom.rgb, kFrom.depth, {}, {}}, to{1, kTo.rgb, kTo.depth, {}, {}};
+  tracker.prepare(from, nullptr);
+  tracker.prepare(to, &from);
+  return mask_iou(tracker.carry(kFrom.masks, from, to).masks == 4, kTo.masks == 4);
+}
+
+TEST(BodyShift, CarriesASmallBodyFurtherThanFlow) {
+  EXPECT_LT(carried_iou(0), 0.5);
+  EXPECT_GT(carried_iou(FlowTrackerOptions().lost_share), 0.95);
+}
+
+}  // namespace
+}  // namespace uniquadric
