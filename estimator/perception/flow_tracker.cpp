@@ -13,7 +13,8 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kMargin = 3;  // small pixels around where nearest neighbours find a body
+constexpr double kSeenShare = 0.5;  // of a mask, whose colours agree where it is found as a whole
+constexpr int kMargin = 3;          // small pixels around where nearest neighbours find a body
 
 cv::Rect enlarged(const cv::Rect& small, int downscale, const cv::Size& size) {
   const cv::Rect wide(small.x - kMargin, small.y - kMargin, small.width + 2 * kMargin,
@@ -27,6 +28,11 @@ T at_nearest(const cv::Mat& image, const cv::Vec2f& position) {
   const int x = std::clamp(static_cast<int>(std::lround(position[0])), 0, image.cols - 1);
   const int y = std::clamp(static_cast<int>(std::lround(position[1])), 0, image.rows - 1);
   return image.at<T>(y, x);
+}
+
+bool is_at_border(const cv::Mat& mask) {
+  const cv::Rect box = cv::boundingRect(mask);
+  return box.x == 0 || box.y == 0 || box.br().x == mask.cols || box.br().y == mask.rows;
 }
 
 // By how much the depth under a mask has changed since: the median over pixels that may still be the body;
@@ -130,12 +136,13 @@ double FlowTracker::CarriedBody::seen_again(const TrackedImage& from, const Trac
 }
 
 // Flow comes from a coarse image, in which the background about a small body that moves far outweighs it. Its
-// shift as a whole does not. Nothing where flow finds more of the body.
+// shift as a whole does not. Nothing where flow finds more of the body, or nothing like it is seen.
 std::optional<FlowTracker::CarriedBody> FlowTracker::find_whole(const cv::Mat& mask, const TrackedImage& from,
                                                                 const TrackedImage& to,
                                                                 const CarriedBody& by_flow) const {
   const int found = by_flow.mask.empty() ? 0 : cv::countNonZero(by_flow.mask);
-  if (found >= options_.lost_share * cv::countNonZero(mask)) return std::nullopt;
+  const int wanted = cv::countNonZero(mask);
+  if (found >= options_.lost_share * wanted || is_at_border(mask)) return std::nullopt;  // there it may leave
   const cv::Size size = to.grey.size();
   const auto shrunk = [&](const cv::Mat& image, int how) {
     cv::Mat result;
@@ -150,7 +157,8 @@ std::optional<FlowTracker::CarriedBody> FlowTracker::find_whole(const cv::Mat& m
   const cv::Scalar back(-shift.pixels.x, -shift.pixels.y);
   CarriedBody whole = carry_body(mask, from, to, cv::Mat(size, CV_32FC2, back));
   const double seen = whole.seen_again(from, to, shift.color_scale);
-  if (!(seen > by_flow.seen_again(from, to, shift.color_scale))) return std::nullopt;
+  const double least = std::max(kSeenShare * wanted, by_flow.seen_again(from, to, shift.color_scale));
+  if (!(seen > least)) return std::nullopt;
   return whole;
 }
 

@@ -41,19 +41,30 @@ TEST(BodyShift, NothingHasNone) {
       cv::Point());
 }
 
-double carried_iou(double lost_share) {
+cv::Mat carried(double lost_share, const DrawnFrame& before, const DrawnFrame& after) {
   FlowTrackerOptions options;
   options.lost_share = lost_share;
   const FlowTracker tracker(options);
-  TrackedImage from{0, kFrom.rgb, kFrom.depth, {}, {}}, to{1, kTo.rgb, kTo.depth, {}, {}};
+  TrackedImage from{0, before.rgb, before.depth, {}, {}}, to{1, after.rgb, after.depth, {}, {}};
   tracker.prepare(from, nullptr);
   tracker.prepare(to, &from);
-  return mask_iou(tracker.carry(kFrom.masks, from, to).masks == 4, kTo.masks == 4);
+  return tracker.carry(before.masks, from, to).masks == 4;
 }
 
 TEST(BodyShift, CarriesASmallBodyFurtherThanFlow) {
-  EXPECT_LT(carried_iou(0), 0.5);
-  EXPECT_GT(carried_iou(FlowTrackerOptions().lost_share), 0.95);
+  EXPECT_LT(mask_iou(carried(0, kFrom, kTo), kTo.masks == 4), 0.5);
+  EXPECT_GT(mask_iou(carried(FlowTrackerOptions().lost_share, kFrom, kTo), kTo.masks == 4), 0.95);
+}
+
+// Nothing else is taken in its place, though its depth would do.
+TEST(BodyShift, WhatIsGoneIsNotFound) {
+  const double asked = FlowTrackerOptions().lost_share;
+  Sprite other = body(2, {115, 90});
+  other.id = 7, other.texture = 5, other.color = {200, 160, 40};
+  const DrawnFrame hidden = draw_world({body(2, {100, 80}), other}, 1);
+  EXPECT_LE(cv::countNonZero(carried(asked, kFrom, hidden)), cv::countNonZero(hidden.masks == 4));
+  const DrawnFrame inside = draw_world({body(2, {0, 80})}, 0), gone = draw_world({body(2, {-20, 80})}, 1);
+  EXPECT_LE(cv::countNonZero(carried(asked, inside, gone)), 1.1 * cv::countNonZero(gone.masks == 4));
 }
 
 }  // namespace
