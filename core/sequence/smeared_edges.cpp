@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
@@ -13,11 +13,12 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kReach = 8;      // px on either side within which a ramp is looked for
-constexpr double kStep = 0.1;  // relative: steps that are this clear tell the width
-constexpr double kNoises = 6;  // that a step exceeds
-constexpr double kSide = 0.1;  // of a step: nearer to one side's line than this is that side
-constexpr int kApart = 8;      // px between the rows and columns that are looked at
+constexpr int kReach = 8;       // px on either side within which a ramp is looked for
+constexpr double kStep = 0.1;   // relative: steps that are this clear tell the width
+constexpr double kNoises = 6;   // that a step exceeds
+constexpr double kSharp = 0.5;  // of a step, between two neighbouring pixels
+constexpr double kSide = 0.1;   // of a step: nearer to one side's line than this is that side
+constexpr int kApart = 8;       // px between the rows and columns that are looked at
 constexpr std::size_t kLeastSteps = 20;
 constexpr double kQuantile = 0.25;
 constexpr int kImages = 20;
@@ -77,6 +78,9 @@ std::optional<double> ramp_width(const Profile& profile, int i, double least) {
   if (!s || s->step(i) < std::max(least, kStep * std::max(s->before.at(i), s->after.at(i))))
     return std::nullopt;
   if (s->step(i) < 2 * kReach * std::abs(s->after.slope - s->before.slope)) return std::nullopt;
+  const float here = profile.at(i), before = profile.at(i - 1);
+  if (here > 0 && before > 0 && std::abs(here - before) > kSharp * s->step(i))
+    return 1;  // though a narrow face may be beside it
   int first = i, last = i - 1;
   for (int k = i - kReach; k < i + kReach; ++k) {
     const double w = profile.at(k);
@@ -159,13 +163,15 @@ void mark_ramps(const Profile& profile, int half, float least, std::vector<float
       for (int k = i - half; k <= i + half; ++k) ramp[k * profile.stride] = 255;
 }
 
-// Beside what has no depth over more than a ramp's width: one end of the ramp may be hidden there.
-cv::Mat beside_holes(const cv::Mat& w, int half) {
-  const cv::Mat window = cv::getStructuringElement(cv::MORPH_RECT, {2 * half + 1, 2 * half + 1});
-  cv::Mat holes = w == 0;
-  cv::morphologyEx(holes, holes, cv::MORPH_OPEN, window);
-  cv::dilate(holes, holes, window);
-  return holes;
+// Marks what is beside a gap longer than a ramp: one end of the ramp may be hidden there.
+void mark_beside_gaps(const Profile& profile, int half, unsigned char* ramp) {
+  for (int begin = 0, end = 0; begin < profile.count; begin = end + 1) {
+    end = begin;
+    while (end < profile.count && !(profile.at(end) > 0)) ++end;
+    if (end - begin <= 2 * half) continue;
+    for (int k = std::max(begin - half, 0); k < std::min(end + half, profile.count); ++k)
+      ramp[k * profile.stride] = 255;
+  }
 }
 
 }  // namespace
@@ -198,10 +204,14 @@ void drop_smeared_edges(cv::Mat& depth, double width_px) {
   if (half < 1) return;
   const cv::Mat w = inverse(depth);
   const float least = kBends * usual_bend(w, half);
-  cv::Mat ramps = beside_holes(w, half);
+  cv::Mat ramps = cv::Mat::zeros(w.size(), CV_8UC1);
   std::vector<float> excess;
-  for (int v = 0; v < w.rows; ++v) mark_ramps(row_of(w, v), half, least, excess, ramps.ptr(v));
-  for (int u = 0; u < w.cols; ++u) mark_ramps(column_of(w, u), half, least, excess, ramps.ptr(0) + u);
+  const auto mark = [&](const Profile& profile, unsigned char* ramp) {
+    mark_beside_gaps(profile, half, ramp);
+    mark_ramps(profile, half, least, excess, ramp);
+  };
+  for (int v = 0; v < w.rows; ++v) mark(row_of(w, v), ramps.ptr(v));
+  for (int u = 0; u < w.cols; ++u) mark(column_of(w, u), ramps.ptr(0) + u);
   depth.setTo(0, ramps);
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -49,6 +50,16 @@ double width_of(const cv::Mat& depth) {
 TEST(SmearedEdges, AStepHasTheWidthOfTheWindowThatSmearedIt) {
   EXPECT_EQ(width_of(depth_of(scene(), 0.002)), 1);
   for (const int side : {3, 5, 7}) EXPECT_NEAR(width_of(depth_of(smeared(scene(), side), 0.002)), side, 1);
+}
+
+TEST(SmearedEdges, ANarrowFaceBeforeAStepIsNoRamp) {
+  cv::Mat w = scene();
+  w(kBox, cv::Range(kEdge - 5, kEdge)) = 1.1F;
+  w(kBox, cv::Range(kColumns.end, kColumns.end + 5)) = 1.1F;
+  std::vector<double> widths;
+  add_edge_widths(depth_of(w, 0.002), widths);
+  ASSERT_GT(widths.size(), 20U);
+  EXPECT_EQ(*std::max_element(widths.begin(), widths.end()), 1);
 }
 
 // Noise that hangs together makes bumps on what is far, and two walls meet in a crease.

