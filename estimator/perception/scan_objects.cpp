@@ -27,12 +27,11 @@ constexpr double kLocal = 5;      // times a body's extent around it, of the gro
 constexpr int kLeastGround = 20;  // points that tell where the ground is there
 constexpr double kDegree = std::numbers::pi / 180;
 
-// How many of a body's points each mask covers; `moved` puts them where they were when it was seen.
-std::map<int, int> points_under(const cv::Mat& masks, const Camera& camera, const BodyObservation& body,
-                                const Pose& moved) {
+// How many of a body's points each mask covers.
+std::map<int, int> points_under(const cv::Mat& masks, const Camera& camera, const BodyObservation& body) {
   std::map<int, int> counts;
   for (const auto& p : body.points.colwise()) {
-    const auto pixel = camera.project(moved * p);
+    const auto pixel = camera.project(p);
     if (!pixel || !camera.contains(*pixel)) continue;
     const cv::Point at(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
     if (!cv::Rect({}, masks.size()).contains(at)) continue;
@@ -88,35 +87,25 @@ class ScanObjects {
     for (std::size_t k = 0; k < clusters.size(); ++k) {
       bodies.push_back(
           observe(points, clusters[k], cuts[k], tracked[k], ground, near_plane, stamp_ns, world_from_camera));
-      velocities_mps_[tracked[k].id] = tracked[k].velocity_mps;
       if (tracked[k].seen_as_body > 0) known_.try_emplace(tracked[k].id, frame);
     }
     std::sort(bodies.begin(), bodies.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     return bodies;
   }
 
-  /// Of each mask (a label of CV_16UC1) of the image that `seen_from` took, the cluster that most of it lies
-  /// on is known at frame `now` to be a body, if it lies under that mask: what is behind the body shows a
-  /// rim. `frame` is one of look(), with its pose, and its bodies are put where they were at that image's
-  /// time.
-  void see_masks(const PerceivedFrame& frame, const Pose& world_from_camera, const cv::Mat& masks,
-                 const StampedPose& seen_from, const Camera& camera, std::int64_t now) {
+  /// Of each mask (a label of CV_16UC1) of the camera's image then, the cluster that most of it lies on is
+  /// known at frame `now` to be a body, if it lies under that mask: what is behind the body shows a rim.
+  void see_masks(const PerceivedFrame& frame, const cv::Mat& masks, const Camera& camera, std::int64_t now) {
     if (masks.empty()) return;
-    const Pose camera_from_world = seen_from.pose.inverse();
-    const double later_s = seconds(frame.stamp_ns, seen_from.stamp_ns);
     struct Most {
       int points = 0, id = 0;
     };
     std::map<int, Most> by_label;
-    for (const BodyObservation& body : frame.bodies) {
-      Pose gone_on;
-      gone_on.translation.head<2>() = velocities_mps_.at(body.id) * later_s;
-      const Pose moved = camera_from_world * gone_on * world_from_camera;
-      for (const auto& [label, points] : points_under(masks, camera, body, moved))
+    for (const BodyObservation& body : frame.bodies)
+      for (const auto& [label, points] : points_under(masks, camera, body))
         if (points > options_.mask_share * static_cast<double>(body.points.cols()) &&
             points > by_label[label].points)
           by_label[label] = {points, body.id};
-    }
     for (const auto& [label, most] : by_label)
       if (most.points > 0) known_.try_emplace(most.id, now);
   }
@@ -232,8 +221,7 @@ class ScanObjects {
   std::uint64_t seed_;
   ClusterTracker tracker_;
   SensorView view_;
-  std::map<int, std::int64_t> known_;              // by id: the frame in which it was seen to be a body
-  std::map<int, Eigen::Vector2d> velocities_mps_;  // by id: as last known
+  std::map<int, std::int64_t> known_;  // by id: the frame in which it was seen to be a body
   std::optional<StampedPose> last_;
 };
 
@@ -289,14 +277,11 @@ class SweepBuffer {
   std::vector<TimedPoint> points_;
 };
 
-// The frame whose time is nearest, of those in which a scan shows something; null where there is none.
-const PerceivedFrame* nearest_look(const std::deque<PerceivedFrame>& frames, std::int64_t stamp_ns) {
-  const PerceivedFrame* nearest = nullptr;
-  for (const PerceivedFrame& f : frames)
-    if (!f.bodies.empty() &&
-        (!nearest || std::abs(f.stamp_ns - stamp_ns) <= std::abs(nearest->stamp_ns - stamp_ns)))
-      nearest = &f;
-  return nearest;
+// The last frame up to one in which a scan ended; null where it is gone.
+const PerceivedFrame* look_at(const std::deque<PerceivedFrame>& frames, std::int64_t frame) {
+  for (auto f = frames.rbegin(); f != frames.rend(); ++f)
+    if (f->frame <= frame && f->has_masks) return &*f;
+  return nullptr;
 }
 
 }  // namespace
@@ -351,14 +336,9 @@ void perceive_scans(const Sequence& sequence, const LidarEgoOptions& ego, const 
     objects.end_frame(stamp_ns, pose);
     waiting.push_back(frame);
     if (segmenter) {
-      for (const SegmenterResult& result : segmenter->step({sequence.frames[i], {}, {}, {}}, stamp_ns)) {
-        const std::int64_t seen_ns = sequence.frames[static_cast<std::size_t>(result.frame)].stamp_ns;
-        const auto seen_from = lidar.odometry().world_from_camera(seen_ns);
-        const PerceivedFrame* scan = seen_from ? nearest_look(waiting, seen_ns) : nullptr;
-        if (!scan) continue;
-        objects.see_masks(*scan, *lidar.odometry().world_from_camera(scan->stamp_ns), result.masks,
-                          {seen_ns, *seen_from}, sequence.camera, frame.frame);
-      }
+      for (const SegmenterResult& result : segmenter->step({sequence.frames[i], {}, {}, {}}, stamp_ns))
+        if (const PerceivedFrame* seen = look_at(waiting, result.frame))
+          objects.see_masks(*seen, result.masks, sequence.camera, frame.frame);
     }
     write_until(stamp_ns - nanoseconds(options.look_back_s));
     if (pose) poses.final.push_back({stamp_ns, *pose});

@@ -60,26 +60,7 @@ struct BodyRun {
   UprightFilter filter;
   std::vector<UprightFrame> early;  // from its first sight until it was known to be a body
   std::int64_t known_ns = 0, seen_ns = 0;
-  std::int64_t known_at_frame = 0;
-  Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();  // that it was last tracked with
   bool is_known = false;
-
-  // Becomes known at a frame without a sight of it: begins at the last one, and is predicted from there.
-  void start_before(std::int64_t frame, std::int64_t stamp_ns) {
-    auto last = early.end();
-    while (last != early.begin() && !std::prev(last)->sight) --last;
-    if (last == early.begin()) return;
-    is_known = true;
-    known_ns = stamp_ns;
-    filter.start(*std::prev(last)->sight, velocity_mps);
-    for (auto between = last; between != early.end(); ++between)
-      filter.step(between->frame, between->stamp_ns, nullptr);
-    filter.step(frame, stamp_ns, nullptr);
-    early.erase(std::prev(last), early.end());
-  }
-
-  // As known at each frame.
-  std::vector<UprightState> causal() const { return known_by(0, filter.causal()); }
 
   // As known a lag after each frame, or at the end.
   std::vector<UprightState> smoothed(std::int64_t lag_ns) {
@@ -89,13 +70,6 @@ struct BodyRun {
     });
     const auto before = filter.before(states.front(), {from, early.end()});
     states.insert(states.begin(), before.begin(), before.end());
-    return known_by(lag_ns, std::move(states));
-  }
-
- private:
-  // Without those of which nothing was known so much later.
-  std::vector<UprightState> known_by(std::int64_t lag_ns, std::vector<UprightState> states) const {
-    std::erase_if(states, [&](const UprightState& state) { return known_ns - state.stamp_ns > lag_ns; });
     return states;
   }
 };
@@ -116,10 +90,8 @@ BackendResult estimate_upright(const Perception& perception, const Variant& vari
       if (body.points.cols() > 0) seen[body.id] = &body;
     for (auto& [id, body] : bodies) {
       if (seen.contains(id)) continue;
-      if (!body.is_known && body.known_at_frame > frame.frame)
+      if (!body.is_known)
         body.early.push_back({frame.frame, frame.stamp_ns, std::nullopt});
-      else if (!body.is_known && seconds(body.seen_ns, frame.stamp_ns) <= options.lost_after_s)
-        body.start_before(frame.frame, frame.stamp_ns);
       else if (seconds(body.seen_ns, frame.stamp_ns) <= options.lost_after_s)
         body.filter.step(frame.frame, frame.stamp_ns, nullptr);
     }
@@ -128,8 +100,6 @@ BackendResult estimate_upright(const Perception& perception, const Variant& vari
       const UprightSight seen_then = upright_sight(frame, *observation);
       const UprightSight sight = options.beam_gaps ? seen_then : without_gaps(seen_then);
       body.seen_ns = frame.stamp_ns;
-      body.velocity_mps = velocity_of(before, frame, *observation);
-      body.known_at_frame = observation->known_at_frame;
       if (body.is_known) {
         body.filter.step(frame.frame, frame.stamp_ns, &sight);
       } else if (observation->known_at_frame > frame.frame) {
@@ -137,7 +107,7 @@ BackendResult estimate_upright(const Perception& perception, const Variant& vari
       } else {
         body.is_known = true;
         body.known_ns = frame.stamp_ns;
-        body.filter.start(sight, body.velocity_mps);
+        body.filter.start(sight, velocity_of(before, frame, *observation));
       }
     }
     before = frame;
@@ -147,7 +117,7 @@ BackendResult estimate_upright(const Perception& perception, const Variant& vari
   result.final.emplace();
   for (auto& [id, body] : bodies) {
     if (!body.is_known) continue;
-    add_track(id, body.causal(), result.causal);
+    add_track(id, body.filter.causal(), result.causal);
     add_track(id, body.smoothed(nanoseconds(variant.perception.fixed_lag_s)), *result.fixed_lag);
     add_track(id, body.smoothed(kAll), *result.final);
   }
