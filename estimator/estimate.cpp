@@ -20,7 +20,6 @@
 #include "core/base/warning.h"
 #include "core/sequence/calibration.h"
 #include "core/sequence/depth_scale.h"
-#include "core/sequence/smeared_edges.h"
 #include "estimator/backend.h"
 #include "estimator/carve.h"
 #include "estimator/factors/solver_log.h"
@@ -231,7 +230,8 @@ std::string run_yaml(const Sequence& sequence, const Variant& variant, const Est
   text += fmt::format("frames_with_states: {}\n", with_states.size());
   text += fmt::format("frames_without_pose: {}\n",
                       count(perception.frames(), [](const auto& f) { return !f.world_from_camera; }));
-  text += fmt::format("ego_restarts: {}\n", perception.ego_restarts()) + bias_yaml(perception.depth_bias());
+  text += fmt::format("ego_restarts: {}\n", perception.ego_restarts()) +
+          depth_faults_yaml(perception.depth_bias(), perception.depth_edge_width_px());
   text += fmt::format("frames_without_depth: {}\n",
                       count(sequence.frames, [](const auto& f) { return f.depth.empty(); }) +
                           count(perception.frames(), [](const auto& f) { return f.depth_refused; }));
@@ -367,7 +367,7 @@ void estimate(const fs::path& sequence_folder, const Variant& wanted, const Esti
           ? perceive_into(perceived, sequence, variant, options, "")
           : kept_perception(sequence, variant, options, options.force ? Replace::sequence : Replace::its_own);
   if (const auto& bias = perception.depth_bias()) sequence.inverse_depth_bias_per_m = bias->per_m;
-  if (variant.perception.drop_smeared_edges) sequence.depth_edge_width_px = depth_edge_width_px(sequence);
+  sequence.depth_edge_width_px = perception.depth_edge_width_px();
   // from here on, and before it what the perception took, whoever made it and when
   const ResourceUsage before = is_own ? own.used() : read_usage(perceived).value_or(ResourceUsage{});
   const UsageMeter backend;

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/quantile.h"
-#include "core/base/seconds.h"
 
 namespace uniquadric {
 namespace {
@@ -21,8 +20,6 @@ constexpr double kSide = 0.1;   // of a step: nearer to one side's line than thi
 constexpr int kApart = 8;       // px between the rows and columns that are looked at
 constexpr std::size_t kLeastSteps = 20;
 constexpr double kQuantile = 0.25;
-constexpr int kImages = 20;
-constexpr double kFirst_s = 10;
 constexpr double kMost = 0.8, kMeanOfMost = 0.558;  // of a normal distribution: mean size of the smaller 80 %
 constexpr float kBends = 6;                         // of smooth surfaces: a smaller step is none
 
@@ -185,18 +182,6 @@ void add_edge_widths(const cv::Mat& depth, std::vector<double>& widths_px) {
 
 double usual_edge_width_px(std::vector<double> widths_px) {
   return widths_px.size() < kLeastSteps ? 1 : quantile(std::move(widths_px), kQuantile);
-}
-
-double depth_edge_width_px(const Sequence& sequence) {
-  std::vector<const SequenceFrame*> frames;
-  for (const SequenceFrame& frame : sequence.frames)
-    if (!frame.depth.empty() && seconds(sequence.frames.front().stamp_ns, frame.stamp_ns) < kFirst_s)
-      frames.push_back(&frame);
-  std::vector<double> widths_px;
-  const std::size_t step = std::max<std::size_t>(frames.size() / kImages, 1);
-  for (std::size_t i = 0; i < frames.size(); i += step)
-    add_edge_widths(read_depth(sequence, *frames[i]), widths_px);
-  return usual_edge_width_px(std::move(widths_px));
 }
 
 void drop_smeared_edges(cv::Mat& depth, double width_px) {

@@ -3,8 +3,6 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "core/sequence/sequence.h"
-
 namespace uniquadric {
 
 /// Adds the widths [px] of the ramps that a depth camera makes of steps between two surfaces: 1 where a step
@@ -15,9 +13,6 @@ void add_edge_widths(const cv::Mat& depth, std::vector<double>& widths_px);
 /// Their lower quartile: a narrow face between two others looks like a ramp too, but where a camera smooths
 /// nearly all steps are ramps. 1 where there are too few steps.
 double usual_edge_width_px(std::vector<double> widths_px);
-
-/// The same over some images of a sequence's first ten seconds.
-double depth_edge_width_px(const Sequence& sequence);
 
 /// Takes out the depth (CV_32FC1 [m]) of ramps of that width: where depth changes much more from one end of
 /// the ramp to the other than beside it. What is left is depth of one surface each. Sharp edges, of a width

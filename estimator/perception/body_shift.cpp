@@ -4,7 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
+
+#include "core/base/quantile.h"
 
 namespace uniquadric {
 namespace {
@@ -41,9 +44,11 @@ struct Meeting {
   std::vector<float> color, depth;  // depth: relative; NaN where it is not measured
 };
 
-Meeting meet(const std::vector<Sample>& samples, const SmallImage& to, const cv::Point& shift) {
+void meet(const std::vector<Sample>& samples, const SmallImage& to, const cv::Point& shift,
+          Meeting& meeting) {
   const cv::Rect image({0, 0}, to.rgb.size());
-  Meeting meeting;
+  meeting.color.clear();
+  meeting.depth.clear();
   for (const Sample& sample : samples) {
     const cv::Point at = sample.pixel + shift;
     if (!image.contains(at)) continue;
@@ -52,7 +57,6 @@ Meeting meet(const std::vector<Sample>& samples, const SmallImage& to, const cv:
     meeting.depth.push_back(z > 0 && sample.z > 0 ? z / sample.z - 1
                                                   : std::numeric_limits<float>::quiet_NaN());
   }
-  return meeting;
 }
 
 // The body's own change of depth: the median of what may be one.
@@ -61,9 +65,7 @@ float body_change(const std::vector<float>& depth, double most) {
   for (const float change : depth)
     if (std::abs(change) < most) changes.push_back(change);
   if (changes.empty()) return 0;
-  const auto middle = changes.begin() + std::ssize(changes) / 2;
-  std::nth_element(changes.begin(), middle, changes.end());
-  return *middle;
+  return upper_median(std::move(changes));
 }
 
 // How much of the body is seen again: each sample counts by how near its colours are, on the scale of those
@@ -78,10 +80,21 @@ double seen_again(const Meeting& meeting, double color_scale, const DepthAgreeme
   return sum;
 }
 
-double mean_color(const std::vector<Meeting>& meetings) {
+std::vector<cv::Point> shifts_within(int reach) {
+  std::vector<cv::Point> shifts;
+  for (int y = -reach; y <= reach; ++y)
+    for (int x = -reach; x <= reach; ++x) shifts.emplace_back(x, y);
+  return shifts;
+}
+
+// The mean difference of colour over all of these places.
+double usual_difference(const std::vector<Sample>& samples, const SmallImage& to,
+                        const std::vector<cv::Point>& shifts) {
   double sum = 0;
   std::size_t count = 0;
-  for (const Meeting& meeting : meetings) {
+  Meeting meeting;
+  for (const cv::Point& shift : shifts) {
+    meet(samples, to, shift, meeting);
     for (const float color : meeting.color) sum += color;
     count += meeting.color.size();
   }
@@ -98,24 +111,19 @@ BodyShift body_shift(const cv::Mat& mask, const SmallImage& from, const SmallIma
                      const DepthAgreement& agreement) {
   const cv::Rect box = cv::boundingRect(mask);
   if (box.empty()) return {};
-  const int reach = std::max(box.width, box.height);
   const auto samples = samples_of(mask, from);
-  std::vector<cv::Point> shifts;
-  std::vector<Meeting> meetings;
-  for (int y = -reach; y <= reach; ++y)
-    for (int x = -reach; x <= reach; ++x) {
-      shifts.emplace_back(x, y);
-      meetings.push_back(meet(samples, to, shifts.back()));
-    }
-  const double color_scale = mean_color(meetings);
+  const auto shifts = shifts_within(std::max(box.width, box.height));
+  const double color_scale = usual_difference(samples, to, shifts);
   cv::Point best;
   double most = -1;
-  for (std::size_t i = 0; i < shifts.size(); ++i) {
-    const double seen = seen_again(meetings[i], color_scale, agreement);
-    const bool is_nearer = shifts[i].dot(shifts[i]) < best.dot(best);
+  Meeting meeting;
+  for (const cv::Point& shift : shifts) {
+    meet(samples, to, shift, meeting);
+    const double seen = seen_again(meeting, color_scale, agreement);
+    const bool is_nearer = shift.dot(shift) < best.dot(best);
     if (seen < most || (seen == most && !is_nearer)) continue;
     most = seen;
-    best = shifts[i];
+    best = shift;
   }
   return {best, color_scale};
 }

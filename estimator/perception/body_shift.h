@@ -9,6 +9,11 @@ struct SmallImage {
   cv::Mat rgb, depth;
 };
 
+/// A frame and the next one.
+struct SmallImages {
+  SmallImage from, to;
+};
+
 /// Limits of what counts as one body in two frames, relative to its depth.
 struct DepthAgreement {
   double tolerance = 0;    ///< between a pixel's change of depth and the body's

@@ -7,12 +7,15 @@
 #include "core/base/progress.h"
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
+#include "core/sequence/smeared_edges.h"
+#include "estimator/shape/even_choice.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr double kLongest_s = 10;
 constexpr int kFirstImages = 30;  // of depth, before the first adjustment; then after twice as many
+constexpr int kEdgeImages = 20;
 constexpr double kEnough =
     5e-4;  // of depth: what a sigma of the bias may do to it. Ours: as far as noise lets it
 
@@ -67,6 +70,16 @@ std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOp
     if (best && best->sigma_per_m * usual_depth_m(odometry.map()) < kEnough) break;
   }
   return best;
+}
+
+double depth_edge_width_px(const Sequence& sequence) {
+  std::vector<const SequenceFrame*> frames;
+  for (const SequenceFrame& frame : frames_to_use(sequence))
+    if (!frame.depth.empty()) frames.push_back(&frame);
+  std::vector<double> widths_px;
+  for (const auto i : even_choice(std::ssize(frames), kEdgeImages))
+    add_edge_widths(read_depth(sequence, *frames[static_cast<std::size_t>(i)]), widths_px);
+  return usual_edge_width_px(std::move(widths_px));
 }
 
 }  // namespace uniquadric

@@ -15,4 +15,8 @@ namespace uniquadric {
 std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOptions& options,
                                     bool has_masks, const PerceiveOptions& run);
 
+/// The width [px] of the ramps that a sequence's depth images make of steps, by some images of its first
+/// seconds (smeared_edges.h); 1 where steps are sharp, or too few.
+double depth_edge_width_px(const Sequence& sequence);
+
 }  // namespace uniquadric

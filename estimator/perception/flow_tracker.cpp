@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/base/quantile.h"
-#include "estimator/perception/body_shift.h"
 #include "estimator/perception/outline.h"
 
 namespace uniquadric {
@@ -30,9 +29,23 @@ T at_nearest(const cv::Mat& image, const cv::Vec2f& position) {
   return image.at<T>(y, x);
 }
 
+cv::Mat shrunk(const cv::Mat& image, const cv::Size& size, int how) {
+  cv::Mat result;
+  if (!image.empty()) cv::resize(image, result, size, 0, 0, how);
+  return result;
+}
+
 bool is_at_border(const cv::Mat& mask) {
   const cv::Rect box = cv::boundingRect(mask);
   return box.x == 0 || box.y == 0 || box.br().x == mask.cols || box.br().y == mask.rows;
+}
+
+// Masks of the image's size as flow carries them, at the flow's size.
+cv::Mat carried_small(const cv::Mat& masks, const cv::Mat& flow) {
+  cv::Mat carried;
+  cv::remap(shrunk(masks, flow.size(), cv::INTER_NEAREST), carried,
+            origins(flow, cv::Rect({0, 0}, flow.size()), 1), {}, cv::INTER_NEAREST, cv::BORDER_REPLICATE);
+  return carried;
 }
 
 // By how much the depth under a mask has changed since: the median over pixels that may still be the body;
@@ -69,7 +82,21 @@ void keep_what_moved_along(cv::Mat& mask, const cv::Mat& depth, cv::Mat& expecte
     }
 }
 
+SmallImages small_images(const TrackedImage& from, const TrackedImage& to) {
+  const cv::Size size = to.grey.size();
+  const auto small = [&](const TrackedImage& image) {
+    return SmallImage{shrunk(image.rgb, size, cv::INTER_AREA), shrunk(image.depth, size, cv::INTER_NEAREST)};
+  };
+  return {small(from), small(to)};
+}
+
 }  // namespace
+
+// At the image's border it may leave.
+bool FlowTracker::is_lost(const cv::Mat& mask, const CarriedBody& body) const {
+  const int found = body.mask.empty() ? 0 : cv::countNonZero(body.mask);
+  return found < options_.lost_share * cv::countNonZero(mask) && !is_at_border(mask);
+}
 
 void FlowTracker::prepare(TrackedImage& image, const TrackedImage* previous) const {
   image.grey = flow_image(image.rgb, options_.flow);
@@ -86,12 +113,20 @@ CarriedMasks FlowTracker::carry(const cv::Mat& masks, const TrackedImage& from,
     if (has_depth) body.expected_depth.copyTo(carried.expected_depth(body.region), body.mask & is_free);
     carried.masks(body.region).setTo(id, body.mask & is_free);
   };
+  const cv::Mat& flow = to.flow_to_previous;
+  auto boxes = id_boxes(carried_small(masks, flow));
+  std::optional<SmallImages> small;                // where a body is looked for
   std::vector<std::pair<int, CarriedBody>> found;  // as wholes: what flow says of other bodies comes first
   for (const auto& entry : id_boxes(masks)) {
     const int id = entry.first;
     const cv::Mat mask = masks == id;
-    const CarriedBody body = carry_body(mask, from, to, to.flow_to_previous);
-    if (auto whole = find_whole(mask, from, to, body))
+    const CarriedBody body = carry_body(mask, boxes[id], from, to, flow);
+    std::optional<CarriedBody> whole;
+    if (is_lost(mask, body)) {
+      if (!small) small = small_images(from, to);
+      whole = find_whole(mask, body, *small, from, to);
+    }
+    if (whole)
       found.emplace_back(id, std::move(*whole));
     else if (!body.region.empty())
       put(id, body);
@@ -100,16 +135,12 @@ CarriedMasks FlowTracker::carry(const cv::Mat& masks, const TrackedImage& from,
   return carried;
 }
 
-FlowTracker::CarriedBody FlowTracker::carry_body(const cv::Mat& mask, const TrackedImage& from,
-                                                 const TrackedImage& to, const cv::Mat& flow) const {
-  cv::Mat small, small_carried;
-  cv::resize(mask, small, flow.size(), 0, 0, cv::INTER_NEAREST);
-  cv::remap(small, small_carried, origins(flow, cv::Rect({0, 0}, flow.size()), 1), {}, cv::INTER_NEAREST,
-            cv::BORDER_REPLICATE);
-  const cv::Rect box = cv::boundingRect(small_carried);
-  if (box.empty()) return {};
+FlowTracker::CarriedBody FlowTracker::carry_body(const cv::Mat& mask, const cv::Rect& small_box,
+                                                 const TrackedImage& from, const TrackedImage& to,
+                                                 const cv::Mat& flow) const {
+  if (small_box.empty()) return {};
   CarriedBody body;
-  body.region = enlarged(box, options_.flow.downscale, mask.size());
+  body.region = enlarged(small_box, options_.flow.downscale, mask.size());
   body.origins = origins(flow, body.region, options_.flow.downscale);
   cv::remap(mask, body.mask, body.origins, {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   body.mask = body.mask > 127;
@@ -137,27 +168,19 @@ double FlowTracker::CarriedBody::seen_again(const TrackedImage& from, const Trac
 
 // Flow comes from a coarse image, in which the background about a small body that moves far outweighs it. Its
 // shift as a whole does not. Nothing where flow finds more of the body, or nothing like it is seen.
-std::optional<FlowTracker::CarriedBody> FlowTracker::find_whole(const cv::Mat& mask, const TrackedImage& from,
-                                                                const TrackedImage& to,
-                                                                const CarriedBody& by_flow) const {
-  const int found = by_flow.mask.empty() ? 0 : cv::countNonZero(by_flow.mask);
-  const int wanted = cv::countNonZero(mask);
-  if (found >= options_.lost_share * wanted || is_at_border(mask)) return std::nullopt;  // there it may leave
+std::optional<FlowTracker::CarriedBody> FlowTracker::find_whole(const cv::Mat& mask,
+                                                                const CarriedBody& by_flow,
+                                                                const SmallImages& small,
+                                                                const TrackedImage& from,
+                                                                const TrackedImage& to) const {
   const cv::Size size = to.grey.size();
-  const auto shrunk = [&](const cv::Mat& image, int how) {
-    cv::Mat result;
-    if (!image.empty()) cv::resize(image, result, size, 0, 0, how);
-    return result;
-  };
-  const auto small = [&](const TrackedImage& image) {
-    return SmallImage{shrunk(image.rgb, cv::INTER_AREA), shrunk(image.depth, cv::INTER_NEAREST)};
-  };
-  const BodyShift shift = body_shift(shrunk(mask, cv::INTER_NEAREST), small(from), small(to),
+  const BodyShift shift = body_shift(shrunk(mask, size, cv::INTER_NEAREST), small.from, small.to,
                                      {options_.depth_tolerance, options_.max_depth_change});
-  const cv::Scalar back(-shift.pixels.x, -shift.pixels.y);
-  CarriedBody whole = carry_body(mask, from, to, cv::Mat(size, CV_32FC2, back));
+  const cv::Mat back(size, CV_32FC2, cv::Scalar(-shift.pixels.x, -shift.pixels.y));
+  CarriedBody whole = carry_body(mask, cv::boundingRect(carried_small(mask, back)), from, to, back);
   const double seen = whole.seen_again(from, to, shift.color_scale);
-  const double least = std::max(kSeenShare * wanted, by_flow.seen_again(from, to, shift.color_scale));
+  const double least =
+      std::max(kSeenShare * cv::countNonZero(mask), by_flow.seen_again(from, to, shift.color_scale));
   if (!(seen > least)) return std::nullopt;
   return whole;
 }

@@ -3,6 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
+#include "estimator/perception/body_shift.h"
 #include "estimator/perception/dense_flow.h"
 #include "estimator/perception/mask_tracker.h"
 
@@ -36,10 +37,12 @@ class FlowTracker : public MaskTracker {
     cv::Mat mask, expected_depth;  // of the region's size
     double seen_again(const TrackedImage& from, const TrackedImage& to, double color_scale) const;
   };
-  CarriedBody carry_body(const cv::Mat& mask, const TrackedImage& from, const TrackedImage& to,
-                         const cv::Mat& flow) const;
-  std::optional<CarriedBody> find_whole(const cv::Mat& mask, const TrackedImage& from, const TrackedImage& to,
-                                        const CarriedBody& by_flow) const;
+  CarriedBody carry_body(const cv::Mat& mask, const cv::Rect& small_box, const TrackedImage& from,
+                         const TrackedImage& to, const cv::Mat& flow) const;
+  bool is_lost(const cv::Mat& mask, const CarriedBody& body) const;
+  std::optional<CarriedBody> find_whole(const cv::Mat& mask, const CarriedBody& by_flow,
+                                        const SmallImages& small, const TrackedImage& from,
+                                        const TrackedImage& to) const;
 
   FlowTrackerOptions options_;
 };

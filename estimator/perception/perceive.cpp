@@ -14,7 +14,6 @@
 #include "core/base/progress.h"
 #include "core/base/threads.h"
 #include "core/base/warning.h"
-#include "core/sequence/smeared_edges.h"
 #include "estimator/perception/check_sequence.h"
 #include "estimator/perception/depth_bias.h"
 #include "estimator/perception/lidar_stream.h"
@@ -454,7 +453,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
                  ? CameraTrajectories{odometry.causal_trajectory(), odometry.lagged_trajectory(),
                                       odometry.trajectory()}
                  : CameraTrajectories{known, later, later},  // a filter never goes back to a pose
-             odometry.restarts(), bias);
+             odometry.restarts(), bias, sequence.depth_edge_width_px);
 }
 
 }  // namespace uniquadric

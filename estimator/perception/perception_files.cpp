@@ -24,7 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSchema = 3;
-constexpr const char *kBias = "inverse_depth_bias_per_m", *kBiasSigma = "inverse_depth_bias_sigma_per_m";
+constexpr const char *kBias = "inverse_depth_bias_per_m", *kBiasSigma = "inverse_depth_bias_sigma_per_m",
+                     *kEdgeWidth = "depth_edge_width_px";
 // The magic, the bodies of each frame, the index of the frames, and where that is.
 constexpr const char* kObservations = "observations.bin";
 constexpr const char* kMasks = "masks";
@@ -287,7 +288,7 @@ void PerceptionWriter::keep_map(const std::vector<Eigen::Vector3d>& points) cons
 }
 
 void PerceptionWriter::finish(const CameraTrajectories& camera, int ego_restarts,
-                              const std::optional<DepthBias>& depth_bias) {
+                              const std::optional<DepthBias>& depth_bias, double depth_edge_width_px) {
   const auto causal = by_stamp(camera.causal), fixed_lag = by_stamp(camera.fixed_lag),
              final = by_stamp(camera.final);
   Writer index, end;
@@ -315,12 +316,15 @@ void PerceptionWriter::finish(const CameraTrajectories& camera, int ego_restarts
                          "ego_restarts: {}\n{}camera_hash: \"{}\"\n",
                          kSchema, yaml_quoted(kProgram), yaml_quoted(source_.key),
                          yaml_quoted(source_.sequence), yaml_quoted(source_.sequence_hash), frames_.size(),
-                         ego_restarts, bias_yaml(depth_bias), hex(hash_file(folder_ / "camera.yaml"))));
+                         ego_restarts, depth_faults_yaml(depth_bias, depth_edge_width_px),
+                         hex(hash_file(folder_ / "camera.yaml"))));
 }
 
-std::string bias_yaml(const std::optional<DepthBias>& bias) {
-  if (!bias) return "";
-  return fmt::format("{}: {}\n{}: {}\n", kBias, bias->per_m, kBiasSigma, bias->sigma_per_m);
+std::string depth_faults_yaml(const std::optional<DepthBias>& bias, double edge_width_px) {
+  std::string text;
+  if (bias) text += fmt::format("{}: {}\n{}: {}\n", kBias, bias->per_m, kBiasSigma, bias->sigma_per_m);
+  if (edge_width_px > 1) text += fmt::format("{}: {}\n", kEdgeWidth, edge_width_px);
+  return text;
 }
 
 std::vector<fs::path> foreign_files(const fs::path& folder) {
@@ -350,6 +354,7 @@ Perception::Perception(const fs::path& folder)
   source_ = source_in(root);
   ego_restarts_ = root.get<int>("ego_restarts", 0);
   if (root.has(kBias)) depth_bias_ = DepthBias{root.get<double>(kBias), root.get<double>(kBiasSigma)};
+  depth_edge_width_px_ = root.get<double>(kEdgeWidth, 1);
   if (read_part(file_, 0, sizeof kMagic) != std::string_view(kMagic, sizeof kMagic))
     throw InputError(file_, "holds no observations of this version");
   const std::string end = read_part(file_, fs::file_size(file_) - sizeof(FilePlace), sizeof(FilePlace));

@@ -45,8 +45,9 @@ class PerceptionWriter {
   /// To be called last. A frame without a pose in `camera.final` is one where the camera was lost.
   /// `ego_restarts`: how often a new map went on from the last known pose.
   /// `depth_bias`: that was taken out of the depth images; nothing: it was not looked for, or not found.
+  /// `depth_edge_width_px`: of the ramps that were taken out of them; 1: there were none.
   void finish(const CameraTrajectories& camera, int ego_restarts = 0,
-              const std::optional<DepthBias>& depth_bias = {});
+              const std::optional<DepthBias>& depth_bias = {}, double depth_edge_width_px = 1);
 
  private:
   void write(const std::string& bytes);
@@ -72,6 +73,7 @@ class Perception {
   const std::vector<FrameInfo>& frames() const { return frames_; }
   int ego_restarts() const { return ego_restarts_; }
   const std::optional<DepthBias>& depth_bias() const { return depth_bias_; }
+  double depth_edge_width_px() const { return depth_edge_width_px_; }
 
   /// One frame with its bodies; from any thread. Throws InputError when the file is damaged.
   PerceivedFrame read(std::size_t index) const;
@@ -84,10 +86,12 @@ class Perception {
   std::vector<FilePlace> places_;
   int ego_restarts_ = 0;
   std::optional<DepthBias> depth_bias_;
+  double depth_edge_width_px_ = 1;
 };
 
-/// The lines `inverse_depth_bias_per_m` and `inverse_depth_bias_sigma_per_m` [1/m]; none for no bias.
-std::string bias_yaml(const std::optional<DepthBias>& bias);
+/// What was taken out of the depth images: the lines `inverse_depth_bias_per_m` and
+/// `inverse_depth_bias_sigma_per_m` [1/m], none for no bias, and `depth_edge_width_px`, none for sharp edges.
+std::string depth_faults_yaml(const std::optional<DepthBias>& bias, double edge_width_px);
 
 /// What lies in a folder (below it, in order) that no kept perception has.
 std::vector<std::filesystem::path> foreign_files(const std::filesystem::path& folder);

@@ -91,6 +91,16 @@ SizeBelief UprightFilter::expected_size(const UprightSight& sight, const Upright
   return options_.street_sizes ? street_size(seen) : any_size(seen);
 }
 
+// Sides tell the yaw up to a quarter turn: the way that fits a street user better is along the length.
+SizeBelief UprightFilter::turn_along_length(const UprightSight& sight, UprightState& state) const {
+  UprightState across = state;
+  across.mean[kYaw] += std::numbers::pi / 2;
+  const SizeBelief size = expected_size(sight, state), turned = expected_size(sight, across);
+  if (!(turned.misfit < size.misfit)) return size;
+  state = across;
+  return turned;
+}
+
 void UprightFilter::start(const UprightSight& sight, const Eigen::Vector2d& velocity_mps) {
   Step& step = steps_.emplace_back();
   UprightState& s = step.now;
@@ -105,13 +115,7 @@ void UprightFilter::start(const UprightSight& sight, const Eigen::Vector2d& velo
     s.mean[kYaw] = yaw->yaw_rad;
     yaw_sigma = std::min(yaw_sigma, yaw->sigma_rad);
   }
-  SizeBelief size = expected_size(sight, s);
-  if (rests) {
-    UprightState across = s;
-    across.mean[kYaw] += std::numbers::pi / 2;
-    const SizeBelief other = expected_size(sight, across);
-    if (other.misfit < size.misfit) s.mean[kYaw] = across.mean[kYaw], size = other;
-  }
+  const SizeBelief size = rests ? turn_along_length(sight, s) : expected_size(sight, s);
   begin(sight, size, yaw_sigma, s);
   step.predicted = s.mean;
   step.predicted_covariance = s.covariance;
@@ -139,11 +143,7 @@ bool UprightFilter::turn_at_rest(const UprightSight& sight, UprightState& state)
   UprightState other = state;
   other.mean[kYaw] = yaw->yaw_rad;
   other.mean[kSpeed] = other.mean[kYawRate] = 0;
-  SizeBelief size = expected_size(sight, other);
-  UprightState across = other;
-  across.mean[kYaw] += std::numbers::pi / 2;
-  if (const SizeBelief turned = expected_size(sight, across); turned.misfit < size.misfit)
-    other = across, size = turned;
+  const SizeBelief size = turn_along_length(sight, other);
   worse_so_ += expected_size(sight, state).misfit - size.misfit;
   if (worse_so_ <= 0 || std::abs(angle_between(other.mean[kYaw], state.mean[kYaw])) < kReach) return false;
   worse_so_ = 0;

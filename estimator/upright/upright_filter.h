@@ -60,6 +60,7 @@ class UprightFilter {
   /// A step's state as it is known by the one after it (Rauch, Tung and Striebel).
   UprightState looked_back(std::size_t step, const UprightState& later) const;
   SizeBelief expected_size(const UprightSight& sight, const UprightState& state) const;
+  SizeBelief turn_along_length(const UprightSight& sight, UprightState& state) const;
   Step gone_on(const UprightState& from, std::int64_t frame, std::int64_t stamp_ns) const;
   void begin(const UprightSight& sight, const SizeBelief& size, double yaw_sigma, UprightState& state);
   bool turn_at_rest(const UprightSight& sight, UprightState& state);

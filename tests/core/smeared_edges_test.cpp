@@ -77,7 +77,7 @@ TEST(SmearedEdges, BumpsAndCreasesTellNoWidth) {
   EXPECT_LT(widths.size(), 5U);
 }
 
-TEST(SmearedEdges, NoDepthOfNeitherSurfaceIsLeft) {
+TEST(SmearedEdges, WhatIsLeftIsOfOneSurface) {
   constexpr int kSide = 7;
   const cv::Mat sharp = scene();
   cv::Mat depth = depth_of(smeared(sharp, kSide), 0.002);

@@ -50,7 +50,7 @@ void write(const fs::path& folder, const std::vector<PerceivedFrame>& frames, co
     if (frame.lagged_camera) camera_path.fixed_lag.push_back({frame.stamp_ns, *frame.lagged_camera});
     if (frame.final_camera) camera_path.final.push_back({frame.stamp_ns, *frame.final_camera});
   }
-  out.finish(camera_path, 2, DepthBias{0.006, 0.0005});
+  out.finish(camera_path, 2, DepthBias{0.006, 0.0005}, 6);
 }
 
 void read_all(const fs::path& folder) {
@@ -81,6 +81,7 @@ TEST(PerceptionFiles, ReadBackAndWrittenAgainTheyAreTheSameBytes) {
   EXPECT_EQ(back.ego_restarts(), 2);
   EXPECT_EQ(back.depth_bias()->per_m, 0.006);
   EXPECT_EQ(back.depth_bias()->sigma_per_m, 0.0005);
+  EXPECT_EQ(back.depth_edge_width_px(), 6);
   EXPECT_EQ(frames[0].world_from_camera->translation, perception.frames[0].world_from_camera->translation);
   EXPECT_EQ(frames[0].lagged_camera->translation, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(frames[0].final_camera->translation, Eigen::Vector3d(4, 5, 6));
