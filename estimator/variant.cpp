@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/read_file.h"
 #include "estimator/default_variants.h"
 #include "estimator/objects/body_options.h"
 #include "estimator/option_io.h"
@@ -73,9 +74,9 @@ Variant read_variant(const ConfigNode& root, const std::string& name) {
 
 }  // namespace
 
-Variant default_variant(const Sequence& sequence) {
-  const auto read = [](const char* name, const char* text) {
-    return read_variant(ConfigNode::parse(text, std::string(name) + ".yaml"), name);
+Variant default_variant(const Sequence& sequence, const std::vector<ConfigOverride>& set) {
+  const auto read = [&](const char* name, const char* text) {
+    return read_variant(ConfigNode::parse(text, std::string(name) + ".yaml", set), name);
   };
   if (sequence.frames.empty()) return read("lidar_only", kLidarOnlyVariant);
   const bool has_depth =
@@ -84,8 +85,8 @@ Variant default_variant(const Sequence& sequence) {
   return read("superquadric", kSuperquadricVariant);
 }
 
-Variant load_variant(const std::filesystem::path& path) {
-  return read_variant(ConfigNode::load(path), path.stem().string());
+Variant load_variant(const std::filesystem::path& path, const std::vector<ConfigOverride>& set) {
+  return read_variant(ConfigNode::parse(read_file(path, kYamlFile), path, set), path.stem().string());
 }
 
 std::string variant_yaml(const Variant& variant) {

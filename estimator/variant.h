@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "core/base/config_overrides.h"
 #include "estimator/objects/body_estimator.h"
 #include "estimator/objects/joined_backend.h"
 #include "estimator/perception/perceive.h"
@@ -49,12 +51,12 @@ struct Variant {
 };
 
 /// What is estimated when nobody says what: configs/variants/superquadric.yaml; where depth comes from a
-/// LiDAR, superquadric_lidar.yaml; of scans without images, lidar_only.yaml.
-Variant default_variant(const Sequence& sequence);
+/// LiDAR, superquadric_lidar.yaml; of scans without images, lidar_only.yaml. `set` as in load_variant.
+Variant default_variant(const Sequence& sequence, const std::vector<ConfigOverride>& set = {});
 
 /// Reads a variant file (configs/variants). Keys left out have their defaults; an unknown key, a value out of
-/// range or of the wrong kind is an InputError with file and line.
-Variant load_variant(const std::filesystem::path& path);
+/// range or of the wrong kind is an InputError with file and line. The values of `set` replace the file's.
+Variant load_variant(const std::filesystem::path& path, const std::vector<ConfigOverride>& set = {});
 
 /// All options, resolved, in the format that load_variant reads.
 std::string variant_yaml(const Variant& variant);

@@ -12,6 +12,7 @@
 #include "core/base/text.h"
 #include "core/base/warning.h"
 #include "evaluation/association/object_choice.h"
+#include "harness/external/external_variant.h"
 #include "simulator/families/family.h"
 #include "simulator/scene/noise_scale.h"
 
@@ -158,22 +159,42 @@ BenchScene read_item_of_scene(const ConfigNode& root, const ConfigNode& node,
   return scene;
 }
 
+// `name`, or else `fallback`, which names a folder of the results.
+std::string plain_name(const ConfigNode& node, const std::string& fallback) {
+  std::string name = node.name("name", fallback);
+  const bool is_folder = name == "." || name == "..";
+  if (node.has("name") && is_folder) node.at("name").fail("names a folder that is there already");
+  if (!is_plain_name(name) || is_folder)
+    node.fail(fmt::format("'{}' cannot be a name in the results; give another `name`", name));
+  return name;
+}
+
 // A path, or a map with what is other than usual.
 std::vector<BenchScene> read_scenes(const ConfigNode& root, const ConfigNode& node,
                                     const std::vector<std::uint64_t>& seeds) {
   if (!node.is_map()) return {scene_of_file(root, node, seeds)};
   if (node.has("family")) return read_family(node, seeds);
   BenchScene scene = read_item_of_scene(root, node, seeds);
-  scene.name = node.name("name", scene.name);
-  if (node.has("name") && (scene.name == "." || scene.name == ".."))
-    node.at("name").fail("names a folder that is there already");
-  if (!is_plain_name(scene.name) || scene.name == "." || scene.name == "..")
-    node.fail(fmt::format("'{}' cannot be a name in the results; give another `name`", scene.name));
+  scene.name = plain_name(node, scene.name);
   if (const auto prompt = node.find("prompt"); prompt && is_there(scene))
     scene.prompt = read_prompt(root, *prompt);
   read_common(node, scene);
   node.refuse_unknown_keys();
   return {scene};
+}
+
+// A path, or a map with values in place of the file's and with a name of its own, which `run.yaml` has too.
+BenchVariant read_variant(const ConfigNode& root, const ConfigNode& node) {
+  if (!node.is_map()) return {read_file(root, node)};
+  BenchVariant variant{read_file(root, node.at("variant")), read_set(node)};
+  variant.name = plain_name(node, variant.name);
+  node.refuse_unknown_keys();
+  if (!variant.set.empty()) {
+    node.at("name");
+    if (is_external(variant.path)) node.at("set").fail("a variant with a command has no values to set");
+    variant.set.push_back({"name", yaml_quoted(variant.name), place_of(node, node.key_path())});
+  }
+  return variant;
 }
 
 // Recordings have the seed 0, and any item may name its own.
@@ -206,21 +227,15 @@ void leave_out_absent(const ConfigNode& root, std::vector<BenchScene>& scenes) {
   if (scenes.empty()) root.at("scenes").fail("none of them is there");
 }
 
-std::vector<std::string> quoted_names(const std::vector<BenchItem>& items) {
-  std::vector<std::string> result;
-  for (const auto& item : items) result.push_back(yaml_quoted(item.name));
-  return result;
-}
-
 // Without the folders of this machine.
 std::string prompt_name(const std::string& prompt) {
   const std::size_t colon = prompt.find(':');
   return yaml_quoted(prompt.substr(0, colon + 1) + fs::path(prompt.substr(colon + 1)).filename().string());
 }
 
-std::vector<std::string> set_entries(const BenchScene& scene) {
+std::vector<std::string> set_entries(const std::vector<ConfigOverride>& set) {
   std::vector<std::string> result;
-  for (const ConfigOverride& value : scene.set)
+  for (const ConfigOverride& value : set)
     result.push_back(fmt::format("{}: {}", yaml_quoted(value.key), value.value));
   return result;
 }
@@ -232,12 +247,24 @@ std::vector<std::string> scene_entries(const BenchConfig& config) {
     std::string extra = scene.is_recording ? ", recording: true" : "";
     if (!scene.prompt.empty()) extra += fmt::format(", prompt: {}", prompt_name(scene.prompt));
     if (scene.noise_scale != 1) extra += fmt::format(", noise_scale: {}", scene.noise_scale);
-    if (!scene.set.empty()) extra += fmt::format(", set: {{{}}}", fmt::join(set_entries(scene), ", "));
+    if (!scene.set.empty()) extra += fmt::format(", set: {{{}}}", fmt::join(set_entries(scene.set), ", "));
     if (scene.seeds != config.seeds) extra += fmt::format(", seeds: [{}]", fmt::join(scene.seeds, ", "));
     if (!scene.judging.empty())
       extra += fmt::format(", evaluate: {}", yaml_quoted(fmt::format("{}", fmt::join(scene.judging, " "))));
     const std::string name = yaml_quoted(scene.name);
     result.push_back(extra.empty() ? name : fmt::format("{{name: {}{}}}", name, extra));
+  }
+  return result;
+}
+
+std::vector<std::string> variant_entries(const std::vector<BenchVariant>& variants) {
+  std::vector<std::string> result;
+  for (const BenchVariant& variant : variants) {
+    const std::string name = yaml_quoted(variant.name);
+    result.push_back(variant.set.empty() ? name
+                                         : fmt::format("{{variant: {}, set: {{{}}}}}",
+                                                       yaml_quoted(variant.path.stem().string()),
+                                                       fmt::join(set_entries(variant.set), ", ")));
   }
   return result;
 }
@@ -253,7 +280,7 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
                              [&](const ConfigNode& node) { return read_scenes(root, node, config.seeds); });
   leave_out_absent(root, config.scenes);
   config.variants = read_items(root, "variants",
-                               [&](const ConfigNode& node) { return std::vector{read_file(root, node)}; });
+                               [&](const ConfigNode& node) { return std::vector{read_variant(root, node)}; });
   if (const auto frames = root.find("frames")) {
     config.frames = frames->as<std::int64_t>();
     if (*config.frames < 1) frames->fail("expected at least 1");
@@ -269,7 +296,7 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
 std::string bench_yaml(const BenchConfig& config) {
   std::string text =
       fmt::format("name: {}\nscenes: [{}]\nvariants: [{}]\nseeds: [{}]\n", yaml_quoted(config.name),
-                  fmt::join(scene_entries(config), ", "), fmt::join(quoted_names(config.variants), ", "),
+                  fmt::join(scene_entries(config), ", "), fmt::join(variant_entries(config.variants), ", "),
                   fmt::join(config.seeds, ", "));
   if (config.frames) text += fmt::format("frames: {}\n", *config.frames);
   return text;

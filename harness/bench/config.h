@@ -31,11 +31,16 @@ struct BenchScene : BenchItem {
   std::vector<std::string> judging{};         ///< options of `evaluate`: --objects, --unlabelled
 };
 
+/// A variant's file, with what the bench changes of it.
+struct BenchVariant : BenchItem {
+  std::vector<ConfigOverride> set{};  ///< in place of the file's values
+};
+
 /// scenes x variants x seeds (configs/bench/README.md).
 struct BenchConfig {
   std::string name;
   std::vector<BenchScene> scenes;
-  std::vector<BenchItem> variants;
+  std::vector<BenchVariant> variants;
   std::vector<std::uint64_t> seeds;
   std::optional<std::int64_t> frames;  ///< instead of each scene's own number
   bool keep_sequences = false;         ///< ours: 250 MB a sequence would fill a disk in a sweep

@@ -26,13 +26,13 @@ struct PlannedVariant {
   std::string yaml;  // that the estimate depends on
 };
 
-PlannedVariant load_planned(const BenchItem& item) {
+PlannedVariant load_planned(const BenchVariant& item) {
   PlannedVariant planned;
   if (is_external(item.path)) {
     planned.external = load_external_variant(item.path);
     planned.yaml = external_yaml(*planned.external);
   } else {
-    planned.own = load_variant(item.path);
+    planned.own = load_variant(item.path, item.set);
     planned.yaml = variant_yaml(*planned.own);
   }
   return planned;
@@ -40,7 +40,7 @@ PlannedVariant load_planned(const BenchItem& item) {
 
 std::vector<PlannedVariant> load_variants(const BenchConfig& config) {
   std::vector<PlannedVariant> variants;
-  for (const BenchItem& item : config.variants) variants.push_back(load_planned(item));
+  for (const BenchVariant& item : config.variants) variants.push_back(load_planned(item));
   return variants;
 }
 
@@ -136,6 +136,20 @@ std::vector<fs::path> made_data(const BenchPlan& plan, const BenchSimulation& si
   return {simulation_folder(plan, simulation)};
 }
 
+void add_set(const std::vector<ConfigOverride>& set, std::vector<std::string>& command) {
+  for (const ConfigOverride& value : set)
+    command.insert(command.end(), {"--set", value.key + '=' + value.value});
+}
+
+// Of its file, with what the bench sets in it.
+std::string variant_hash(const BenchVariant& variant) {
+  if (variant.set.empty()) return hex(hash_file(variant.path));
+  Hash hash;
+  hash.add_file(variant.path);
+  for (const ConfigOverride& value : variant.set) hash.add(value.key).add(value.value);
+  return hash.hex();
+}
+
 void add_prompt(const BenchScene& scene, std::vector<std::string>& command) {
   if (!scene.prompt.empty()) command.insert(command.end(), {"--prompt", scene.prompt});
 }
@@ -179,8 +193,7 @@ std::optional<BenchStage> BenchPlan::simulate(const BenchSimulation& simulation)
                                       with_suffix(folder, ".timing.csv")};
   if (scene.noise_scale != 1)
     command.insert(command.end(), {"--noise-scale", fmt::format("{}", scene.noise_scale)});
-  for (const ConfigOverride& value : scene.set)
-    command.insert(command.end(), {"--set", value.key + '=' + value.value});
+  add_set(scene.set, command);
   if (config.frames) command.insert(command.end(), {"--frames", std::to_string(*config.frames)});
   if (simulation.has_routes) command.insert(command.end(), {"--routes", routes_folder(simulation)});
   return stage(folder, simulation.key, std::move(command), {}, with_suffix(folder, ".log"));
@@ -196,6 +209,7 @@ BenchStage BenchPlan::perceive(const BenchSimulation& simulation, std::size_t pe
                                       config.variants[shared.variant].path,
                                       "--seed",
                                       std::to_string(simulation.seed)};
+  add_set(config.variants[shared.variant].set, command);
   add_prompt(config.scenes[simulation.scene], command);
   return stage(folder, shared.key, std::move(command), made_data(*this, simulation),
                with_suffix(folder, ".log"));
@@ -210,6 +224,7 @@ BenchStage BenchPlan::estimate(const BenchSimulation& simulation, const BenchCel
                                       config.variants[cell.variant].path,
                                       "--seed",
                                       std::to_string(simulation.seed)};
+  add_set(config.variants[cell.variant].set, command);
   std::vector<fs::path> inputs = made_data(*this, simulation);
   if (cell.perception) {
     inputs.push_back(perceive(simulation, *cell.perception).folder);
@@ -256,8 +271,8 @@ BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out, bool quiet
   const std::vector<SceneData> data_of_scenes = look_at_scenes(plan.config.scenes, quiet);
   const BenchConfig& config = plan.config;
   plan.made_from.push_back({"bench", config.name, hex(hash_file(bench_file))});
-  for (const BenchItem& variant : config.variants)
-    plan.made_from.push_back({"variant", variant.name, hex(hash_file(variant.path))});
+  for (const BenchVariant& variant : config.variants)
+    plan.made_from.push_back({"variant", variant.name, variant_hash(variant)});
   for (std::size_t s = 0; s < config.scenes.size(); ++s) {
     const SceneData& data = data_of_scenes[s];
     plan.made_from.push_back({data.kind, config.scenes[s].name, data.hash});

@@ -52,7 +52,7 @@ struct BenchSimulation {
 struct BenchInput {
   const char* kind;  ///< bench, scene, recording or variant
   std::string name;
-  std::string hash;  ///< XXH64 of the file; of a scene its scene_hash, which covers meshes and noise
+  std::string hash;  ///< XXH64 of the file, or a hash that covers what it reads and what the bench sets
 };
 
 /// A bench taken apart, for results in `out`.

@@ -113,6 +113,52 @@ TEST_F(BenchPlanCommand, DrawsTheScenesThatGenerateDraws) {
   }
 }
 
+// Two variants of one file, one of them with another option of the back end, are two rows that share what is
+// seen.
+TEST_F(BenchPlanCommand, SetsValuesInAVariantsPlace) {
+  const fs::path file = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/bbox.yaml",
+                 out = folder() / "out";
+  write_text(bench_, "scenes: [small.yaml]\nvariants:\n  - " + file.string() +
+                         "\n  - {variant: " + file.string() +
+                         ", name: soft, set: {long_window.rigid_prior: soft}}\nseeds: [1]\noverlays: 0\n"
+                         "frames: 3\n");
+  std::map<std::string, int> count;
+  for (const json& stage : plan(out)) ++count[stage["stage"]];
+  EXPECT_EQ(count["perceive"], 1);
+  ASSERT_EQ(run_program({"bench", bench_, out, "--quiet"}).exit_code, 0);
+  const std::string run = read_text(out / "cells/small/soft/seed_1/estimate/run.yaml");
+  EXPECT_NE(run.find("name: \"soft\""), run.npos) << run;
+  EXPECT_NE(run.find("rigid_prior: soft"), run.npos);
+  EXPECT_NE(read_text(out / "cells/small/bbox/seed_1/estimate/run.yaml").find("rigid_prior: none"), run.npos);
+  const fs::path alone = folder() / "alone";
+  ASSERT_EQ(
+      run_program({"simulate", folder() / "small.yaml", folder() / "data", "--frames", "3", "--seed", "1"})
+          .exit_code,
+      0);
+  ASSERT_EQ(run_program({"estimate", folder() / "data/sequence", alone, "--variant", file, "--seed", "1",
+                         "--set", "long_window.rigid_prior=soft", "--set", "name=soft"})
+                .exit_code,
+            0);
+  EXPECT_EQ(read_text(alone / "objects.csv"),
+            read_text(out / "cells/small/soft/seed_1/estimate/objects.csv"));
+}
+
+TEST_F(BenchPlanCommand, RefusesWhatCannotBeSetInAVariant) {
+  const fs::path file = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/bbox.yaml";
+  write_text(folder() / "own.yaml", "name: own\ncommand: [\"true\"]\n");
+  const std::string at = bench_.string() + ":2: ";
+  for (const auto& [entry, message] : std::vector<std::pair<std::string, std::string>>{
+           {"{variant: " + file.string() + ", name: a, set: {no_such: 1}}", at + "variants[0].set.no_such"},
+           {"{variant: " + file.string() + ", set: {smooth: true}}", at + "variants[0]: "},
+           {"{variant: own.yaml, name: a, set: {smooth: true}}", at + "variants[0].set: "},
+           {"{variant: own.yaml, name: ..}", at + "variants[0].name: "}}) {
+    write_text(bench_, "scenes: [small.yaml]\nvariants: [" + entry + "]\nseeds: [1]\n");
+    const ProgramRun run = run_program({"bench", bench_, folder() / "out", "--plan"});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find(message), run.err.npos) << run.err;
+  }
+}
+
 // With one cell failed and one never run.
 TEST_F(BenchPlanCommand, CollectTellsWhatIsThere) {
   const fs::path out = folder() / "out";
