@@ -439,6 +439,8 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
   if (blank > 0) warn(fmt::format("{} of {} depth images hold no depth at all", blank, images));
   if (const auto runs = repeats.text())
     warn(fmt::format("frames {} have the same colour image, as of a camera that froze", *runs));
+  if (segmenter.watch)
+    for (const std::string& fault : segmenter.watch->faults()) warn(fault);
   if (lidar) {
     lidar->finish();
     out.keep_map(lidar->odometry().map_points());

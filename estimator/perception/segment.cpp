@@ -79,11 +79,22 @@ std::vector<PointPrompt> points_of(const Segmenter& segmenter, const SegmenterIn
   return points;
 }
 
-// The masks; says which of the user's points share one.
+// The masks. Notes which of the user's prompts gave one, and says which points share one.
 cv::Mat checked(const Segmenter& segmenter, const SequenceFrame& frame, cv::Mat masks) {
-  if (segmenter.prompt_kind != PromptKind::points) return masks;
-  for (const auto& [first, second] : points_on_one_mask(masks, segmenter.points[frame.frame]))
+  if (!segmenter.watch || masks.empty()) return masks;
+  const auto boxes = id_boxes(masks);
+  const auto note = [&](int id) {
+    if (boxes.contains(id)) segmenter.watch->found(frame.stamp_ns, id);
+  };
+  if (!segmenter.boxes.empty())
+    for (const BoxPrompt& box : segmenter.boxes[frame.frame]) note(box.id);
+  if (segmenter.points.empty()) return masks;
+  const std::vector<PointPrompt>& points = segmenter.points[frame.frame];
+  for (const PointPrompt& point : points) note(point.id);
+  for (const auto& [first, second] : points_on_one_mask(masks, points)) {
     segmenter.shared_masks->say({frame.stamp_ns, first}, {frame.stamp_ns, second});
+    for (const PointPrompt& point : {first, second}) segmenter.watch->found(frame.stamp_ns, point.id);
+  }
   return masks;
 }
 
@@ -186,7 +197,8 @@ cv::Mat segment(const Segmenter& segmenter, const Sequence& sequence, const Segm
     case MaskSource::none:
       return cv::Mat::zeros(camera.height, camera.width, CV_16UC1);
     case MaskSource::grabcut_depth:
-      return masks_of_boxes(boxes_of(segmenter, input), options.grabcut_depth, camera, input, seed);
+      return checked(segmenter, input.frame,
+                     masks_of_boxes(boxes_of(segmenter, input), options.grabcut_depth, camera, input, seed));
     case MaskSource::depth_motion:
       return checked(segmenter, input.frame, masks_by_depth_and_motion(segmenter, sequence, input, seed));
     case MaskSource::sam:

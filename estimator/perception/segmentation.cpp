@@ -65,13 +65,16 @@ std::map<int, BoxPrompt> bounding_boxes(const cv::Mat& masks) {
   return boxes;
 }
 
-void add_ids_of_boxes(const cv::Mat& masks, const std::vector<BoxPrompt>& prompts, std::set<int>& ids) {
+void add_ids_of_boxes(const cv::Mat& masks, std::int64_t stamp_ns, const std::vector<BoxPrompt>& prompts,
+                      PromptWatch& watch, std::set<int>& ids) {
   const auto boxes = bounding_boxes(masks);
   for (const auto& prompt : prompts) {
     const auto best = std::max_element(boxes.begin(), boxes.end(), [&](const auto& a, const auto& b) {
       return box_iou(a.second, prompt) < box_iou(b.second, prompt);
     });
-    if (best != boxes.end() && box_iou(best->second, prompt) >= kMinPromptIou) ids.insert(best->first);
+    if (best == boxes.end() || box_iou(best->second, prompt) < kMinPromptIou) continue;
+    ids.insert(best->first);
+    watch.found(stamp_ns, prompt.id);
   }
 }
 
@@ -79,14 +82,15 @@ void add_ids_of_boxes(const cv::Mat& masks, const std::vector<BoxPrompt>& prompt
 using FirstPoints = std::map<int, SharedMasks::Placed>;
 
 void add_ids_of_points(const cv::Mat& masks, std::int64_t stamp_ns, const std::vector<PointPrompt>& prompts,
-                       SharedMasks& shared, FirstPoints& first_on, std::set<int>& ids) {
+                       const Segmenter& segmenter, FirstPoints& first_on, std::set<int>& ids) {
   for (const auto& point : prompts) {
     const int id = masks.at<std::uint16_t>(static_cast<int>(std::lround(point.v)),
                                            static_cast<int>(std::lround(point.u)));
     if (id == 0) continue;
     ids.insert(id);
+    segmenter.watch->found(stamp_ns, point.id);
     const auto& first = first_on.try_emplace(id, SharedMasks::Placed{stamp_ns, point}).first->second;
-    if (first.point.id != point.id) shared.say(first, {stamp_ns, point});
+    if (first.point.id != point.id) segmenter.shared_masks->say(first, {stamp_ns, point});
   }
 }
 
@@ -99,13 +103,27 @@ std::set<int> ids_meant(const Sequence& sequence, const Segmenter& segmenter, bo
     const bool has_points = !segmenter.points.empty() && !segmenter.points[frame.frame].empty();
     if (!has_boxes && !has_points) continue;
     const cv::Mat masks = read_masks(sequence, frame);
-    if (has_boxes) add_ids_of_boxes(masks, segmenter.boxes[frame.frame], ids);
+    if (has_boxes)
+      add_ids_of_boxes(masks, frame.stamp_ns, segmenter.boxes[frame.frame], *segmenter.watch, ids);
     if (!ids_last) first_on.clear();  // a point of another frame may be of the same object
     if (has_points)
-      add_ids_of_points(masks, frame.stamp_ns, segmenter.points[frame.frame], *segmenter.shared_masks,
-                        first_on, ids);
+      add_ids_of_points(masks, frame.stamp_ns, segmenter.points[frame.frame], segmenter, first_on, ids);
   }
   return ids;
+}
+
+std::shared_ptr<PromptWatch> watch_for(const Sequence& sequence, const Segmenter& segmenter,
+                                       const Prompts& prompts, bool ids_last) {
+  auto watch = std::make_shared<PromptWatch>(prompts.path, ids_last);
+  for (std::size_t frame = 0; frame < segmenter.boxes.size(); ++frame)
+    for (const BoxPrompt& box : segmenter.boxes[frame])
+      watch->expect(sequence.frames[frame].stamp_ns, box.id,
+                    fmt::format("box ({:g}, {:g}, {:g}, {:g})", box.x, box.y, box.width, box.height));
+  for (std::size_t frame = 0; frame < segmenter.points.size(); ++frame)
+    for (const PointPrompt& point : segmenter.points[frame])
+      watch->expect(sequence.frames[frame].stamp_ns, point.id,
+                    fmt::format("point ({:g}, {:g})", point.u, point.v));
+  return watch;
 }
 
 void read_prompts(const Sequence& sequence, const Prompts& prompts, Segmenter& segmenter) {
@@ -114,6 +132,7 @@ void read_prompts(const Sequence& sequence, const Prompts& prompts, Segmenter& s
   if (prompts.kind == PromptKind::points) segmenter.points = read_point_prompts(prompts.path, sequence);
   if (prompts.empty()) return;
   const bool ids_last = have_ids(prompts);
+  segmenter.watch = watch_for(sequence, segmenter, prompts, ids_last);
   if (prompts.kind == PromptKind::points)
     segmenter.shared_masks = std::make_shared<SharedMasks>(prompts.path, ids_last);
   segmenter.names_bodies = segmenter.source != MaskSource::sequence && ids_last;

@@ -160,6 +160,45 @@ TEST(Segmentation, PointsSelectAmongTheSequencesMasks) {
             std::string::npos);
 }
 
+// A prompt beside all bodies gives no mask, beside one that does; of an object with an id all of its prompts
+// count.
+TEST(Segmentation, PromptsWithoutAMaskAreNamed) {
+  const TempFolder temp;
+  const fs::path file = temp.path() / "prompts.txt";
+  const Sequence sequence = write_box_sequence(temp.path(), 2, false);
+  const auto [id, box] = *id_boxes(read_masks(sequence, sequence.frames[0])).begin();
+  const int u = box.x + box.width / 2, v = box.y + box.height / 2;
+  const std::string first = format_stamp(sequence.frames[0].stamp_ns),
+                    second = format_stamp(sequence.frames[1].stamp_ns);
+  const auto faults = [&](MaskSource source, PromptKind kind, const std::string& prompts) {
+    write_text(file, prompts);
+    const Segmenter segmenter = make_segmenter(sequence, from(source), {kind, file});
+    for (const SequenceFrame& frame : sequence.frames)
+      segment(segmenter, sequence, frame, read_depth(sequence, frame), 0);
+    return segmenter.watch->faults();
+  };
+  using Lines = std::vector<std::string>;
+  const std::string on = fmt::format("{} {} {}", first, u, v);
+  for (const MaskSource source : {MaskSource::sequence, MaskSource::depth_motion}) {
+    EXPECT_EQ(faults(source, PromptKind::points, on + "\n" + first + " 2 3\n"),
+              Lines{file.string() + ": the point (2, 3) at " + first + " s gave no mask"});
+    EXPECT_EQ(faults(source, PromptKind::points, on + " 1\n" + second + " 2 3 1\n"), Lines{});
+    EXPECT_EQ(faults(source, PromptKind::points, on + " 1\n" + first + " 2 3 8\n" + second + " 2 3 8\n"),
+              Lines{file.string() +
+                    ": object 8: none of its 2 prompts gave a mask, the first being the point (2, 3) at " +
+                    first + " s"});
+  }
+  const std::string boxes =
+      fmt::format("{} {} {} {} {} 1\n{} 1 1 4 4 2\n", first, box.x, box.y, box.width, box.height, first);
+  EXPECT_EQ(faults(MaskSource::sequence, PromptKind::boxes, boxes),
+            Lines{file.string() + ": object 2: the box (1, 1, 4, 4) at " + first + " s gave no mask"});
+  std::string many = on + "\n";
+  for (int i = 0; i < 7; ++i) many += fmt::format("{} {} 3\n", first, 2 + i);
+  const Lines lines = faults(MaskSource::sequence, PromptKind::points, many);
+  ASSERT_EQ(lines.size(), 6u);
+  EXPECT_EQ(lines.back(), file.string() + ": 2 more prompts gave no mask");
+}
+
 // One of two prompts finds nothing where both lie on one mask: that is said, naming both.
 TEST(Segmentation, PointsOfTwoObjectsOnOneMaskAreSaid) {
   const TempFolder temp;
