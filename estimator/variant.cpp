@@ -22,7 +22,6 @@ void visit(Io& io, UprightBoxOptions& o) {
   io.flag("shape_yaw", o.shape_yaw);
   io.flag("street_sizes", o.street_sizes);
   io.flag("beam_gaps", o.beam_gaps);
-  io.flag("turn_at_rest", o.turn_at_rest);
 }
 
 template <typename Io>

@@ -116,40 +116,15 @@ void UprightFilter::start(const UprightSight& sight, const Eigen::Vector2d& velo
     yaw_sigma = std::min(yaw_sigma, yaw->sigma_rad);
   }
   const SizeBelief size = rests ? turn_along_length(sight, s) : expected_size(sight, s);
-  begin(sight, size, yaw_sigma, s);
+  s.mean.tail<3>() = size.size_m;
+  s.mean.head<2>() = sight.points.rowwise().mean();
+  UprightVector sigmas;
+  sigmas << size.size_m.norm(), size.size_m.norm(), yaw_sigma, kStartSpeedShare * s.mean[kSpeed], kStartYaw,
+      size.sigma_m;
+  s.covariance = sigmas.cwiseAbs2().asDiagonal();
+  see(sight, s);
   step.predicted = s.mean;
   step.predicted_covariance = s.covariance;
-}
-
-// With a yaw and a speed: place and size as far as one sight tells.
-void UprightFilter::begin(const UprightSight& sight, const SizeBelief& size, double yaw_sigma,
-                          UprightState& state) {
-  state.mean.tail<3>() = size.size_m;
-  state.mean.head<2>() = sight.points.rowwise().mean();
-  UprightVector sigmas;
-  sigmas << size.size_m.norm(), size.size_m.norm(), yaw_sigma,
-      kStartSpeedShare * std::abs(state.mean[kSpeed]), kStartYaw, size.sigma_m;
-  state.covariance = sigmas.cwiseAbs2().asDiagonal();
-  see(sight, state);
-}
-
-// The way that a body at rest would go, its sides and sizes alone tell, and first sights may mislead. Where
-// all sights together fit a street user better in the yaw that this one alone has, it begins anew.
-bool UprightFilter::turn_at_rest(const UprightSight& sight, UprightState& state) {
-  if (!options_.turn_at_rest) return false;
-  if (std::abs(state.mean[kSpeed]) > kRestSpeed) return false;
-  const auto yaw = seen_yaw(sight, state.mean[kYaw], std::numbers::pi / 4);
-  if (!yaw) return false;
-  UprightState other = state;
-  other.mean[kYaw] = yaw->yaw_rad;
-  other.mean[kSpeed] = other.mean[kYawRate] = 0;
-  const SizeBelief size = turn_along_length(sight, other);
-  worse_so_ += expected_size(sight, state).misfit - size.misfit;
-  if (worse_so_ <= 0 || std::abs(angle_between(other.mean[kYaw], state.mean[kYaw])) < kReach) return false;
-  worse_so_ = 0;
-  begin(sight, size, yaw->sigma_rad, other);
-  state = other;
-  return true;
 }
 
 UprightFilter::Step UprightFilter::gone_on(const UprightState& from, std::int64_t frame,
@@ -178,10 +153,7 @@ UprightFilter::Step UprightFilter::gone_on(const UprightState& from, std::int64_
 
 void UprightFilter::step(std::int64_t frame, std::int64_t stamp_ns, const UprightSight* sight) {
   Step step = gone_on(steps_.back().now, frame, stamp_ns);
-  if (sight && turn_at_rest(*sight, step.now))
-    step.transition.setZero();  // what comes later does not tell of before
-  else if (sight)
-    see(*sight, step.now);
+  if (sight) see(*sight, step.now);
   steps_.push_back(step);
 }
 

@@ -62,15 +62,12 @@ class UprightFilter {
   SizeBelief expected_size(const UprightSight& sight, const UprightState& state) const;
   SizeBelief turn_along_length(const UprightSight& sight, UprightState& state) const;
   Step gone_on(const UprightState& from, std::int64_t frame, std::int64_t stamp_ns) const;
-  void begin(const UprightSight& sight, const SizeBelief& size, double yaw_sigma, UprightState& state);
-  bool turn_at_rest(const UprightSight& sight, UprightState& state);
   void see(const UprightSight& sight, UprightState& state);
   bool measure(const UprightVector& row, const Seen& seen, UprightState& state) const;
   static void doubt(const UprightVector& row, double innovation, UprightState& state);
 
   UprightBoxOptions options_;
   std::vector<Step> steps_;
-  double worse_so_ = 0;  // at rest: by how much sights' sizes fit worse in the body's yaw than in their own
   std::array<int, 4> scans_off_{};  // in which each end was not where it was expected
 };
 

@@ -11,7 +11,6 @@ struct UprightBoxOptions {
   bool shape_yaw = true;                  // whether sides that are seen tell the yaw, too, or the way alone
   bool street_sizes = true;               // whether what is hidden is as large as street users mostly are
   bool beam_gaps = true;                  // whether it may end anywhere before the next beam, which missed it
-  bool turn_at_rest = true;               // whether what rests may begin anew in the yaw of later sights
 };
 
 }  // namespace uniquadric

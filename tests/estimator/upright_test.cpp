@@ -196,26 +196,6 @@ TEST(UprightSight, BeamsLeaveAnEndOpenAsFarAsTheNextOneIs) {
   EXPECT_EQ(without_gaps(sight).beam_gap_m, 0);
 }
 
-// Of a parked car the first sight misleads by more than sides are looked for about an expected yaw.
-TEST(UprightFilter, WhatRestsIsTurnedWhenItsSidesShow) {
-  RandomStream random(7, "test");
-  const UprightSight misleading = sight_of({{12, 7}, 0.7}, {0, 0}, 20, 0.01, random);
-  for (const bool turns : {true, false}) {
-    UprightBoxOptions options;
-    options.turn_at_rest = turns;
-    UprightFilter filter(options);
-    filter.start(misleading, {0, 0});
-    for (int scan = 1; scan < 15; ++scan) {
-      UprightSight whole = sight_of({{12, 7}}, {0, 0}, 20, 0.01, random);
-      whole.stamp_ns = 100'000'000 * std::int64_t{scan};
-      filter.step(scan, whole.stamp_ns, &whole);
-    }
-    const UprightState last = filter.causal().back();
-    EXPECT_EQ(std::abs(std::cos(last.mean[kYaw])) > 0.99, turns);
-    if (turns) EXPECT_NEAR(last.mean[kLength], 4.4, 0.2);
-  }
-}
-
 TEST(UprightFilter, LooksBackWithWhatItLearnsLater) {
   const TurningCar car;
   constexpr int kScans = 40;
