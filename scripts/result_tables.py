@@ -7,6 +7,7 @@ A block of a page is `<!-- KIND BENCH key=value .. -->`, then what is made, then
   level   variant= metric= level=0.8 | object:0.8,.. [output= scenes= verdict=no]   a figure against a level
   section heading=                        a section of the bench's report.md
   spread  metrics= [variants= outputs=]   median and worst tenth over the scenes of a family, and failures
+  ablation of= metrics= [outputs=]        every other variant against `of`, pair by pair, by group
   success variant= [output= groups= plot=FILE.svg]   share of scene-objects that are followed well, by group
 A group of scenes is what bears the same name but for the seed at its end, as families do.
 """
@@ -49,6 +50,7 @@ COLUMNS = {
     "octree_time_ratio": ("Embree is faster by", 1, 1),
 }
 OUTPUTS = {"": "at each frame", "fixed_lag": "1 s later", "final": "offline smoothing"}
+WHOLE = ("hota", "false_bodies")  # metrics of a scene, not of an object
 # Student's t at 97.5 %, by degrees of freedom
 T = [0, 12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131]
 
@@ -293,8 +295,44 @@ def spread(name, options):
         objects = of_objects(rows)
         lost = sum(1 for row in objects if not row.get("coverage"))
         whole = [row for (_, item, _), row in rows.items() if item == "all"]
-        cells = [spread_cell(whole if metric in ("hota", "false_bodies") else objects, metric) for metric in metrics]
+        cells = [spread_cell(whole if metric in WHOLE else objects, metric) for metric in metrics]
         lines.append(f"| {group} | {variant} | {OUTPUTS[output]} | {len(objects)} | {lost} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def change_cell(pairs, metric):
+    """By how much the second of each pair differs: the mean, how often it is better and worse, and how often it has no
+    figure where the first has."""
+    both = [(a, b) for a, b in pairs if a is not None and b is not None]
+    lost = sum(1 for a, b in pairs if a is not None and b is None)
+    if not both:
+        return f"{lost} lost" if lost else "-"
+    gains = [gain(a, b, metric) for a, b in both]
+    mean = statistics.fmean(gains)
+    counts = f"{sum(g > 0 for g in gains)}:{sum(g < 0 for g in gains)}" + (f", {lost} lost" if lost else "")
+    return (f"x {math.exp(-mean):.2f}" if is_error(metric) else f"{mean:+.3f}") + f" ({counts})"
+
+
+def ablation(name, options):
+    scores, base, metrics = read_scores(name), options["of"], options["metrics"].split(",")
+    variants = list(dict.fromkeys(key[2] for key in scores))
+    outputs = chosen(options, "outputs", ["causal"])
+    groups = by_group(scores, variants, outputs)
+    names = list(dict.fromkeys(group for group, *_ in groups))
+    if base not in variants:
+        raise PageError(f"{name}: no variant {base}")
+    lines = ["| variant | known | " + " | ".join(f"{group}: {column(m)[0].partition(' [')[0]}" for group in names for m in metrics) + " |",
+             "|---|---|" + "---:|" * (len(names) * len(metrics))]
+    for variant in variants:
+        for output in dict.fromkeys(key[2] for key in groups):
+            cells = []
+            for group in names:
+                before, after = (groups.get((group, v, output), {}) for v in (base, variant))
+                for metric in metrics:
+                    rows = [key for key in before if (key[1] == "all") == (metric in WHOLE) and key[1] != "camera"]
+                    cells.append(change_cell([(before[key].get(metric), after.get(key, {}).get(metric)) for key in rows], metric))
+            if variant != base:
+                lines.append(f"| {variant} | {OUTPUTS[output]} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
@@ -368,7 +406,8 @@ def section(name, options):
 def made(name, options):
     figures = {"means": "Means over seeds of root mean squares or means over frames, ± half the 95 % confidence interval "
                         "(Student's t).",
-               "medians": "Medians over objects and, in brackets, the worst tenth."}
+               "medians": "Medians over objects and, in brackets, the worst tenth.",
+               "pairs": "Mean changes over objects; in brackets, how many are better and worse."}
     return kept(name, "txt").read_text().strip() + " " + figures[options.get("of", "means")]
 
 
@@ -380,6 +419,7 @@ KINDS = {
     "level": (level, {"variant", "metric", "level"}, {"output", "scenes", "verdict"}),
     "section": (section, {"heading"}, set()),
     "spread": (spread, {"metrics"}, {"variants", "outputs"}),
+    "ablation": (ablation, {"of", "metrics"}, {"outputs"}),
     "success": (success, {"variant"}, {"output", "groups", "plot"}),
 }
 BLOCK = re.compile(r"(<!-- (\w+) (\S+)((?: \S+=\S+)*) -->\n)(.*?)(<!-- end -->)", re.S)
