@@ -14,6 +14,8 @@
 namespace uniquadric {
 namespace {
 
+constexpr double kNoisePerRange = 0.005;  // ours: of a depth camera, along the line of sight
+
 struct CarvedBody {
   int id;
   BodyCarving carving;
@@ -55,8 +57,7 @@ std::map<int, SurfaceFile> carve_bodies(const Sequence& sequence, const Percepti
   std::map<std::int64_t, const FrameInfo*> frames;
   for (const FrameInfo& info : perception.frames())
     if (info.final_camera && !info.depth_refused) frames[info.frame] = &info;
-  std::vector<CarvedBody> bodies =
-      bodies_to_carve(*result.final, frames, variant.body.shape.cloud.noise_per_range, options);
+  std::vector<CarvedBody> bodies = bodies_to_carve(*result.final, frames, kNoisePerRange, options);
   for (const SequenceFrame& images : sequence.frames) {
     const auto sees = [&](const CarvedBody& body) { return body.world_from_object.contains(images.frame); };
     if (images.depth.empty() || std::ranges::none_of(bodies, sees)) continue;

@@ -90,50 +90,63 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
   std::optional<BodyObservation> own;  // without outlines that are not this body's alone
   if (body && !has_own_outline(frame, *body)) body = &own.emplace(features_of(*body));
   std::optional<BodyPose> pose;
-  const bool is_global = options_.parameterisation == Parameterisation::global;
-  if (body) pose = is_global ? stand_still(frame) : track(frame, *body);
+  if (body) pose = is_global() ? stand_still(frame) : track(frame, *body);
   const bool by_points = pose.has_value();
-  if (pose && pose->keyframe && !is_global) settle(frame, *body, *pose);
+  if (pose && pose->keyframe && !is_global()) settle(frame, *body, *pose);
   if (!pose && body && body->silhouette) pose = align(frame, *body);
-  const Matrix6d covariance = covariance_of(pose ? pose->information : Matrix6d::Zero());
-  if (pose && !by_points && !pose->keyframe && is_stale(frame)) {  // a guess until more of it is in view
-    ++frames_unfound_;
-    remember(frame, pose->world_from_body, covariance);
-    BodyState state = state_at(frame, pose->world_from_body, covariance);
-    state.status = ObjectStatus::occluded;
-    state.evidence = PoseEvidence::guess;
-    return state;
-  }
+  if (pose && !by_points && !pose->keyframe && is_stale(frame)) return guessed(frame, *pose);
   if (pose) {
     frames_unfound_ = by_points || pose->keyframe ? 0 : frames_unfound_ + 1;
-    if (frame.frame > sure_frame_ + 1 && seconds(sure_ns_, frame.stamp_ns) > options_.motion.window_s)
-      motion_.forget();
-    if (!is_global)
-      motion_.add(frame.stamp_ns, *frame.world_from_camera, pose->sighted, covariance,
-                  std::cbrt(shape_.shape().semi_axes_m.prod()));
-    sure_ns_ = frame.stamp_ns;
-    sure_frame_ = frame.frame;
-    remember(frame, pose->world_from_body, covariance);
-    if (!own && body->silhouette)
-      outlines_.trust(camera_, *body->silhouette, frame.stamp_ns,
-                      frame.world_from_camera->inverse() * pose->world_from_body, body_center());
-    if (pose->keyframe) {
-      ++keyframes_;
-      if (!is_global) shape_.follow(short_window_.keyframes());
-      if (is_placed(covariance, shape_.shape()))
-        shape_.add_keyframe(
-            {frame.frame, frame.stamp_ns, *frame.world_from_camera, pose->world_from_body, {}}, *body);
-    }
-    return state_at(frame, pose->world_from_body, covariance);
+    return found(frame, *body, !own.has_value(), *pose);
   }
-  const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
-  if (body && can_start(*body) && was_a_glimpse(hidden_s)) {
+  if (body && can_start(*body) && was_a_glimpse(seconds(recent_.back().stamp_ns, frame.stamp_ns))) {
     begin_anew();
     return step(frame, body, times);
   }
+  return unseen(frame, body);
+}
+
+// Back in view, and by its surface alone: until more of it is in view.
+BodyState BodyEstimator::guessed(const PerceivedFrame& frame, const BodyPose& pose) {
+  const Matrix6d covariance = covariance_of(pose.information);
+  ++frames_unfound_;
+  remember(frame, pose.world_from_body, covariance);
+  BodyState state = state_at(frame, pose.world_from_body, covariance);
+  state.status = ObjectStatus::occluded;
+  state.evidence = PoseEvidence::guess;
+  return state;
+}
+
+// `own_outline`: nothing speaks against its being this body's.
+BodyState BodyEstimator::found(const PerceivedFrame& frame, const BodyObservation& body, bool own_outline,
+                               const BodyPose& pose) {
+  const Matrix6d covariance = covariance_of(pose.information);
+  if (frame.frame > sure_frame_ + 1 && seconds(sure_ns_, frame.stamp_ns) > options_.motion.window_s)
+    motion_.forget();
+  if (!is_global())
+    motion_.add(frame.stamp_ns, *frame.world_from_camera, pose.sighted, covariance,
+                std::cbrt(shape_.shape().semi_axes_m.prod()));
+  sure_ns_ = frame.stamp_ns;
+  sure_frame_ = frame.frame;
+  remember(frame, pose.world_from_body, covariance);
+  if (own_outline && body.silhouette)
+    outlines_.trust(camera_, *body.silhouette, frame.stamp_ns,
+                    frame.world_from_camera->inverse() * pose.world_from_body, body_center());
+  if (pose.keyframe) {
+    ++keyframes_;
+    if (!is_global()) shape_.follow(short_window_.keyframes());
+    if (is_placed(covariance, shape_.shape()))
+      shape_.add_keyframe({frame.frame, frame.stamp_ns, *frame.world_from_camera, pose.world_from_body, {}},
+                          body);
+  }
+  return state_at(frame, pose.world_from_body, covariance);
+}
+
+// Where its motion leads it, or where its mask is after a time; nothing once it was said to be lost.
+std::optional<BodyState> BodyEstimator::unseen(const PerceivedFrame& frame, const BodyObservation* body) {
   const PoseSigmas sigmas = prediction_sigmas_at(frame, sure_ns_);
   Pose world_from_body = predict(frame, body);
-  const bool is_lost = hidden_s > options_.lifecycle.lost_after_s ||
+  const bool is_lost = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.lost_after_s ||
                        (!body && has_left(frame, world_from_body, sigmas.translation_m));
   if (is_lost && std::exchange(said_lost_, true)) return std::nullopt;
   Matrix6d predicted = recent_.back().covariance;

@@ -100,6 +100,11 @@ class BodyEstimator {
   };
 
   void begin_anew();
+  bool is_global() const { return options_.parameterisation == Parameterisation::global; }
+  BodyState guessed(const PerceivedFrame& frame, const BodyPose& pose);
+  BodyState found(const PerceivedFrame& frame, const BodyObservation& body, bool own_outline,
+                  const BodyPose& pose);
+  std::optional<BodyState> unseen(const PerceivedFrame& frame, const BodyObservation* body);
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
   bool has_own_outline(const PerceivedFrame& frame, const BodyObservation& body) const;
   bool was_a_glimpse(double hidden_s) const;

@@ -27,14 +27,6 @@ void visit(Io& io, ObbOptions& o) {
 }
 
 template <typename Io>
-void visit(Io& io, CloudOptions& o) {
-  io.number("voxel_m", o.voxel_m, 1e-4, 1.0);
-  io.number("max_voxels", o.max_voxels, 100, 10'000'000);
-  io.number("noise_per_range", o.noise_per_range, 0.0, 1.0);
-  io.positive("noise_floor_m", o.noise_floor_m, kSigma_m);
-}
-
-template <typename Io>
 void visit(Io& io, SurfaceCloudOptions& o) {
   io.number("voxel_share", o.voxel_share, 0.005, 1.0);
   io.number("min_hits", o.min_hits, 1, 1000);
@@ -56,7 +48,6 @@ void visit(Io& io, AxisFusionOptions& o) {
 template <typename Io>
 void visit(Io& io, ShapeOptions& o) {
   io.section("obb", [&](auto& inner) { visit(inner, o.obb); });
-  io.section("cloud", [&](auto& inner) { visit(inner, o.cloud); });
   io.section("surface_cloud", [&](auto& inner) { visit(inner, o.surface); });
   io.section("axis_fusion", [&](auto& inner) { visit(inner, o.fusion); });
   io.positive("sphere_sigma", o.sphere_sigma, kSigmaOfRatio);
@@ -102,8 +93,7 @@ void visit(Io& io, LongWindowOptions& o) {
                                {"mean", AxisPrior::mean},
                                {"inverse_variance", AxisPrior::inverse_variance},
                                {"renyi", AxisPrior::renyi},
-                               {"literal", AxisPrior::literal},
-                               {"accumulated", AxisPrior::accumulated}});
+                               {"literal", AxisPrior::literal}});
   io.choice("axis_samples", o.axis_samples,
             Choices<AxisSamples>{{"boxes", AxisSamples::boxes}, {"extents", AxisSamples::extents}});
   io.choice("rigid_prior", o.rigid_prior,
@@ -117,7 +107,6 @@ void visit(Io& io, LongWindowOptions& o) {
   io.number("surface_sigma_radii", o.surface_sigma_radii, 0.0, 1.0);
   io.flag("extents", o.extents);
   io.flag("contacts", o.contacts);
-  io.flag("depth_sides", o.depth_sides);
   io.number("max_iterations", o.max_iterations, 1, kMostIterations);
 }
 

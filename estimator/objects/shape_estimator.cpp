@@ -29,12 +29,7 @@ double median_depth(const Eigen::Matrix3Xd& points) {
 }
 
 bool fuses(AxisPrior prior) {
-  return prior != AxisPrior::none && prior != AxisPrior::accumulated;
-}
-
-// The box of all points.
-bool needs_box(const LongWindowOptions& options) {
-  return options.depth_sides || options.axis_prior == AxisPrior::accumulated;
+  return prior != AxisPrior::none;
 }
 
 AxisFusion fusion_rule(AxisPrior prior) {
@@ -72,12 +67,7 @@ void drop_carried(std::vector<ShapeView>& views) {
 }  // namespace
 
 ShapeEstimator::ShapeEstimator(int id, const Camera& camera, const ShapeOptions& options, std::uint64_t seed)
-    : id_(id),
-      camera_(camera),
-      options_(options),
-      seed_(seed),
-      cloud_(options.cloud),
-      surface_(options.surface) {}
+    : id_(id), camera_(camera), options_(options), seed_(seed), surface_(options.surface) {}
 
 std::optional<Eigen::Vector3d> ShapeEstimator::start(const PerceivedFrame& frame,
                                                      const BodyObservation& body) {
@@ -106,7 +96,6 @@ std::optional<Eigen::Vector3d> ShapeEstimator::center_of(const PerceivedFrame& f
 void ShapeEstimator::add_keyframe(const BodyKeyframe& keyframe, const BodyObservation& body) {
   ++keyframes_;
   const Pose body_from_camera = keyframe.world_from_body.inverse() * keyframe.world_from_camera;
-  if (needs_box(options_.long_window)) cloud_.add(body.points, body_from_camera);
   surface_.add(body, body_from_camera);
   Eigen::Matrix3Xd smooth = body.normals.cols() > 0 ? body.points : Eigen::Matrix3Xd(3, 0);
   for (const auto& silhouette : {body.silhouette, body.segmented}) {
@@ -197,18 +186,9 @@ AxisBelief ShapeEstimator::sphere_belief() const {
 }
 
 // The sphere's weak one, and the one that the options ask for (Eq. 15).
-std::vector<AxisBelief> ShapeEstimator::axis_beliefs(const std::optional<AccumulatedBox>& box) const {
+std::vector<AxisBelief> ShapeEstimator::axis_beliefs() const {
   std::vector<AxisBelief> beliefs = {sphere_belief()};
-  const AxisPrior prior = options_.long_window.axis_prior;
-  if (prior == AxisPrior::accumulated && box) {
-    AxisBelief belief = beliefs.front();
-    for (int axis = 0; axis < 3; ++axis)
-      if (box->measured(axis)) {
-        belief.semi_axes_m[axis] = box->half_extent_m(axis);
-        belief.sigma_m[axis] = box->half_extent_sigma_m(axis);
-      }
-    beliefs.push_back(belief);
-  } else if (fuses(prior)) {
+  if (fuses(options_.long_window.axis_prior)) {
     const std::vector<AxisEstimate> axes(axes_.begin(), axes_.end());
     if (const auto fused = fuse_axes(axes, fusion()); fused && fused->semi_axes_m.minCoeff() > 0)
       beliefs.push_back({fused->semi_axes_m, fused->sigma_m});
@@ -239,12 +219,9 @@ AxisFusionOptions ShapeEstimator::fusion() const {
 
 ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evidence, bool turns) const {
   LongWindowOptions options = options_.long_window;
-  std::optional<AccumulatedBox> box;
-  if (needs_box(options)) box = accumulated_box(cloud_, start.body_from_object.rotation.toRotationMatrix());
   DepthEvidence depth;
   if (options.surface_points) depth.surface_points = evidence.surface_points;
   depth.contacts = evidence.contacts;
-  if (options.depth_sides && box) depth.sides.assign(box->sides.begin(), box->sides.end());
   Shape from = start;
   if (fuses(options.axis_prior) && !boxes_.empty()) {  // Alg. 1's boxes say where the quadric is, too
     from.body_from_object = usual_box();
@@ -254,7 +231,7 @@ ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evi
   if (!turns) options.offset_sigmas.rotation_rad = kHeldTurn;
   std::vector<StageTime> unasked;
   Stopwatch watch(views_.back().frame, times_ ? *times_ : unasked);
-  ShapeSolution solution = solve_shape(camera_, views_, depth, axis_beliefs(box), from, options);
+  ShapeSolution solution = solve_shape(camera_, views_, depth, axis_beliefs(), from, options);
   watch.stop(kLongWindowStage);
   return solution;
 }

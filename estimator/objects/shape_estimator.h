@@ -6,8 +6,6 @@
 
 #include "estimator/objects/surface_cloud.h"
 #include "estimator/perception/perception.h"
-#include "estimator/shape/accumulated_box.h"
-#include "estimator/shape/accumulated_cloud.h"
 #include "estimator/shape/axis_fusion.h"
 #include "estimator/shape/obb_ransac.h"
 #include "estimator/shape/reach.h"
@@ -23,7 +21,6 @@ inline constexpr const char* kLongWindowStage = "long_window";
 struct ShapeOptions {
   ObbOptions obb;
   LongWindowOptions long_window;
-  CloudOptions cloud;
   SurfaceCloudOptions surface;
   AxisFusionOptions fusion;
   // ours: of each semi-axis about the sphere's radius, relative: a face seen head-on says nothing of the
@@ -33,8 +30,8 @@ struct ShapeOptions {
       12;  // ours: for so many, and each so manyth, other starts are tried: Alg. 1's axes, turned ones
 };
 
-/// The shape of one body: Alg. 1 on each keyframe's points, their fusion (Alg. 2) or the accumulated cloud's
-/// box as a prior, and the long window's solution.
+/// The shape of one body: Alg. 1 on each keyframe's points, their fusion (Alg. 2) as a prior, and the long
+/// window's solution.
 class ShapeEstimator {
  public:
   ShapeEstimator(int id, const Camera& camera, const ShapeOptions& options, std::uint64_t seed);
@@ -69,7 +66,7 @@ class ShapeEstimator {
  private:
   Pose usual_box() const;
   AxisBelief sphere_belief() const;
-  std::vector<AxisBelief> axis_beliefs(const std::optional<AccumulatedBox>& box) const;
+  std::vector<AxisBelief> axis_beliefs() const;
   std::optional<Shape> box_of(const BodyKeyframe& keyframe, const Eigen::Matrix3Xd& points);
   AxisFusionOptions fusion() const;
   /// What all starts of one solve share.
@@ -94,7 +91,6 @@ class ShapeEstimator {
   std::deque<AxisEstimate> axes_;  // of single keyframes by Alg. 1
   std::deque<Pose> boxes_;         // body_from_box of the same
   std::vector<StageTime>* times_ = nullptr;
-  AccumulatedCloud cloud_;
   SurfaceCloud surface_;
 };
 

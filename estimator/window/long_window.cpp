@@ -192,6 +192,36 @@ Vector9d variances_of(ceres::Problem& problem, Blocks& blocks, ceres::ResidualBl
   return variances;
 }
 
+// `still`: the pose of the body's own frame.
+void add_depth(ceres::Problem& problem, const DepthEvidence& depth, PoseBlock& still, Blocks& blocks,
+               const LongWindowOptions& options, Shares& shares) {
+  const int exponents = std::max(1, options.exponents);
+  for (Eigen::Index i = 0; options.surface_points && i < depth.surface_points.cols(); ++i)
+    shares[problem.AddResidualBlock(
+        surface_point_factor(depth.surface_points.col(i), options.surface_sigma_m, exponents).release(),
+        new ceres::CauchyLoss(kHuberSigmas), blocks.offset.data(), blocks.axes.data(),
+        blocks.exponents.data())] = kPointShare;
+  if (options.contacts) add_contacts(problem, depth.contacts, still, blocks, exponents);
+  if (problem.HasParameterBlock(still.data())) problem.SetParameterBlockConstant(still.data());
+}
+
+// Returns the offset's.
+ceres::ResidualBlockId add_priors(ceres::Problem& problem, const std::vector<AxisBelief>& axes,
+                                  const Shape& start, Blocks& blocks, const LongWindowOptions& options) {
+  for (const AxisBelief& belief : axes)
+    problem.AddResidualBlock(
+        axis_prior_factor(belief.semi_axes_m, belief.sigma_m, AxisScale::logarithmic).release(), nullptr,
+        blocks.axes.data());
+  if (options.exponents == 0)
+    problem.SetParameterBlockConstant(blocks.exponents.data());
+  else
+    problem.AddResidualBlock(
+        exponent_prior_factor(options.exponents, {.profile_sigma = options.profile_sigma}).release(), nullptr,
+        blocks.exponents.data());
+  return problem.AddResidualBlock(pose_prior_factor(start.body_from_object, options.offset_sigmas).release(),
+                                  nullptr, blocks.offset.data());
+}
+
 }  // namespace
 
 std::array<SupportLine, 4> sides_of(const Silhouette& silhouette) {
@@ -219,34 +249,8 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   for (std::size_t i = 0; i < views.size(); ++i)
     add_view(problem, camera, views[i], blocks.bodies[i].data(), blocks, options, shares);
   PoseBlock still = pose_block(Pose{});
-  for (Eigen::Index i = 0; options.surface_points && i < depth.surface_points.cols(); ++i)
-    shares[problem.AddResidualBlock(
-        surface_point_factor(depth.surface_points.col(i), options.surface_sigma_m, exponents).release(),
-        new ceres::CauchyLoss(kHuberSigmas), blocks.offset.data(), blocks.axes.data(),
-        blocks.exponents.data())] = kPointShare;
-  for (const BodySide& side : depth.sides) {
-    if (!options.depth_sides || !side.seen) continue;
-    TangentOptions tangent;
-    tangent.exponents = exponents;
-    const TangentPlane plane{side.direction, -side.position_m, 1 / side.sigma_m};
-    problem.AddResidualBlock(tangent_factor(plane, tangent).release(), new ceres::CauchyLoss(kHuberSigmas),
-                             still.data(), blocks.offset.data(), blocks.axes.data(), blocks.exponents.data());
-  }
-  if (options.contacts) add_contacts(problem, depth.contacts, still, blocks, exponents);
-  if (problem.HasParameterBlock(still.data())) problem.SetParameterBlockConstant(still.data());
-  for (const AxisBelief& belief : axes)
-    problem.AddResidualBlock(
-        axis_prior_factor(belief.semi_axes_m, belief.sigma_m, AxisScale::logarithmic).release(), nullptr,
-        blocks.axes.data());
-  if (options.exponents == 0)
-    problem.SetParameterBlockConstant(blocks.exponents.data());
-  else
-    problem.AddResidualBlock(
-        exponent_prior_factor(exponents, {.profile_sigma = options.profile_sigma}).release(), nullptr,
-        blocks.exponents.data());
-  const auto offset_prior =
-      problem.AddResidualBlock(pose_prior_factor(start.body_from_object, options.offset_sigmas).release(),
-                               nullptr, blocks.offset.data());
+  add_depth(problem, depth, still, blocks, options, shares);
+  const auto offset_prior = add_priors(problem, axes, start, blocks, options);
   if (options.rigid_prior == RigidPrior::none)
     problem.SetParameterBlockConstant(blocks.offset.data());  // the poses are free: they carry it
   ceres::Solver::Options solver;

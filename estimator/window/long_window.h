@@ -13,7 +13,6 @@
 #include "core/sequence/tracks.h"
 #include "estimator/factors/pose_prior.h"
 #include "estimator/perception/perception.h"
-#include "estimator/shape/accumulated_box.h"
 
 namespace uniquadric {
 
@@ -31,7 +30,7 @@ enum class Outline {
   hull,      ///< the convex hull's tangents in K directions
 };
 /// Where the axes' prior comes from (Eq. 15).
-enum class AxisPrior { none, mean, inverse_variance, renyi, literal, accumulated };
+enum class AxisPrior { none, mean, inverse_variance, renyi, literal };
 /// What is fused to it, of each keyframe.
 enum class AxisSamples {
   boxes,    ///< the axes of Alg. 1's box: the paper's
@@ -62,7 +61,7 @@ struct LongWindowOptions {
   // ours: outlines that a mask tracker carried no longer count once segmented ones have come: without depth
   // edges to hold them they are pixels off on the side where a body uncovers what is behind it
   bool segmented_outlines = false;
-  AxisPrior axis_prior = AxisPrior::none;  // ours: depth_sides say more, where they are seen
+  AxisPrior axis_prior = AxisPrior::none;  // ours: depth points say more, where they are seen
   AxisSamples axis_samples = AxisSamples::boxes;
   RigidPrior rigid_prior = RigidPrior::hard;
   PoseSigmas rigid_sigmas{0.003, 0.006};  // ours: what short windows reach on the simulated scenes
@@ -71,9 +70,8 @@ struct LongWindowOptions {
   // ours: and no less than so many radii of the body: what is large has panes, doors and wheels off the
   // surface
   double surface_sigma_radii = 0.02;
-  bool extents = true;       // ours: where the body ends along its axes is what its points say, where seen
-  bool contacts = true;      // ours: what stands on a plane ends there, and stands on a face
-  bool depth_sides = false;  // ours: how far the accumulated points reach; surface_points say it better
+  bool extents = true;   // ours: where the body ends along its axes is what its points say, where seen
+  bool contacts = true;  // ours: what stands on a plane ends there, and stands on a face
   // ours: of the offset about its start, a solve: a ball has no axes to be found, what nothing holds stays
   PoseSigmas offset_sigmas{0.1, 0.05};
   // ours: in their place where covariances are made: a start is no evidence, so as good as none
@@ -117,7 +115,6 @@ struct ContactSide {
 /// What depth says of the shape, in the body's frame.
 struct DepthEvidence {
   Eigen::Matrix3Xd surface_points;  ///< (3 x n) [m]
-  std::vector<BodySide> sides;
   std::vector<ContactSide> contacts;
 };
 

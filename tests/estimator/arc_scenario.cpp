@@ -168,7 +168,7 @@ void add_view(ceres::Problem& problem, const Observed& view, double* body, State
                              state.exponents.data());
 }
 
-// Sides as an accumulated cloud gives them: tangent planes in the body's frame.
+// Sides as depth gives them: tangent planes in the body's frame.
 void add_sides(ceres::Problem& problem, PoseBlock& identity, State& state,
                const std::vector<TangentPlane>& sides, const ArcOptions& options) {
   for (const TangentPlane& side : sides)
