@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <set>
 
 #include "core/base/config.h"
@@ -123,6 +124,8 @@ std::vector<BenchScene> read_family(const ConfigNode& node, const std::vector<st
   const int count = node.get<int>("count", 1);
   if (count < 1 || count > kMostOfFamily)
     node.at("count").fail(fmt::format("expected 1 to {}", kMostOfFamily));
+  if (request.seed > std::numeric_limits<std::uint64_t>::max() - static_cast<std::uint64_t>(count - 1))
+    node.at("first_seed").fail(fmt::format("{} seeds from there on leave 64 bits", count));
   check_request(request);
   const std::string name = node.name("name", request.family);
   BenchScene common;

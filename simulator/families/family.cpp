@@ -20,7 +20,7 @@ const std::vector<std::pair<std::string, Draw>> kFamilies = {{"tabletop", tablet
                                                              {"handled", handled_scene},
                                                              {"street", street_scene},
                                                              {"room", room_scene}};
-constexpr int kMostObjects = 100, kMostFrames = 100'000;
+constexpr int kMostObjects = 100, kMostTossed = 12, kMostFrames = 100'000;
 
 int whole(const ConfigNode& node, const std::string& key, int fallback, int low, int high) {
   const int value = node.get<int>(key, fallback);
@@ -35,7 +35,8 @@ FamilyOptions read_options(const FamilyRequest& request, double drawn_difficulty
   options.difficulty = node.get<double>("difficulty", drawn_difficulty);
   if (!(options.difficulty >= 0 && options.difficulty <= 1)) node.at("difficulty").fail("expected 0 to 1");
   options.frames = whole(node, "frames", 300, 1, kMostFrames);
-  if (request.family != "room" && node.has("count")) options.count = whole(node, "count", 0, 1, kMostObjects);
+  const int most = request.family == "tossed" ? kMostTossed : kMostObjects;  // flights are slow to keep apart
+  if (request.family != "room" && node.has("count")) options.count = whole(node, "count", 0, 1, most);
   if (request.family != "room" && request.family != "street")
     options.meshes = node.get<std::string>("meshes", "");
   if (request.family == "street")

@@ -52,14 +52,9 @@ cv::Mat moved_behind_lens(const cv::Mat& depth_m, const PixelRays& rays, double 
   return moved;
 }
 
-// The nearest whole number, of two the lower: in 1/1024 pixel, as OpenCV's warps count.
-int nearest_below(double px) {
-  return -((cvRound(-px * 1024) + 512) >> 10);
-}
-
 cv::Mat shifted(const cv::Mat& depth_m, const Eigen::Vector2d& by_px) {
   const cv::Rect image({0, 0}, depth_m.size());
-  const cv::Point by(nearest_below(by_px.x()), nearest_below(by_px.y()));
+  const cv::Point by(cvRound(by_px.x()), cvRound(by_px.y()));
   const cv::Rect target = image & (image + by);
   cv::Mat moved = cv::Mat::zeros(depth_m.size(), CV_32FC1);
   if (!target.empty()) depth_m(target - by).copyTo(moved(target));

@@ -16,6 +16,14 @@ bool has_key(const ConfigNode& node, std::string_view key) {
   return child->is_map() && has_key(*child, key.substr(dot + 1));
 }
 
+// Whether the scene turns that sensor itself, in any of the ways there are.
+bool has_turn(const ConfigNode& scene, std::string_view key) {
+  const std::size_t end = key.rfind(".rpy_deg");
+  if (end == key.npos) return false;
+  const std::string section(key.substr(0, end));
+  return has_key(scene, section + ".quaternion_xyzw") || has_key(scene, section + ".look_at_m");
+}
+
 // Else the level's value would be blamed for what stands in the scene.
 void require_section(const ConfigNode& scene, std::string_view key) {
   const auto section = scene.find(std::string(key.substr(0, key.find('.'))));
@@ -88,7 +96,7 @@ const std::vector<RealismRow>& realism_rows() {
        "measured: 7-10 % of visp_cube's dark pixels have no depth, 3-5 % of its bright ones"},
       {"depth_noise.color_offset_m", "0.015", "0.015", "0.025", false,
        "D435 data sheet: 15 mm; Kinect: 25 mm (Herrera et al., PAMI 2012)"},
-      {"depth_noise.registration_error_px", "", "[0.5, -0.5]", "[3, -1]", false,
+      {"depth_noise.registration_error_px", "", "[0, -1]", "[3, -1]", false,
        "ours: of registration by the default calibration"},
       {"depth_noise.delay_s", "", "0.1", "0.5", true,
        "shutters that are not synchronised: up to half a frame"},
@@ -122,7 +130,9 @@ std::vector<ConfigOverride> realism_of(const ConfigNode& scene) {
   std::vector<ConfigOverride> added;
   for (const RealismRow& row : realism_rows()) {
     const std::string_view value = level == "mild" ? row.mild : level == "real" ? row.real : row.harsh;
-    if (value.empty() || has_key(scene, row.key) || is_of_missing_sensor(scene, row.key)) continue;
+    if (value.empty() || has_key(scene, row.key) || has_turn(scene, row.key) ||
+        is_of_missing_sensor(scene, row.key))
+      continue;
     require_section(scene, row.key);
     added.push_back({std::string(row.key), row.in_frames ? in_seconds(value, rate_hz) : std::string(value)});
   }

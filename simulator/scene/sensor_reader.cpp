@@ -71,6 +71,8 @@ void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
   noise.color_offset_m = read_within(node, "color_offset_m", noise.color_offset_m, kMostColorOffset_m);
   noise.registered = node.get<bool>("registered", noise.registered);
   noise.registration_error_px = pixels(node, "registration_error_px");
+  if (noise.registration_error_px != noise.registration_error_px.array().round().matrix())
+    node.at("registration_error_px").fail("expected whole pixels");
   noise.delay_s = read_at_most(node, "delay_s", noise.delay_s, kMostDelay_s);
   noise.min_range_m = read_positive(node, "min_range_m", noise.min_range_m, kMostRange_m);
   noise.max_range_m = read_positive(node, "max_range_m", noise.max_range_m, kMostRange_m);

@@ -113,6 +113,15 @@ TEST_F(BenchPlanCommand, DrawsTheScenesThatGenerateDraws) {
   }
 }
 
+TEST_F(BenchPlanCommand, RefusesSeedsOfAFamilyBeyondTheLargest) {
+  write_text(bench_, "scenes: [{family: room, count: 2, first_seed: 18446744073709551615}]\nvariants: [" +
+                         (fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants/bbox.yaml").string() +
+                         "]\nseeds: [1]\n");
+  const ProgramRun run = run_program({"bench", bench_, folder() / "out", "--plan"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find(bench_.string() + ":1: scenes[0].first_seed: "), run.err.npos) << run.err;
+}
+
 // Two variants of one file, one of them with another option of the back end, are two rows that share what is
 // seen.
 TEST_F(BenchPlanCommand, SetsValuesInAVariantsPlace) {

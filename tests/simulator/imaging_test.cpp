@@ -62,6 +62,7 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
       {"depth_noise: {color_offset_m: -2}", "color_offset_m: expected -1 to 1, found -2"},
       {"depth_noise: {registration_error_px: [0, 101]}",
        "registration_error_px: expected -100 to 100 each, found 101"},
+      {"depth_noise: {registration_error_px: [0.5, 0]}", "registration_error_px: expected whole pixels"},
       {"segmenter: {leak_px: 1e9}", "leak_px: expected at most 100"},
       {"segmenter: {boundary_sigma_px: 101}", "boundary_sigma_px: expected at most 100"},
       {"segmenter: {boundary_length_px: 101}", "boundary_length_px: expected 0.1 to 100"}};

@@ -46,6 +46,16 @@ TEST(Realism, WhatTheSceneSaysItselfCounts) {
   EXPECT_EQ(scene_at("real").depth_noise.smear_px, 9);
 }
 
+// A sensor that the scene turns in another way than the level would.
+TEST(Realism, AMountingErrorOfTheScenesOwnStays) {
+  for (const std::string turn : {"quaternion_xyzw: [0, 0, 0, 1]", "rpy_deg: [0, 0, 0]"}) {
+    std::string text = fmt::format(kScene, "harsh");
+    text.replace(text.find("imu: {"), 6, "imu: {mounting_error: {" + turn + "}, ");
+    EXPECT_TRUE(parse_scene(text, "scene.yaml")
+                    .imu->mounting_error.rotation.isApprox(Eigen::Quaterniond::Identity()));
+  }
+}
+
 TEST(Realism, SharesOfAFrameFollowTheRate) {
   EXPECT_NEAR(scene_at("real").imaging.rolling_shutter_s, 0.45 / 25, 1e-12);
 }
