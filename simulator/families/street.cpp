@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <vector>
 
 #include "simulator/families/families.h"
 #include "simulator/families/scene_draft.h"
@@ -72,39 +74,97 @@ Thing walker(RandomStream& random, bool on_wheels) {
   return thing;
 }
 
-struct Legs {
-  double speed_mps;
-  std::string text;
-  double way_m = 0;  // in all its time
+struct Leg {
+  double lasts_s = 0, acceleration_mps2 = 0, steer_deg = 0;
 };
 
-// Speeds up and slows down now and then, or stops and goes.
-Legs draw_legs(RandomStream& random, double speed_mps, double duration_s) {
-  Legs legs{speed_mps, "["};
-  double speed = speed_mps;
-  const auto drives = [&](double acceleration, double lasts_s) {
-    const double moving_s = acceleration < 0 ? std::min(lasts_s, -speed / acceleration) : lasts_s;
-    return (speed + 0.5 * acceleration * moving_s) * moving_s;
-  };
-  for (double time_s = 0; time_s < duration_s;) {
+struct Drive {
+  double speed_mps = 0;
+  std::vector<Leg> legs;
+};
+
+// Speeds up and slows down now and then.
+void drive_on(RandomStream& random, Drive& drive, double speed_mps, double duration_s) {
+  while (duration_s > 0) {
     const double lasts_s = random.uniform(1.2, 3);
-    const double least = std::max(-3.0, -speed / lasts_s),
-                 most = std::min(2.0, (1.4 * speed_mps - speed) / lasts_s);
+    const double least = std::max(-3.0, -speed_mps / lasts_s),
+                 most = std::min(2.0, (1.4 * drive.speed_mps - speed_mps) / lasts_s);
     const double acceleration = random.uniform(std::min(least, most), most);
-    legs.way_m += drives(acceleration, std::min(lasts_s, duration_s - time_s));
-    speed = std::max(0.0, speed + acceleration * lasts_s);
-    legs.text += fmt::format("{}{{duration_s: {}, acceleration_mps2: {}}}", time_s > 0 ? ", " : "",
-                             yaml_number(lasts_s, 2), yaml_number(acceleration, 2));
-    time_s += lasts_s;
+    drive.legs.push_back({lasts_s, acceleration});
+    speed_mps = std::max(0.0, speed_mps + acceleration * lasts_s);
+    duration_s -= lasts_s;
   }
-  legs.text += "]";
-  return legs;
 }
 
-std::string drive_text(double x_m, double y_m, double heading_deg, const Legs& legs, double height_m) {
+// Brakes to rest, waits, and goes again. Returns the time that this takes, and gives the speed after it.
+double stop_and_go(RandomStream& random, Drive& drive, double& speed_mps) {
+  constexpr double kHardest_mps2 = 5, kSurely_mps2 = 0.01;  // more than rounding in the text takes away
+  const double brakes_s = std::max(random.uniform(1, 2), speed_mps / kHardest_mps2),
+               waits_s = random.uniform(0.5, 1.5), starts_s = random.uniform(1, 2),
+               start_mps2 = random.uniform(1, 2);
+  drive.legs.push_back({brakes_s, -speed_mps / brakes_s - kSurely_mps2});
+  drive.legs.push_back({waits_s});
+  drive.legs.push_back({starts_s, start_mps2});
+  speed_mps = start_mps2 * starts_s;
+  return brakes_s + waits_s + starts_s;
+}
+
+// To another line of the same lane, by as much steering to one side as to the other.
+double swerve(RandomStream& random, Drive& drive, double speed_mps) {
+  constexpr double kWheelbase_m = 2.7, kMostTurn_rad = 0.25;
+  const double aside_m = random.uniform(0.4, 1.2) * (random.below(2) ? 1 : -1);
+  const double turns_s = std::max(random.uniform(0.8, 1.5), std::abs(aside_m) / (kMostTurn_rad * speed_mps));
+  const double curvature = aside_m / std::pow(speed_mps * turns_s, 2);
+  const double steer_deg = std::atan(kWheelbase_m * curvature) * 180 / std::numbers::pi;
+  drive.legs.push_back({turns_s, 0, steer_deg});
+  drive.legs.push_back({turns_s, 0, -steer_deg});
+  return 2 * turns_s;
+}
+
+Drive draw_drive(RandomStream& random, double speed_mps, double duration_s) {
+  constexpr double kStops = 0.25, kSwerves = 0.5;  // cumulative shares
+  Drive drive{speed_mps, {}};
+  const double manner = random.uniform();
+  if (manner < kSwerves) {
+    const double begins_s = random.uniform(0.1, 0.3) * duration_s;
+    drive.legs.push_back({begins_s});
+    duration_s -= begins_s;
+  }
+  if (manner < kStops)
+    duration_s -= stop_and_go(random, drive, speed_mps);
+  else if (manner < kSwerves)
+    duration_s -= swerve(random, drive, speed_mps);
+  drive_on(random, drive, speed_mps, duration_s);
+  return drive;
+}
+
+// In so much time.
+double way_of(const Drive& drive, double duration_s) {
+  double way_m = 0, speed = drive.speed_mps;
+  for (const Leg& leg : drive.legs) {
+    const double lasts_s = std::clamp(duration_s, 0.0, leg.lasts_s), a = leg.acceleration_mps2;
+    const double moving_s = a < 0 ? std::min(lasts_s, -speed / a) : lasts_s;
+    way_m += (speed + 0.5 * a * moving_s) * moving_s;
+    speed = std::max(0.0, speed + a * leg.lasts_s);
+    duration_s -= leg.lasts_s;
+  }
+  return way_m;
+}
+
+std::string legs_text(const Drive& drive) {
+  std::string text;
+  for (const Leg& leg : drive.legs) {
+    text += fmt::format("{}{{duration_s: {}, acceleration_mps2: {}", text.empty() ? "[" : ", ",
+                        yaml_number(leg.lasts_s, 2), yaml_number(leg.acceleration_mps2, 2));
+    text += leg.steer_deg == 0 ? "}" : fmt::format(", steer_deg: {}}}", yaml_number(leg.steer_deg, 3));
+  }
+  return text + "]";
+}
+
+std::string drive_text(double x_m, double y_m, double heading_deg, const Drive& drive, double height_m) {
   return fmt::format("kind: drive, start_m: [{}, {}], heading_deg: {}, speed_mps: {}, height_m: {}, legs: {}",
                      yaml_number(x_m, 2), yaml_number(y_m, 2), yaml_number(heading_deg, 2),
-                     yaml_number(legs.speed_mps, 2), yaml_number(height_m, 3), legs.text);
+                     yaml_number(drive.speed_mps, 2), yaml_number(height_m, 3), legs_text(drive));
 }
 
 std::string in_line(const std::string& motion) {
@@ -119,10 +179,10 @@ std::optional<std::string> along_lane(RandomStream& random, const Street& street
   const double x_m = street.start_m + random.uniform(from_m, to_m);
   const double y_m = lane_m + random.uniform(-0.3, 0.3);
   const double speed_mps = street.speed_mps * relative_speed * random.uniform(0.8, 1.2);
-  const Legs legs = draw_legs(random, speed_mps, street.duration_s);
-  const double end_m = x_m + (heading_deg == 0 ? 1 : -1) * legs.way_m;
+  const Drive drive = draw_drive(random, speed_mps, street.duration_s);
+  const double end_m = x_m + (heading_deg == 0 ? 1 : -1) * way_of(drive, street.duration_s);
   if (std::abs(end_m) > 0.5 * street.length_m - kHouses_m) return std::nullopt;
-  return in_line(drive_text(x_m, y_m, heading_deg, legs, 0.5 * thing.size_m.z()));
+  return in_line(drive_text(x_m, y_m, heading_deg, drive, 0.5 * thing.size_m.z()));
 }
 
 std::string standing(RandomStream& random, const Street& street, const Thing& thing, double way_m) {
@@ -227,8 +287,10 @@ std::string street_scene(RandomStream& random, const FamilyOptions& options) {
   const double way_m = street.speed_mps * street.duration_s;
   street.length_m = std::round(10 * std::max(110.0, 1.4 * way_m + 80)) / 10;  // as it is written
   street.start_m = -0.5 * street.length_m + kBehind_m;
-  const Legs legs = draw_legs(random, street.speed_mps, street.duration_s);
-  const auto ego = [&](double height_m) { return drive_text(street.start_m, kEgoLane_m, 0, legs, height_m); };
+  const Drive drive = draw_drive(random, street.speed_mps, street.duration_s);
+  const auto ego = [&](double height_m) {
+    return drive_text(street.start_m, kEgoLane_m, 0, drive, height_m);
+  };
   const std::string camera = fmt::format(
       "  calibration: {{width: 640, height: 480, fx: 460, fy: 460, cx: 319.5, cy: 239.5}}\n  depth: false\n"
       "  motion:\n    kind: compose\n    parts:\n      - {{{}}}\n      - {{kind: tremor, position_m: 0.004, "
