@@ -6,6 +6,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "evaluation/report/markup.h"
@@ -153,15 +154,24 @@ std::vector<SummaryRow> summarize(const Results& results) {
 std::string evaluation_text(const CellEvaluation& evaluation) {
   std::vector<std::vector<std::string>> lines = {{"object"}};
   for (const char* metric : summary_metrics()) lines[0].push_back(find_metric(metric).label);
+  double false_bodies = 0;
   for (const SubjectFigures& figures : evaluation.subjects) {
-    if (figures.subject == "all") continue;
+    const auto figure = [&](const char* metric) -> std::optional<double> {
+      const auto found = figures.value.find(metric);
+      return found == figures.value.end() ? std::nullopt : std::optional<double>(found->second);
+    };
+    if (figures.subject == "all") {
+      false_bodies = figure("false_bodies").value_or(0);
+      continue;
+    }
     lines.push_back({figures.subject});
     for (const char* metric : summary_metrics()) {
-      const auto found = figures.value.find(metric);
-      lines.back().push_back(found == figures.value.end() ? "-" : format_figure(found->second));
+      const auto found = figure(metric);
+      lines.back().push_back(found ? format_figure(*found) : "-");
     }
   }
-  return aligned_columns(lines, "<") + "APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares\n";
+  const std::string more = false_bodies > 0 ? fmt::format("false bodies: {}\n", false_bodies) : "";
+  return aligned_columns(lines, "<") + more + "APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares\n";
 }
 
 std::string summary_text(const std::vector<SummaryRow>& rows) {

@@ -227,6 +227,8 @@ TEST(Summary, OneEvaluationHasALineAnObjectAndTheCameras) {
             "never_seen       -      -      -      -          -              -       -         0\n"
             "camera       0.500  0.250      -      -          -              -       -         -\n"
             "APE.t, RPE.t in m, APE.r, RPE.r in rad, root mean squares\n");
+  evaluation.subjects = {{"all", {{"false_bodies", 2}}}};  // an empty room
+  EXPECT_NE(evaluation_text(evaluation).find("\nfalse bodies: 2\n"), std::string::npos);
 }
 
 TEST(Summary, FiguresForPeople) {
