@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 
 #include "core/base/error.h"
@@ -11,7 +12,9 @@
 #include "core/base/hash.h"
 #include "core/base/progress.h"
 #include "core/base/source_hashes.h"
+#include "core/base/text.h"
 #include "core/base/threads.h"
+#include "core/base/warning.h"
 #include "simulator/frame_files.h"
 #include "simulator/frame_log.h"
 #include "simulator/imu/imu_files.h"
@@ -104,6 +107,27 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
   }
 }
 
+// Of objects that stand elsewhere than their author may have meant, by the lines of visibility.csv.
+void warn_of_odd_views(const Scene& scene, const std::string& visibility) {
+  constexpr double kFilled = 0.95;  // share of an image
+  std::map<long long, long long> most_px;
+  for (const std::string_view line : split(visibility, '\n')) {
+    if (line.empty()) continue;
+    const auto fields = split(line, ',');
+    long long& most = most_px[*parse_integer(fields[2])];
+    most = std::max(most, *parse_integer(fields[3]));
+  }
+  const double image_px = static_cast<double>(scene.camera.width) * scene.camera.height;
+  for (const Body& body : scene.objects) {
+    const auto px = static_cast<double>(most_px[body.id]);
+    if (px == 0 && !scene.lidar)
+      warn(fmt::format("scene {}: object {} is in no image", scene.name, body.name));
+    if (px > kFilled * image_px)
+      warn(
+          fmt::format("scene {}: object {} fills an image: is the camera inside it?", scene.name, body.name));
+  }
+}
+
 // What needs no picture.
 void write_descriptions(const Scene& scene, const SimulateOptions& options, std::int64_t frames,
                         const fs::path& folder, FrameTimes& times) {
@@ -164,7 +188,9 @@ void simulate(const Scene& scene, const SimulateOptions& asked, const fs::path& 
   const fs::path log_file = folder / "frames.log";
   StageTimes times;
   write_frames(scene, options, frames, folder, log_file, times);
-  write_visibility(folder, FrameLog(log_file).lines());
+  const std::string visibility = FrameLog(log_file).lines();
+  write_visibility(folder, visibility);
+  warn_of_odd_views(scene, visibility);
   if (lidar) write_lidar_files(scene, *lidar, options, frames, folder, times);
   hash_folders(folder, options.threads, times);
   fs::remove(log_file);

@@ -71,6 +71,26 @@ TEST(Simulate, WritesASequenceAndItsTruth) {
             scene.objects[1].motion.at(0.7).translation);
 }
 
+TEST(Simulate, ObjectsThatAreNotSeenOrHoldTheCameraAreNamed) {
+  const TempFolder temp;
+  const auto said = [&](const std::string& position) {
+    const Scene scene = parse_scene(
+        "frames: 1\ncamera: {motion: {kind: static, position_m: [0, 0, 1], look_at_m: [1, 0, 1]}}\n"
+        "objects: [{id: 1, name: box, primitive: box, size_m: [1, 1, 1], motion: {kind: static, "
+        "position_m: " +
+            position + "}}]\n",
+        "s.yaml");
+    testing::internal::CaptureStderr();
+    SimulateOptions options = quiet();
+    options.force = true;
+    simulate(scene, options, temp.path() / "out");
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_NE(said("[0, 0, 1]").find("object box fills an image: is the camera inside it?"), std::string::npos);
+  EXPECT_NE(said("[-3, 0, 1]").find("object box is in no image"), std::string::npos);
+  EXPECT_EQ(said("[3, 0, 1]"), "");
+}
+
 TEST(Simulate, DepthImagesHoldTheRenderedDepthWithinTheirNoise) {
   const TempFolder temp;
   Scene scene = two_boxes();
