@@ -62,10 +62,9 @@ TEST(VariantFile, EveryOptionReadsBack) {
 
 TEST(VariantFile, OptionsOfTheShapesPartsAreKeys) {
   const Variant variant = load_text(
-      "schema: 1\nshape:\n  cloud: {max_voxels: 123}\n  surface_cloud: {max_points: 77}\n"
+      "schema: 1\nshape:\n  surface_cloud: {max_points: 77}\n"
       "  axis_fusion: {bandwidth: 0.8}\n  sphere_sigma: 0.4\n  search_keyframes: 3\n"
       "lifecycle: {acceleration_mps2: 5, angular_acceleration_radps2: 6}\n");
-  EXPECT_EQ(variant.body.shape.cloud.max_voxels, 123);
   EXPECT_EQ(variant.body.shape.surface.max_points, 77);
   EXPECT_EQ(variant.body.shape.fusion.bandwidth, 0.8);
   EXPECT_EQ(variant.body.shape.sphere_sigma, 0.4);
@@ -106,7 +105,6 @@ TEST(VariantFile, BadFilesAreRefusedByLine) {
        ":3: depth.lidar.reach_px: expected 0.5 to 200, found 1000000000"},
       {"schema: 1\ndepth: {lidar: {reach_px: 0}}\n",
        ":2: depth.lidar.reach_px: expected 0.5 to 200, found 0"},
-      {"schema: 1\nshape: {cloud: {voxel_m: 0}}\n", ":2: shape.cloud.voxel_m: expected 0.0001 to 1, found 0"},
       {"schema: 1\nshape: {surface_cloud: {min_hits: 0}}\n", "min_hits: expected 1 to 1000, found 0"},
       {"schema: 1\nshape: {axis_fusion: {literal_alpha: 1}}\n", "literal_alpha: expected 0 to 0.99, found 1"},
       {"schema: 1\nshort_window: {keyframe_gap_s: 1e-10}\n",
