@@ -71,7 +71,7 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
     EXPECT_NE(message.find(said), std::string::npos) << section << ": " << message;
     EXPECT_NE(message.find("scene.yaml:5"), std::string::npos) << message;
   }
-  EXPECT_EQ(cases.size(), 27u);
+  EXPECT_EQ(cases.size(), 28u);
 }
 
 // What overflows, or asks for memory or time without end, is no sensor's.
