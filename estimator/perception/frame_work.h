@@ -34,7 +34,4 @@ struct FrameWork {
   std::vector<StageTime> times;
 };
 
-/// The body of a frame with this id, a new one where it has none.
-BodyObservation& body_of(PerceivedFrame& frame, int id);
-
 }  // namespace uniquadric

@@ -148,8 +148,6 @@ ImageStages::ImageStages(const ImageInput& input, const PerceptionOptions& optio
   lidar_depth_.emplace(sequence_, options.lidar_depth);
 }
 
-ImageStages::~ImageStages() = default;
-
 // By the LiDAR or given, between frames too.
 std::optional<Pose> ImageStages::camera_at(std::int64_t stamp_ns) const {
   return lidar_ ? lidar_->odometry().world_from_camera(stamp_ns) : pose_between(*input_.poses, stamp_ns);

@@ -40,7 +40,6 @@ class ImageStages {
   /// `input`, `options`, `run` and `out` have to outlive it.
   ImageStages(const ImageInput& input, const PerceptionOptions& options, const PerceiveOptions& run,
               PerceptionWriter& out);
-  ~ImageStages();
   ImageStages(const ImageStages&) = delete;
   ImageStages& operator=(const ImageStages&) = delete;
 

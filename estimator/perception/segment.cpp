@@ -91,10 +91,8 @@ cv::Mat checked(const Segmenter& segmenter, const SequenceFrame& frame, cv::Mat 
   if (segmenter.points.empty()) return masks;
   const std::vector<PointPrompt>& points = segmenter.points[frame.frame];
   for (const PointPrompt& point : points) note(point.id);
-  for (const auto& [first, second] : points_on_one_mask(masks, points)) {
-    segmenter.shared_masks->say({frame.stamp_ns, first}, {frame.stamp_ns, second});
-    for (const PointPrompt& point : {first, second}) segmenter.watch->found(frame.stamp_ns, point.id);
-  }
+  for (const auto& [first, second] : points_on_one_mask(masks, points))
+    segmenter.watch->share({frame.stamp_ns, first}, {frame.stamp_ns, second});
   return masks;
 }
 

@@ -79,7 +79,7 @@ void add_ids_of_boxes(const cv::Mat& masks, std::int64_t stamp_ns, const std::ve
 }
 
 // The first point on each mask so far, by the mask's id.
-using FirstPoints = std::map<int, SharedMasks::Placed>;
+using FirstPoints = std::map<int, PromptWatch::Placed>;
 
 void add_ids_of_points(const cv::Mat& masks, std::int64_t stamp_ns, const std::vector<PointPrompt>& prompts,
                        const Segmenter& segmenter, FirstPoints& first_on, std::set<int>& ids) {
@@ -89,8 +89,8 @@ void add_ids_of_points(const cv::Mat& masks, std::int64_t stamp_ns, const std::v
     if (id == 0) continue;
     ids.insert(id);
     segmenter.watch->found(stamp_ns, point.id);
-    const auto& first = first_on.try_emplace(id, SharedMasks::Placed{stamp_ns, point}).first->second;
-    if (first.point.id != point.id) segmenter.shared_masks->say(first, {stamp_ns, point});
+    const auto& first = first_on.try_emplace(id, PromptWatch::Placed{stamp_ns, point}).first->second;
+    if (first.point.id != point.id) segmenter.watch->share(first, {stamp_ns, point});
   }
 }
 
@@ -133,8 +133,6 @@ void read_prompts(const Sequence& sequence, const Prompts& prompts, Segmenter& s
   if (prompts.empty()) return;
   const bool ids_last = have_ids(prompts);
   segmenter.watch = watch_for(sequence, segmenter, prompts, ids_last);
-  if (prompts.kind == PromptKind::points)
-    segmenter.shared_masks = std::make_shared<SharedMasks>(prompts.path, ids_last);
   segmenter.names_bodies = segmenter.source != MaskSource::sequence && ids_last;
   if (segmenter.source != MaskSource::sequence) return;
   segmenter.selected = ids_meant(sequence, segmenter, ids_last);

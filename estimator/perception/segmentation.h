@@ -15,7 +15,6 @@
 #include "estimator/perception/prompt_watch.h"
 #include "estimator/perception/prompts.h"
 #include "estimator/perception/sam_segmenter.h"
-#include "estimator/perception/shared_masks.h"
 
 namespace uniquadric {
 
@@ -47,8 +46,7 @@ struct Segmenter {
   std::vector<std::vector<BoxPrompt>> boxes;     ///< of each frame; empty without box prompts
   std::vector<std::vector<PointPrompt>> points;  ///< of each frame; empty without point prompts
   std::optional<std::set<int>> selected;  ///< ids of the sequence's masks that a prompt means; nothing: all
-  std::shared_ptr<SharedMasks> shared_masks;  ///< of point prompts
-  std::shared_ptr<PromptWatch> watch;         ///< of prompts
+  std::shared_ptr<PromptWatch> watch;     ///< of prompts
   std::shared_ptr<const SamSegmenter> sam;
   std::optional<OnnxModel> detector;
 };

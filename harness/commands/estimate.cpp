@@ -26,11 +26,7 @@ void refuse_own_options(const CLI::App* sub, const std::string& variant) {
       throw InputError(variant, fmt::format("is a variant with a command, which takes no {}", option));
 }
 
-// Values in place of the variant's.
-void add_set(CLI::App* sub, std::vector<std::string>& set) {
-  sub->add_option("--set", set, "KEY=VALUE: a value in place of the variant's, as carving.enabled=false")
-      ->allow_extra_args(false);
-}
+constexpr const char* kSet = "a value in place of the variant's, as carving.enabled=false";
 
 Variant choose_variant(const std::string& sequence, const std::string& variant,
                        const std::vector<std::string>& set) {
@@ -51,7 +47,7 @@ void add_estimate(CLI::App& app, Common& common) {
   sub->add_option("OUT", out, "folder for the estimate")->required();
   sub->add_option("--perception", perception, "folder that keeps the perception stage's result, or has it");
   sub->add_option("--variant", variant, "variant file (YAML); default: ours for the sequence's sensors");
-  add_set(sub, set);
+  add_set(sub, set, kSet);
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
   static std::uint64_t perception_seed = 0;
   auto* own_seed = sub->add_option("--perception-seed", perception_seed,
@@ -97,7 +93,7 @@ void add_perceive(CLI::App& app, Common& common) {
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
   sub->add_option("OUT", out, "folder for its result, for estimate's --perception")->required();
   sub->add_option("--variant", variant, "variant file (YAML); default: ours for the sequence's sensors");
-  add_set(sub, set);
+  add_set(sub, set, kSet);
   sub->add_option("--seed", options.seed, "of the estimator's own sampling")->check(whole_number());
   sub->add_option("--prompt", prompt, "everything, points:FILE, or boxes:FILE or folder");
   add_no_verify(sub, options.verify);

@@ -17,10 +17,8 @@ void add_generate(CLI::App& app, Common& common) {
       ->check(CLI::IsMember(family_names()));
   sub->add_option("OUT", out, "the scene file (YAML)")->required();
   sub->add_option("--seed", request.seed, "of all that is drawn")->check(whole_number());
-  sub->add_option("--set", set,
-                  "KEY=VALUE: difficulty (0 to 1), frames, count (of objects), realism, meshes (a folder), "
-                  "lidar (of a street)")
-      ->allow_extra_args(false);
+  add_set(sub, set,
+          "difficulty (0 to 1), frames, count (of objects), realism, meshes (a folder), lidar (of a street)");
   add_force(sub, common)->description("replace a scene that generate wrote");
   sub->callback([&common] {
     require_replaceable_file(out, common.force, {"scene that generate wrote", kSceneHead});

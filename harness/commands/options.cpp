@@ -38,6 +38,10 @@ CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& 
   return sub;
 }
 
+void add_set(CLI::App* sub, std::vector<std::string>& set, const std::string& what) {
+  sub->add_option("--set", set, "KEY=VALUE: " + what)->allow_extra_args(false);
+}
+
 CLI::Option* add_force(CLI::App* sub, Common& common) {
   return sub->add_flag("--force", common.force,
                        "replace OUT, if this program wrote it as the same kind of result");

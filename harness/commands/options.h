@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -37,6 +38,9 @@ CLI::Validator at_least_0();
 
 /// A subcommand with the options that every one has: --quiet, --threads.
 CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& what, Common& common);
+
+/// --set KEY=VALUE, any number of times; `what` says which values there are.
+void add_set(CLI::App* sub, std::vector<std::string>& set, const std::string& what);
 
 CLI::Option* add_force(CLI::App* sub, Common& common);
 

@@ -26,10 +26,7 @@ void keep_lidar_routes(const fs::path& data, const fs::path& timing, const fs::p
   if (!key.empty()) record_key(folder, key);
 }
 
-void add_set(CLI::App* sub, std::vector<std::string>& set) {
-  sub->add_option("--set", set, "KEY=VALUE: a value in place of the scene file's, as lidar.method=embree")
-      ->allow_extra_args(false);
-}
+constexpr const char* kSet = "a value in place of the scene file's, as lidar.method=embree";
 
 }  // namespace
 
@@ -49,7 +46,7 @@ void add_simulate(CLI::App& app, Common& common) {
   sub->add_option("--noise-scale", noise_scale, "of the amplitudes of all noise")
       ->check(at_least_0())
       ->check(CLI::Range(0.0, kMostNoiseScale));
-  add_set(sub, set);
+  add_set(sub, set, kSet);
   auto* count =
       sub->add_option("--frames", frames, "instead of the scene's number")->check(whole_number(1, kMaxCount));
   sub->add_option(
@@ -87,7 +84,7 @@ void add_preview(CLI::App& app, Common& common) {
   sub->add_option("SCENE", scene, "scene file (YAML)")->required();
   sub->add_option("OUT", out, "the picture (JPEG)")->required();
   sub->add_option("--frames", options.frames, "how many, side by side")->check(whole_number(1, 100));
-  add_set(sub, set);
+  add_set(sub, set, kSet);
   sub->add_option("--width", options.width_px, "of the picture, in pixels")->check(whole_number(1, 16384));
   add_force(sub, common)->description("replace a JPEG picture, whoever made it; no other file");
   sub->callback([&common] {

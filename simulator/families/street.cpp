@@ -8,6 +8,7 @@
 
 #include "simulator/families/families.h"
 #include "simulator/families/scene_draft.h"
+#include "simulator/scene/carried_motions.h"
 #include "simulator/scene/shapes.h"
 
 namespace uniquadric {
@@ -74,13 +75,9 @@ Thing walker(RandomStream& random, bool on_wheels) {
   return thing;
 }
 
-struct Leg {
-  double lasts_s = 0, acceleration_mps2 = 0, steer_deg = 0;
-};
-
 struct Drive {
   double speed_mps = 0;
-  std::vector<Leg> legs;
+  std::vector<DriveLeg> legs;
 };
 
 // Speeds up and slows down now and then.
@@ -111,13 +108,13 @@ double stop_and_go(RandomStream& random, Drive& drive, double& speed_mps) {
 
 // To another line of the same lane, by as much steering to one side as to the other.
 double swerve(RandomStream& random, Drive& drive, double speed_mps) {
-  constexpr double kWheelbase_m = 2.7, kMostTurn_rad = 0.25;
+  constexpr double kMostTurn_rad = 0.25;
   const double aside_m = random.uniform(0.4, 1.2) * (random.below(2) ? 1 : -1);
   const double turns_s = std::max(random.uniform(0.8, 1.5), std::abs(aside_m) / (kMostTurn_rad * speed_mps));
   const double curvature = aside_m / std::pow(speed_mps * turns_s, 2);
-  const double steer_deg = std::atan(kWheelbase_m * curvature) * 180 / std::numbers::pi;
-  drive.legs.push_back({turns_s, 0, steer_deg});
-  drive.legs.push_back({turns_s, 0, -steer_deg});
+  const double steer_rad = std::atan(DriveOptions{}.wheelbase_m * curvature);
+  drive.legs.push_back({turns_s, 0, steer_rad});
+  drive.legs.push_back({turns_s, 0, -steer_rad});
   return 2 * turns_s;
 }
 
@@ -141,22 +138,23 @@ Drive draw_drive(RandomStream& random, double speed_mps, double duration_s) {
 // In so much time.
 double way_of(const Drive& drive, double duration_s) {
   double way_m = 0, speed = drive.speed_mps;
-  for (const Leg& leg : drive.legs) {
-    const double lasts_s = std::clamp(duration_s, 0.0, leg.lasts_s), a = leg.acceleration_mps2;
+  for (const DriveLeg& leg : drive.legs) {
+    const double lasts_s = std::clamp(duration_s, 0.0, leg.duration_s), a = leg.acceleration_mps2;
     const double moving_s = a < 0 ? std::min(lasts_s, -speed / a) : lasts_s;
     way_m += (speed + 0.5 * a * moving_s) * moving_s;
-    speed = std::max(0.0, speed + a * leg.lasts_s);
-    duration_s -= leg.lasts_s;
+    speed = std::max(0.0, speed + a * leg.duration_s);
+    duration_s -= leg.duration_s;
   }
   return way_m;
 }
 
 std::string legs_text(const Drive& drive) {
   std::string text;
-  for (const Leg& leg : drive.legs) {
+  for (const DriveLeg& leg : drive.legs) {
     text += fmt::format("{}{{duration_s: {}, acceleration_mps2: {}", text.empty() ? "[" : ", ",
-                        yaml_number(leg.lasts_s, 2), yaml_number(leg.acceleration_mps2, 2));
-    text += leg.steer_deg == 0 ? "}" : fmt::format(", steer_deg: {}}}", yaml_number(leg.steer_deg, 3));
+                        yaml_number(leg.duration_s, 2), yaml_number(leg.acceleration_mps2, 2));
+    const double steer_deg = leg.steer_rad * 180 / std::numbers::pi;
+    text += steer_deg == 0 ? "}" : fmt::format(", steer_deg: {}}}", yaml_number(steer_deg, 3));
   }
   return text + "]";
 }
