@@ -291,8 +291,8 @@ std::string street_scene(RandomStream& random, const FamilyOptions& options) {
   };
   const std::string camera = fmt::format(
       "  calibration: {{width: 640, height: 480, fx: 460, fy: 460, cx: 319.5, cy: 239.5}}\n  depth: false\n"
-      "  motion:\n    kind: compose\n    parts:\n      - {{{}}}\n      - {{kind: tremor, position_m: 0.004, "
-      "rotation_deg: 0.1, seed: {}}}\n",
+      "  motion:\n    kind: compose\n    parts:\n      - {{{}}}\n      - {{kind: tremor, position_m: 0.0004, "
+      "rotation_deg: 0.05, seed: {}}}\n",
       ego(kCameraHeight_m), random.below(100'000));
   SceneDraft draft(options, camera, kClear_m);
   draft.keep_clear_of("{" + ego(0.5 * kEgoSize_m.z()) + "}", kEgoSize_m, false);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -74,6 +75,23 @@ Jet way_of(double speed_mps, double acceleration_mps2, double since_s) {
           speed_mps + acceleration_mps2 * since_s, acceleration_mps2};
 }
 
+// From the origin along x, by a way in which the curvature grows evenly.
+Kinematics along_clothoid(double curvature_pm, double sharpness_pm2, const Jet& way) {
+  const Jet heading = curvature_pm * way + 0.5 * sharpness_pm2 * way * way;
+  const auto ahead = [](double angle_rad) { return Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0); };
+  const auto shift = [&](int axis) {
+    return boost::math::quadrature::gauss<double, 30>::integrate(
+        [&](double s) { return ahead(curvature_pm * s + 0.5 * sharpness_pm2 * s * s)[axis]; }, 0.0,
+        way.value);
+  };
+  Kinematics result = turning(Vector3d::UnitZ(), heading);
+  const Vector3d forward = ahead(heading.value), left(-forward.y(), forward.x(), 0);
+  result.pose.translation = {shift(0), shift(1), 0};
+  result.velocity_mps = way.rate * forward;
+  result.acceleration_mps2 = way.acceleration * forward + way.rate * heading.rate * left;
+  return result;
+}
+
 class Drive final : public Motion::Curve {
  public:
   explicit Drive(const DriveOptions& options) {
@@ -87,14 +105,17 @@ class Drive final : public Motion::Curve {
             options.legs.empty() ? 0 : std::tan(options.legs.front().steer_rad) / options.wheelbase_m};
     legs_.push_back(leg);  // before the first
     for (const DriveLeg& next : options.legs) {
+      const double begins_s = leg.begins_s, curvature_pm = std::tan(next.steer_rad) / options.wheelbase_m;
+      const double steers_s =
+          curvature_pm == leg.curvature_pm ? 0 : std::min(options.steering_s, next.duration_s);
       leg.acceleration_mps2 = next.acceleration_mps2;
-      leg.curvature_pm = std::tan(next.steer_rad) / options.wheelbase_m;
-      legs_.push_back(leg);
-      const double ends_s = leg.begins_s + next.duration_s;
-      const Jet way = way_of(leg.speed_mps, leg.acceleration_mps2, next.duration_s);
-      leg.world_from_axle = along(leg, way).pose;
-      leg.begins_s = ends_s;
-      leg.speed_mps = way.rate;
+      if (const double way_m = way_of(leg.speed_mps, leg.acceleration_mps2, steers_s).value; way_m > 0) {
+        leg.sharpness_pm2 = (curvature_pm - leg.curvature_pm) / way_m;
+        add(leg, steers_s);
+      }
+      leg.curvature_pm = curvature_pm;
+      leg.sharpness_pm2 = 0;
+      add(leg, begins_s + next.duration_s - leg.begins_s);
     }
     leg.acceleration_mps2 = 0;
     legs_.push_back(leg);
@@ -112,12 +133,23 @@ class Drive final : public Motion::Curve {
   struct Leg {
     double begins_s;
     Pose world_from_axle;
-    double speed_mps, acceleration_mps2, curvature_pm;
+    double speed_mps, acceleration_mps2;
+    double curvature_pm, sharpness_pm2 = 0;  // at its begin, and what a metre adds
   };
+
+  // And puts `leg` to its end.
+  void add(Leg& leg, double duration_s) {
+    legs_.push_back(leg);
+    const Jet way = way_of(leg.speed_mps, leg.acceleration_mps2, duration_s);
+    leg.world_from_axle = along(leg, way).pose;
+    leg.begins_s += duration_s;
+    leg.speed_mps = way.rate;
+  }
 
   static Kinematics along(const Leg& leg, const Jet& way) {
     constexpr double kStraight_pm = 1e-9;
     const Kinematics start = at_rest(leg.world_from_axle);
+    if (leg.sharpness_pm2 != 0) return start * along_clothoid(leg.curvature_pm, leg.sharpness_pm2, way);
     if (std::abs(leg.curvature_pm) < kStraight_pm) return start * shifting(Vector3d::UnitX(), way);
     const Vector3d centre(0, 1 / leg.curvature_pm, 0);
     return start * at_rest({Eigen::Quaterniond::Identity(), centre}) *

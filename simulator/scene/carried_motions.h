@@ -24,14 +24,16 @@ struct DriveLeg {
 };
 
 /// A car by the kinematic bicycle model, exactly: the middle of its rear axle moves along circles of
-/// curvature tan(steer) / wheelbase by the arc length s(t) = v t + a t^2 / 2. It never goes backwards: braked
-/// to rest it stays. Before the first leg and after the last it keeps speed and curvature. The body's origin
-/// lies `ahead_m` of the axle and `height_m` above the ground; x forward, z up, or with `optical` a camera
-/// that looks forward.
+/// curvature tan(steer) / wheelbase by the arc length s(t) = v t + a t^2 / 2. At the start of a leg the
+/// curvature goes from the last leg's to its own, evenly along the way of `steering_s`: a clothoid. Where it
+/// jumped, all that is not on the axle would get a blow that no accelerometer can show. The car never goes
+/// backwards: braked to rest it stays. Before the first leg and after the last it keeps speed and curvature.
+/// The body's origin lies `ahead_m` of the axle and `height_m` above the ground; x forward, z up, or with
+/// `optical` a camera that looks forward.
 struct DriveOptions {
   Eigen::Vector2d start_m = Eigen::Vector2d::Zero();  ///< of the rear axle's middle
   double heading_rad = 0, speed_mps = 10, begins_s = 0;
-  double wheelbase_m = 2.7, ahead_m = 1.35, height_m = 0;
+  double steering_s = 0.3, wheelbase_m = 2.7, ahead_m = 1.35, height_m = 0;
   std::vector<DriveLeg> legs;
   bool optical = false;
 };

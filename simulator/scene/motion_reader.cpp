@@ -129,6 +129,8 @@ Motion read_drive(const ConfigNode& node, Mover mover) {
   if (options.speed_mps < 0) node.at("speed_mps").fail("cannot be negative");
   options.begins_s = node.get<double>("begins_s", 0);
   options.wheelbase_m = node.positive("wheelbase_m", options.wheelbase_m);
+  options.steering_s = node.get<double>("steering_s", options.steering_s);
+  if (options.steering_s < 0) node.at("steering_s").fail("cannot be negative");
   options.ahead_m = node.get<double>("ahead_m", options.wheelbase_m / 2);
   options.height_m = node.get<double>("height_m", 0);
   options.optical = mover == Mover::camera;

@@ -74,10 +74,39 @@ TEST(Drive, SteersAlongACircleOfItsWheelbase) {
             1e-9);
 }
 
-TEST(Drive, LegsJoinAndBrakingEndsAtRest) {
+// An accelerometer shows all that changes the velocity, also ahead of the axle, where steering moves it
+// aside.
+TEST(Drive, LegsJoinWithoutABlow) {
+  DriveOptions options = turning_car();
+  options.ahead_m = 2;
+  const Motion motion = drive_motion(options);
+  for (const double time_s : {0.0, 2.0, 2.3, 5.0, 5.3, 6.0}) {
+    const Kinematics before = motion.kinematics(time_s - 1e-9), after = motion.kinematics(time_s + 1e-9);
+    EXPECT_LT((after.pose.translation - before.pose.translation).norm(), 1e-7);
+    EXPECT_LT((after.velocity_mps - before.velocity_mps).norm(), 1e-6) << time_s;
+  }
+  options.steering_s = 0;  // the wheels jump: so does what is ahead of the axle
+  const Motion jumps = drive_motion(options);
+  EXPECT_GT((jumps.kinematics(2 + 1e-9).velocity_mps - jumps.kinematics(2 - 1e-9).velocity_mps).norm(), 1);
+}
+
+// Along the way in which it steers the curvature is the mean of both legs'.
+TEST(Drive, SteersEvenlyAlongItsWay) {
+  DriveOptions options = turning_car();
+  options.legs = {{1, 0, 0.2}, {2, 0, -0.3}};
+  options.steering_s = 0.5;
+  const Motion motion = drive_motion(options);
+  const double way_m = 8 * 0.5, from_pm = std::tan(0.2) / 2.7, to_pm = std::tan(-0.3) / 2.7;
+  const auto turned = [&](double time_s) {
+    return log_so3(motion.at(1).rotation.conjugate() * motion.at(time_s).rotation).z();
+  };
+  EXPECT_NEAR(turned(1.5), way_m * (from_pm + to_pm) / 2, 1e-12);
+  EXPECT_NEAR(turned(1.25), way_m / 2 * (3 * from_pm + to_pm) / 4, 1e-12);
+  EXPECT_NEAR(turned(2), way_m * (from_pm + to_pm) / 2 + 4 * to_pm, 1e-12);
+}
+
+TEST(Drive, BrakingEndsAtRest) {
   const Motion motion = drive_motion(turning_car());
-  for (const double time_s : {0.0, 2.0, 5.0, 6.0})
-    EXPECT_LT((motion.at(time_s + 1e-9).translation - motion.at(time_s - 1e-9).translation).norm(), 1e-7);
   EXPECT_NEAR(motion.kinematics(2 - 1e-9).velocity_mps.norm(), 11, 1e-6);
   // 11 m/s are braked away after 2.75 s
   const Pose rest = motion.at(4.75);
@@ -95,7 +124,7 @@ TEST(Drive, DerivativesAreThoseOfThePose) {
   for (const bool optical : {false, true}) {
     options.optical = optical;
     const Motion motion = drive_motion(options);
-    for (const double time_s : {-1.0, 1.0, 3.0}) expect_consistent(motion, time_s, 1e-5);
+    for (const double time_s : {-1.0, 1.0, 2.1, 2.25, 3.0}) expect_consistent(motion, time_s, 1e-5);
   }
   const Pose pose = drive_motion(options).at(1);  // a camera looks where it drives
   EXPECT_GT((pose.rotation * Vector3d::UnitZ()).dot(drive_motion(options).kinematics(1).velocity_mps), 0);
