@@ -107,6 +107,20 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
   }
 }
 
+// Of objects of which one is in the box about another.
+void warn_of_shared_places(const Scene& scene) {
+  const auto is_in = [](const Body& inner, const Body& outer) {
+    const Eigen::Vector3d middle = outer.motion.at(0).inverse() * inner.motion.at(0).translation;
+    return (middle.cwiseAbs().array() < outer.semi_axes_m.array()).all();
+  };
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const Body &a = scene.objects[k], &b = scene.objects[i];
+      if (a.is_scored && b.is_scored && (is_in(a, b) || is_in(b, a)))
+        warn(fmt::format("scene {}: objects {} and {} begin inside each other", scene.name, a.name, b.name));
+    }
+}
+
 // Of objects that stand elsewhere than their author may have meant, by the lines of visibility.csv.
 void warn_of_odd_views(const Scene& scene, const std::string& visibility) {
   constexpr double kFilled = 0.95;  // share of an image
@@ -191,6 +205,7 @@ void simulate(const Scene& scene, const SimulateOptions& asked, const fs::path& 
   const std::string visibility = FrameLog(log_file).lines();
   write_visibility(folder, visibility);
   warn_of_odd_views(scene, visibility);
+  warn_of_shared_places(scene);
   if (lidar) write_lidar_files(scene, *lidar, options, frames, folder, times);
   hash_folders(folder, options.threads, times);
   fs::remove(log_file);

@@ -39,10 +39,13 @@ std::string drawn_material(RandomStream& random, double difficulty) {
   const bool is_plain = random.uniform() < graded(difficulty, 0, 0.5);
   const Eigen::Vector3d color = drawn_color(random), accent = drawn_color(random);
   const double shine = random.uniform() < 0.3 ? random.uniform(0.2, 0.8) : 0;
-  return fmt::format("{{style: {}, color: {}, accent: {}, contrast: {}, marks: {}, shine: {}{}}}", style,
-                     yaml_vector(color, 2), yaml_vector(accent, 2), yaml_number(contrast, 2),
-                     std::max(1, static_cast<int>(std::lround(marks))), yaml_number(shine, 2),
-                     is_plain ? ", texture: none" : "");
+  constexpr double kMirrored = 0.5;  // of a depth sensor's light, by what shines most
+  return fmt::format(
+      "{{style: {}, color: {}, accent: {}, contrast: {}, marks: {}, shine: {}{}{}}}", style,
+      yaml_vector(color, 2), yaml_vector(accent, 2), yaml_number(contrast, 2),
+      std::max(1, static_cast<int>(std::lround(marks))), yaml_number(shine, 2),
+      shine > 0 ? fmt::format(", depth_return: {}", yaml_number(1 - kMirrored * shine, 2)) : "",
+      is_plain ? ", texture: none" : "");
 }
 
 std::string drawn_room(RandomStream& random) {
@@ -54,6 +57,17 @@ std::string drawn_room(RandomStream& random) {
 std::string drawn_camera_tremor(RandomStream& random) {
   return fmt::format("      - {{kind: tremor, position_m: 0.001, rotation_deg: 0.15, seed: {}}}\n",
                      random.below(100'000));
+}
+
+std::string drawn_lens(RandomStream& random) {
+  if (random.below(2)) return "";
+  const double k1 = random.uniform(-0.15, 0.25), k2 = -k1 * random.uniform(1, 2.5);
+  const double p1 = random.uniform(-0.003, 0.003), p2 = random.uniform(-0.003, 0.003);
+  return fmt::format(
+      "  calibration: {{width: 640, height: 480, fx: 525, fy: 525, cx: 319.5, cy: 239.5, distortion: [{}, "
+      "{}, "
+      "{}, {}, 0]}}\n",
+      yaml_number(k1), yaml_number(k2), yaml_number(p1), yaml_number(p2));
 }
 
 }  // namespace uniquadric

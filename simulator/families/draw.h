@@ -18,6 +18,7 @@ struct FamilyOptions {
   std::string meshes;  ///< a folder of scanned things to draw from; empty: primitives
   std::string realism = "ideal";
   std::string lidar;  ///< of streets: the scan pattern; empty: drawn
+  std::string lens;   ///< a line of `camera`, empty: without distortion. Streets do without
 
   /// That a camera's way is drawn for: a scene shorter than a second shows its beginning.
   double camera_s() const { return std::max(1.0, static_cast<double>(frames) / 30); }
@@ -40,7 +41,7 @@ std::string yaml_vector(const Eigen::Vector3d& value, int digits = 4);
 Eigen::Vector3d drawn_color(RandomStream& random);
 
 /// `material:` of a body: fewer marks and less contrast the harder the scene, up to half without any; three
-/// in ten shine.
+/// in ten shine, and return up to 40 % less of a depth sensor's light.
 std::string drawn_material(RandomStream& random, double difficulty);
 
 /// A world's line: a furnished room of 6 m.
@@ -48,5 +49,8 @@ std::string drawn_room(RandomStream& random);
 
 /// The part of a composed motion that a hand at a camera adds, indented by six.
 std::string drawn_camera_tremor(RandomStream& random);
+
+/// `calibration:` of a camera, indented by two, with the distortion of every other lens; or nothing.
+std::string drawn_lens(RandomStream& random);
 
 }  // namespace uniquadric

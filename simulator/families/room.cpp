@@ -14,7 +14,8 @@ std::string room_scene(RandomStream& random, const FamilyOptions& options) {
   const double turn_deg = graded(options.difficulty, 8, 45) * duration_s * (random.below(2) ? 1 : -1);
   const double begin_deg = random.uniform(-180, 180);
   const int points = 3 + static_cast<int>(std::abs(turn_deg) / 20);
-  std::string text = "camera:\n  motion:\n    kind: spline\n    may_overshoot: true\n    waypoints:\n";
+  std::string text =
+      "camera:\n" + options.lens + "  motion:\n    kind: spline\n    may_overshoot: true\n    waypoints:\n";
   for (int i = 0; i <= points; ++i) {
     const double share = (i - 0.5) / (points - 1);
     const double angle = (begin_deg + share * turn_deg) * std::numbers::pi / 180;

@@ -7,6 +7,7 @@
 
 #include "core/base/config.h"
 #include "core/base/error.h"
+#include "simulator/scene/bounds.h"
 #include "simulator/scene/carried_motions.h"
 #include "simulator/scene/contact.h"
 #include "simulator/scene/named_motions.h"
@@ -100,10 +101,9 @@ Motion read_screw(const ConfigNode& node, Mover mover) {
 
 Motion read_tremor(const ConfigNode& node) {
   TremorOptions options;
-  options.position_m = node.get<double>("position_m", options.position_m);
-  options.rotation_rad = radians(node.get<double>("rotation_deg", 0.2));
-  for (const char* key : {"position_m", "rotation_deg"})
-    if (node.get<double>(key, 0) < 0) node.at(key).fail("cannot be negative");
+  constexpr double kMost_m = 0.1, kMost_deg = 20;  // ours: a hand that shakes more holds nothing
+  options.position_m = read_at_most(node, "position_m", options.position_m, kMost_m);
+  options.rotation_rad = radians(read_at_most(node, "rotation_deg", 0.2, kMost_deg));
   options.seed = node.get<std::uint64_t>("seed", 0);
   return tremor_motion(options);
 }
@@ -144,9 +144,10 @@ Motion read_toss(const ConfigNode& node, const MotionScope& scope) {
     node.at("kind").fail("toss is for bodies: a camera has no shape that hits a floor");
   TossOptions options;
   options.start = read_start(node, scope.mover);
-  options.velocity_mps = node.get<Vector3d>("velocity_mps", options.velocity_mps);
+  constexpr double kMost_mps = 1000, kMost_degps = 36'000;  // ours: a bullet, and 100 turns a second
+  options.velocity_mps = read_within(node, "velocity_mps", options.velocity_mps, kMost_mps);
   options.angular_velocity_radps =
-      radians(1) * node.get<Vector3d>("angular_velocity_degps", options.angular_velocity_radps);
+      radians(1) * read_within(node, "angular_velocity_degps", options.angular_velocity_radps, kMost_degps);
   options.begins_s = node.get<double>("begins_s", options.begins_s);
   options.floor_m = node.get<double>("floor_m", options.floor_m);
   options.restitution = read_share(node, "restitution", options.restitution);

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "simulator/scene/scene.h"
+#include "simulator/scene/sensor_reader.h"
 
 namespace uniquadric {
 namespace {
@@ -35,6 +36,13 @@ bool is_of_missing_sensor(const ConfigNode& scene, std::string_view key) {
   for (const std::string sensor : {"imu", "lidar"})
     if (key.starts_with(sensor + ".")) return !scene.has(sensor);
   return false;
+}
+
+bool is_of_other_noise(const ConfigNode& scene, std::string_view key) {
+  constexpr std::string_view kSection = "depth_noise.";
+  if (!key.starts_with(kSection) || !is_of_stereo_alone(key.substr(kSection.size()))) return false;
+  const auto section = scene.find("depth_noise");
+  return section && section->is_map() && section->get<std::string>("model", "stereo") != "stereo";
 }
 
 std::string in_seconds(std::string_view frames, double rate_hz) {
@@ -127,14 +135,19 @@ std::vector<ConfigOverride> realism_of(const ConfigNode& scene) {
   const std::string level = read_realism(scene);
   if (level == "ideal") return {};
   const double rate_hz = scene.positive("rate_hz", Scene{}.rate_hz);
+  const ConfigNode key = scene.at("realism");
+  const std::string where = key.line() > 0
+                                ? fmt::format("{}:{}: realism {}", scene.file().string(), key.line(), level)
+                                : fmt::format("{}: realism {}", scene.file().string(), level);
   std::vector<ConfigOverride> added;
   for (const RealismRow& row : realism_rows()) {
     const std::string_view value = level == "mild" ? row.mild : level == "real" ? row.real : row.harsh;
     if (value.empty() || has_key(scene, row.key) || has_turn(scene, row.key) ||
-        is_of_missing_sensor(scene, row.key))
+        is_of_missing_sensor(scene, row.key) || is_of_other_noise(scene, row.key))
       continue;
     require_section(scene, row.key);
-    added.push_back({std::string(row.key), row.in_frames ? in_seconds(value, rate_hz) : std::string(value)});
+    added.push_back(
+        {std::string(row.key), row.in_frames ? in_seconds(value, rate_hz) : std::string(value), where});
   }
   return added;
 }

@@ -2,14 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "core/base/config.h"
+#include "core/base/warning.h"
 #include "simulator/scene/bounds.h"
 #include "simulator/scene/pose_reader.h"
 
 namespace uniquadric {
 namespace {
+
+// Of depth_noise: what other models have not.
+constexpr std::array kStereoKeys = {"baseline_m",        "disparity_sigma_px", "disparity_step_px",
+                                    "disparity_bias_px", "correlation_px",     "smear_px",
+                                    "flying_pixels",     "max_incidence_deg",  "shadow"};
 
 double at_least_0(const ConfigNode& node, const std::string& key, double fallback) {
   const double value = node.get<double>(key, fallback);
@@ -44,11 +53,23 @@ Eigen::Vector2d pixels(const ConfigNode& node, const std::string& key) {
   return {values[0], values[1]};
 }
 
+void warn_of_idle_keys(const ConfigNode& node, const std::string& model) {
+  const auto warn_of = [&](const std::string& key, const std::string& of) {
+    if (model == of || !node.has(key)) return;
+    const ConfigNode idle = node.at(key);
+    warn(fmt::format("{}:{}: {}: counts for model {} alone, and the model is {}", idle.file().string(),
+                     idle.line(), idle.key_path(), of, model));
+  };
+  warn_of("k", "proportional");
+  for (const char* key : kStereoKeys) warn_of(key, "stereo");
+}
+
 void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
   constexpr double kMostColorOffset_m = 1, kMostBaseline_m = 10, kLeastBaseline_m = 1e-3;  // ours: a wide rig
   constexpr double kMostShare = 1;  // of the distance: nothing is measured
   constexpr double kMostLevel = 255, kRightAngle_deg = 90, kLeastStep_px = 1e-6;
   const std::string model = node.choice("model", {"none", "proportional", "stereo"}, "proportional");
+  warn_of_idle_keys(node, model);
   noise.model = model == "none"           ? DepthNoise::Model::none
                 : model == "proportional" ? DepthNoise::Model::proportional
                                           : DepthNoise::Model::stereo;
@@ -172,6 +193,10 @@ void read_imu(const ConfigNode& node, ImuRig& imu) {
 }
 
 }  // namespace
+
+bool is_of_stereo_alone(std::string_view key) {
+  return std::ranges::find(kStereoKeys, key) != kStereoKeys.end();
+}
 
 CalibrationError read_calibration_error(const ConfigNode& node) {
   CalibrationError error;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "simulator/scene/scene.h"
 
 namespace uniquadric {
@@ -9,6 +11,9 @@ class ConfigNode;
 /// Reads the sections light, depth_noise, image_noise, segmenter and imu of a scene and keeps lidar for its
 /// own reader; what is absent keeps its default. Throws InputError with file and line.
 void read_sensor_models(const ConfigNode& root, Scene& scene);
+
+/// Whether this key of depth_noise counts for its model `stereo` alone.
+bool is_of_stereo_alone(std::string_view key);
 
 /// camera.calibration_error.
 CalibrationError read_calibration_error(const ConfigNode& node);

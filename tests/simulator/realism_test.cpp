@@ -46,6 +46,22 @@ TEST(Realism, WhatTheSceneSaysItselfCounts) {
   EXPECT_EQ(scene_at("real").depth_noise.smear_px, 9);
 }
 
+// What the level sets of another model would count for nothing.
+TEST(Realism, AModelOfTheScenesOwnStaysWithoutAWarning) {
+  const std::string text = fmt::format(kScene, "real");
+  const auto said = [&](const std::string& noise) {
+    testing::internal::CaptureStderr();
+    parse_scene(std::string(text).replace(text.find("{smear_px: 9}"), 13, noise), "scene.yaml");
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said("{model: proportional, k: 0.01}"), "");
+  EXPECT_NE(said("{model: proportional, baseline_m: 0.1}")
+                .find("scene.yaml:5: depth_noise.baseline_m: counts for model stereo alone, and the model is "
+                      "proportional"),
+            std::string::npos);
+  EXPECT_NE(said("{k: 0.01}").find("depth_noise.k: counts for model proportional alone"), std::string::npos);
+}
+
 // A sensor that the scene turns in another way than the level would.
 TEST(Realism, AMountingErrorOfTheScenesOwnStays) {
   for (const std::string turn : {"quaternion_xyzw: [0, 0, 0, 1]", "rpy_deg: [0, 0, 0]"}) {
@@ -81,6 +97,14 @@ TEST(Realism, ASectionThatIsNoMapIsBlamedAndNotTheLevel) {
   EXPECT_EQ(message("segmenter: none\n"), "scene.yaml:9: segmenter: expected a map, found none");
   EXPECT_EQ(message("image: [1]\n"), "scene.yaml:9: image: expected a map, found [1]");
   EXPECT_NO_THROW(parse_scene(fmt::format(kScene, "real") + "segmenter:\n", "scene.yaml"));
+}
+
+TEST(Realism, AValueThatDoesNotFitTheSceneIsTheLevels) {
+  const std::string slow = std::string(fmt::format(kScene, "harsh")).replace(1, 11, "rate_hz: 0.3");
+  EXPECT_NE(input_error([&] {
+              parse_scene(slow, "scene.yaml");
+            }).find("scene.yaml:3: realism harsh.depth_noise.delay_s: "),
+            std::string::npos);
 }
 
 // The page that documents the levels has a row for each key, with these values.

@@ -21,6 +21,7 @@
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
 #include "simulator/lidar_files.h"
+#include "simulator/scene/named_motions.h"
 #include "tests/simulator/simple_scene.h"
 #include "tests/support/temp_folder.h"
 
@@ -89,6 +90,21 @@ TEST(Simulate, ObjectsThatAreNotSeenOrHoldTheCameraAreNamed) {
   EXPECT_NE(said("[0, 0, 1]").find("object box fills an image: is the camera inside it?"), std::string::npos);
   EXPECT_NE(said("[-3, 0, 1]").find("object box is in no image"), std::string::npos);
   EXPECT_EQ(said("[3, 0, 1]"), "");
+}
+
+TEST(Simulate, ObjectsThatBeginInsideEachOtherAreNamed) {
+  const auto said = [](double x_m) {
+    const TempFolder temp;
+    Scene scene = two_boxes();
+    scene.frames = 1;
+    scene.objects[1].motion =
+        static_motion(scene.objects[0].motion.at(0) * Pose{Eigen::Quaterniond::Identity(), {x_m, 0, 0}});
+    testing::internal::CaptureStderr();
+    simulate(scene, quiet(), temp.path() / "out");
+    return testing::internal::GetCapturedStderr().find("begin inside each other") != std::string::npos;
+  };
+  EXPECT_TRUE(said(0.1));
+  EXPECT_FALSE(said(3));
 }
 
 TEST(Simulate, DepthImagesHoldTheRenderedDepthWithinTheirNoise) {
