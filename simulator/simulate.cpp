@@ -134,7 +134,7 @@ void warn_of_odd_views(const Scene& scene, const std::string& visibility) {
   const double image_px = static_cast<double>(scene.camera.width) * scene.camera.height;
   for (const Body& body : scene.objects) {
     const auto px = static_cast<double>(most_px[body.id]);
-    if (px == 0 && !scene.lidar)
+    if (px == 0 && !scene.lidar && body.is_scored)
       warn(fmt::format("scene {}: object {} is in no image", scene.name, body.name));
     if (px > kFilled * image_px)
       warn(

@@ -5,7 +5,9 @@
 
 #include <cmath>
 
+#include "core/base/config.h"
 #include "core/base/files.h"
+#include "core/sequence/calibration.h"
 #include "simulator/scene/scene.h"
 #include "tests/support/temp_folder.h"
 
@@ -80,6 +82,21 @@ TEST_P(Family, HasScenesOfAsFewFramesAsOne) {
 
 INSTANTIATE_TEST_SUITE_P(All, Family, testing::ValuesIn(family_names()),
                          [](const auto& family) { return family.param; });
+
+TEST(Lens, EveryDrawnOneHasARayForEachPixel) {
+  int bent = 0;
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    const ConfigNode node = ConfigNode::parse(generate_scene({"room", seed, {{"frames", "1"}}}), "room");
+    const auto calibration = node.at("camera").find("calibration");
+    if (!calibration) continue;
+    ++bent;
+    const Camera camera = read_camera(*calibration);
+    for (const double u : {0, camera.width - 1})
+      for (const double v : {0, camera.height - 1}) EXPECT_TRUE(camera.unproject({u, v})) << seed;
+  }
+  EXPECT_GT(bent, 400);
+  EXPECT_LT(bent, 600);
+}
 
 // What lies on a table touches it, and nothing sinks in.
 TEST(Tabletop, ThingsStandOnTheTableOrAreInTheAir) {
