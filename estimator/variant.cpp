@@ -16,8 +16,6 @@ constexpr int kVariantSchema = 1;
 template <typename Io>
 void visit(Io& io, UprightBoxOptions& o) {
   io.positive("acceleration_mps2", o.acceleration_mps2);
-  io.positive("turn_acceleration_radps2", o.turn_acceleration_radps2);
-  io.positive("gate_sigmas", o.gate_sigmas);
   io.number("lost_after_s", o.lost_after_s, 0.0, 60.0);
   io.flag("shape_yaw", o.shape_yaw);
   io.flag("street_sizes", o.street_sizes);
@@ -40,7 +38,6 @@ void visit(Io& io, Variant& o) {
   io.section("motion_decision", [&](auto& inner) { visit(inner, o.body.motion); });
   io.section("lifecycle", [&](auto& inner) { visit(inner, o.body.lifecycle); });
   io.section("cloud_alignment", [&](auto& inner) { visit(inner, o.body.alignment); });
-  io.section("trajectory", [&](auto& inner) { visit(inner, o.body.trajectory); });
   io.section("carving", [&](auto& inner) { visit(inner, o.body.carving); });
   io.choice("backend", o.backend,
             Choices<Backend>{{"single_frame", Backend::single_frame},
@@ -52,10 +49,6 @@ void visit(Io& io, Variant& o) {
       Choices<Parameterisation>{{"object", Parameterisation::object}, {"global", Parameterisation::global}});
   io.choice("feedback", o.feedback,
             Choices<Feedback>{{"perception", Feedback::perception}, {"backend", Feedback::backend}});
-  io.section("joined", [&](auto& inner) {
-    inner.number("envelope_margin", o.joined.envelope_margin, 0.0, 100.0);
-    inner.number("envelope_slack_m", o.joined.envelope_slack_m, 0.0, 100.0);
-  });
   io.flag("plausibility", o.plausibility.enabled);
   io.flag("smooth", o.smooth);
   io.flag("write_features", o.write_features);

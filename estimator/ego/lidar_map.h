@@ -16,13 +16,14 @@ struct LidarMapOptions {
   int levels = 2;        // of cells, each twice as large as the one before
   int wide_levels = 1;   // of larger cells still, for points that the others find no plane for: rings of a
                          // spinning sensor are farther apart than their cells
-  double wide_flatness = 15;  // min_flatness of the wide ones, which may span corners
-  int neighbours = 9;         // means a plane is fitted to, at most
-  int min_neighbours = 5;     // at least: FAST-LIO2's five
-  double min_flatness = 5;    // middle eigenvalue over the least one: what is thinner is a line or a blob
-  int max_count = 30;         // points of a cell; later ones leave it as it is: a map does not follow drift
-  double max_range_m = 150;   // of the sensor; what is farther is forgotten
-  int max_blocks = 40'000;    // of 64 cells, 2.7 KB each at most, a level
+  static constexpr double wide_flatness = 15;  // min_flatness of the wide ones, which may span corners
+  static constexpr int neighbours = 9;         // means a plane is fitted to, at most
+  static constexpr int min_neighbours = 5;     // at least: FAST-LIO2's five
+  double min_flatness = 5;  // middle eigenvalue over the least one: what is thinner is a line or a blob
+  static constexpr int max_count =
+      30;                    // points of a cell; later ones leave it as it is: a map does not follow drift
+  double max_range_m = 150;  // of the sensor; what is farther is forgotten
+  int max_blocks = 40'000;   // of 64 cells, 2.7 KB each at most, a level
 };
 
 /// normal . p + offset_m = 0

@@ -11,11 +11,12 @@ namespace uniquadric {
 /// axis; on subway_car 5 and more of the place along the street, 40 and more of the turn, and 10 points face
 /// it.
 struct ObservabilityOptions {
-  double min_ratio = 30;    // of what is told to what errors of the planes' normals would tell
-  double min_cosine = 0.5;  // of a plane that faces a direction
-  int min_cells = 8;        // of a plane that counts as facing: with fewer it may be one ring of a spinning
-                            // sensor where it goes round a tunnel's edge, which travels along with it
-  int min_facing = 10;      // points on such planes are enough without the ratio
+  static constexpr double min_ratio = 30;  // of what is told to what errors of the planes' normals would tell
+  double min_cosine = 0.5;                 // of a plane that faces a direction
+  static constexpr int min_cells =
+      8;  // of a plane that counts as facing: with fewer it may be one ring of a spinning
+          // sensor where it goes round a tunnel's edge, which travels along with it
+  static constexpr int min_facing = 10;  // points on such planes are enough without the ratio
 };
 
 /// What a sweep tells of the state, without what it only feigns to tell: the normals of a map's planes err by

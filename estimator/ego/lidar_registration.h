@@ -14,24 +14,26 @@ namespace uniquadric {
 
 /// All numbers are ours, chosen on subway_car.
 struct LidarSightOptions {
-  std::optional<double> range_sigma_m;   // of a point along its beam; else as its data sheet says
-  std::optional<double> beam_sigma_rad;  // across it: jitter and the width of the beam; likewise
-  double plane_sigma_m = 0.01;           // of the map's planes, whose walls are not quite flat
+  std::optional<double> range_sigma_m;           // of a point along its beam; else as its data sheet says
+  std::optional<double> beam_sigma_rad;          // across it: jitter and the width of the beam; likewise
+  static constexpr double plane_sigma_m = 0.01;  // of the map's planes, whose walls are not quite flat
   double max_thickness = 1.0;  // of a plane, over the noise of points at that range: thicker are two
-  double min_breadth = 2;  // of a plane, over the same noise: points of one ring of a spinning sensor are a
-                           // line that noise makes broad, and the plane through them is no wall's
-  double min_rise = 2.5;   // of a plane from its lowest beam to its highest, over the beams' noise, and half
-                           // of the gap between a spinning sensor's rows: one row that goes in and out of a
-                           // facade lies in a plane as well, which goes along with the sensor
-  double side_points = 1000;  // that the points facing one way are worth at most: they share their
-                              // planes' errors, and walls along a street must not outvote its cross-ways
-  double gate_sigmas = 3;     // beyond what the prediction explains, a point is off its plane
-  double gate_m = 0.1;        // at least
-  double open_gate_m = 0.5;   // at most: farther off is another surface
+  static constexpr double min_breadth =
+      2;                  // of a plane, over the same noise: points of one ring of a spinning sensor are a
+                          // line that noise makes broad, and the plane through them is no wall's
+  double min_rise = 2.5;  // of a plane from its lowest beam to its highest, over the beams' noise, and half
+                          // of the gap between a spinning sensor's rows: one row that goes in and out of a
+                          // facade lies in a plane as well, which goes along with the sensor
+  static constexpr double side_points =
+      1000;                // that the points facing one way are worth at most: they share their
+                           // planes' errors, and walls along a street must not outvote its cross-ways
+  double gate_sigmas = 3;  // beyond what the prediction explains, a point is off its plane
+  static constexpr double gate_m = 0.1;  // at least
+  double open_gate_m = 0.5;              // at most: farther off is another surface
   double huber_sigmas = 1.5;
-  int searches = 2;              // iterations that look for planes anew
-  double search_again_m = 0.01;  // for points that have moved so far since
-  int min_points = 30;           // on planes; below, the sweep says nothing
+  int searches = 2;                               // iterations that look for planes anew
+  static constexpr double search_again_m = 0.01;  // for points that have moved so far since
+  int min_points = 30;                            // on planes; below, the sweep says nothing
   ObservabilityOptions observability;
 };
 

@@ -15,8 +15,8 @@ namespace uniquadric {
 struct SweepOptions {
   double min_range_m = 0.5;  // what is nearer is the vehicle
   double max_range_m = 120;
-  double voxel_m = 0.25;  // one point a voxel is put to the map
-  double max_scan_s = 1;  // a point later in its scan than this has no time but a mistake
+  double voxel_m = 0.25;                   // one point a voxel is put to the map
+  static constexpr double max_scan_s = 1;  // a point later in its scan than this has no time but a mistake
 };
 
 /// The points of a scan that are points, in the order of their times: empty returns (0, 0, 0), numbers that

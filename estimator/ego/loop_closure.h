@@ -10,10 +10,11 @@ namespace uniquadric {
 
 /// All numbers are ours.
 struct LoopOptions {
-  int min_gap_keyframes = 12;      // since a point was seen last, for it to speak of a return
-  int min_points = 12;             // that must agree on the camera's pose
-  double min_disagreement_px = 1;  // of these points with the pose so far; below, there is nothing to mend
-  double loop_sigma = 0.1;         // of a loop's edge, of that of the path's edges
+  static constexpr int min_gap_keyframes = 12;  // since a point was seen last, for it to speak of a return
+  int min_points = 12;                          // that must agree on the camera's pose
+  static constexpr double min_disagreement_px =
+      1;  // of these points with the pose so far; below, there is nothing to mend
+  static constexpr double loop_sigma = 0.1;  // of a loop's edge, of that of the path's edges
   RigidMotionOptions motion;
 };
 

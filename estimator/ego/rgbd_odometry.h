@@ -26,22 +26,24 @@ struct EgoOptions {
     loop.motion = pose;
     loop.motion.min_share = 0.5;
   }
-  RigidMotionOptions pose;           // of a frame, by points of the map
-  double keyframe_min_share = 0.75;  // of the last keyframe's points still seen; below, a new one
-  double keyframe_shift = 0.05;      // of the camera since the last keyframe, share of the median depth
-  double keyframe_turn_rad = 0.1;
-  int keyframe_max_gap = 15;     // frames
-  int window_keyframes = 8;      // that move in the local bundle adjustment
-  bool final_adjustment = true;  // of all keyframes, when the trajectory is asked for
-  int final_iterations = 20;
+  RigidMotionOptions pose;  // of a frame, by points of the map
+  static constexpr double keyframe_min_share =
+      0.75;  // of the last keyframe's points still seen; below, a new one
+  static constexpr double keyframe_shift =
+      0.05;  // of the camera since the last keyframe, share of the median depth
+  static constexpr double keyframe_turn_rad = 0.1;
+  static constexpr int keyframe_max_gap = 15;     // frames
+  static constexpr int window_keyframes = 8;      // that move in the local bundle adjustment
+  static constexpr bool final_adjustment = true;  // of all keyframes, when the trajectory is asked for
+  static constexpr int final_iterations = 20;
   /// Frames: a map that is lost for young_lost_frames before it has placed young_frames was begun on a bad
   /// one.
   int young_frames = 10, young_lost_frames = 3;
   /// After this time [s], while at least this many background features with depth are followed from frame to
   /// frame, the world is not the map's any more (the depth has another scale, or all has been moved): a new
   /// one begins.
-  double restart_after_s = 1;
-  int restart_features = 40;
+  static constexpr double restart_after_s = 1;
+  static constexpr int restart_features = 40;
   /// A frame that does not fit the map is placed by the background's motion since the frame before, where at
   /// least this many features with depth are followed. 0: never.
   int bridge_features = 12;

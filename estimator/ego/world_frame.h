@@ -17,7 +17,7 @@ struct UprightOptions {
   double min_share = 0.04;          // of the points, on the floor
   double max_tilt_deg = 50;         // of the camera, held by a person
   double max_range_m = 8;
-  int step_px = 8;  // between the pixels that are looked at
+  static constexpr int step_px = 8;  // between the pixels that are looked at
 };
 
 /// The normal of the largest plane of points that is level for a sensor held roughly as `upright` says (the

@@ -20,13 +20,14 @@ namespace uniquadric {
 
 /// When a body counts as what. All numbers are ours.
 struct LifecycleOptions {
-  int confirm_keyframes = 3;     // tentative until it has so many keyframes
-  int restart_frames = 3;        // in view, but none of its points found again: its short window starts anew
+  static constexpr int confirm_keyframes = 3;  // tentative until it has so many keyframes
+  static constexpr int restart_frames =
+      3;                         // in view, but none of its points found again: its short window starts anew
   double acceleration_mps2 = 2;  // how the prediction's sigma grows: hands, swings, cars
-  double angular_acceleration_radps2 = 1;  // the same
-  double search_after_s = 0.25;            // a prediction older than this is not trusted
-  double lost_after_s = 3;                 // of prediction alone
-  bool ends_outside = true;                // or where that leaves the image: nobody says how it goes on there
+  double angular_acceleration_radps2 = 1;         // the same
+  static constexpr double search_after_s = 0.25;  // a prediction older than this is not trusted
+  double lost_after_s = 3;                        // of prediction alone
+  bool ends_outside = true;  // or where that leaves the image: nobody says how it goes on there
 };
 
 /// What the quadric is fixed to.

@@ -10,8 +10,9 @@ namespace uniquadric {
 
 /// How what the back end knows is given to the tracking of features.
 struct JoinedOptions {
-  double envelope_margin = 0.2;    // ours: of the semi-axes; the model is a few percent off, a quadric more
-  double envelope_slack_m = 0.02;  // ours: what a prediction over one frame is off
+  static constexpr double envelope_margin =
+      0.2;  // ours: of the semi-axes; the model is a few percent off, a quadric more
+  static constexpr double envelope_slack_m = 0.02;  // ours: what a prediction over one frame is off
 };
 
 /// The bodies' estimators as perception's feedback (paper: the objects' motion priors and their quadrics'

@@ -12,11 +12,12 @@ namespace uniquadric {
 
 /// When a body counts as standing still or as moving. All numbers are ours.
 struct MotionDecisionOptions {
-  double window_s = 2;       // how far back poses are compared: 2 cm/s come to ten sigmas
-  double rest_s = 1;         // in one place for so long: a swing's turning point does not last that long
-  int rest_poses = 4;        // and so many, however far back: recordings of few frames a second
-  double rest_sigmas = 3;    // off none of the poses by more: standing still
-  double moving_sigmas = 5;  // off most of the poses by more: moving
+  static constexpr double window_s = 2;  // how far back poses are compared: 2 cm/s come to ten sigmas
+  static constexpr double rest_s =
+      1;  // in one place for so long: a swing's turning point does not last that long
+  static constexpr int rest_poses = 4;  // and so many, however far back: recordings of few frames a second
+  static constexpr double rest_sigmas = 3;    // off none of the poses by more: standing still
+  static constexpr double moving_sigmas = 5;  // off most of the poses by more: moving
   // of the camera's poses over such a time: several times what our odometry's are off on simulated scenes
   PoseSigmas camera_sigmas{0.001, 0.001};
   double surface_sigma_m = 0.001;  // features creep over the surface together; what is small turns by that

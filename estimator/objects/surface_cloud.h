@@ -11,9 +11,9 @@
 namespace uniquadric {
 
 struct SurfaceCloudOptions {
-  double voxel_share = 0.06;  // ours: of the body's radius: some 800 voxels on its surface
-  int min_hits = 3;           // ours: a voxel that fewer points met is noise
-  int max_points = 200;       // ours: what the long window takes of it; more gain nothing
+  static constexpr double voxel_share = 0.06;  // ours: of the body's radius: some 800 voxels on its surface
+  int min_hits = 3;                            // ours: a voxel that fewer points met is noise
+  int max_points = 200;                        // ours: what the long window takes of it; more gain nothing
 };
 
 /// Depth points of a body over its keyframes, averaged in voxels of the body's frame. Bounded: voxels beyond

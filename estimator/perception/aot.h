@@ -52,12 +52,12 @@ struct AotOptions {
   AssociationOptions association;
   bool trust_ids = false;  // ours: the segmenter's own ids are the tracks'; only a simulated one has any
   int min_pixels = 50;     // ours: smaller masks are not kept
-  double jump_iou =
-      0.985;            // ours: a body whose new mask agrees so well with the tracked one is not carried anew
-  int max_missing = 2;  // ours: results without a body after which its carried mask is given up: one in a
-                        // hundred is missed by chance
-  double max_silence_s = 5;  // ours: without any result; then carried masks are given up
-  double max_gap_s = 0.3;    // ours: between frames; flow finds nothing over more, and masks are not carried
+  static constexpr double jump_iou =
+      0.985;  // ours: a body whose new mask agrees so well with the tracked one is not carried anew
+  static constexpr int max_missing = 2;  // ours: results without a body after which its carried mask is given
+                                         // up: one in a hundred is missed by chance
+  double max_silence_s = 5;              // ours: without any result; then carried masks are given up
+  double max_gap_s = 0.3;  // ours: between frames; flow finds nothing over more, and masks are not carried
 };
 
 /// What is known when a frame has been taken.

@@ -13,8 +13,6 @@ void visit(Io& io, FlowTrackerOptions& o) {
       "preset", o.flow.preset,
       Choices<Preset>{{"ultrafast", Preset::ultrafast}, {"fast", Preset::fast}, {"medium", Preset::medium}});
   io.number("downscale", o.flow.downscale, 1, 8);
-  io.positive("depth_tolerance", o.depth_tolerance);
-  io.positive("max_depth_change", o.max_depth_change);
   io.number("lost_share", o.lost_share, 0.0, 1.0);
 }
 
@@ -22,9 +20,6 @@ template <typename Io>
 void visit(Io& io, NanoTrackOptions& o) {
   io.text("backbone", o.backbone);
   io.text("head", o.head);
-  io.number("window_influence", o.window_influence, 0.0, 1.0);
-  io.number("size_penalty", o.size_penalty, 0.0, 10.0);
-  io.number("learning_rate", o.learning_rate, 0.0, 1.0);
   io.number("min_score", o.min_score, 0.0, 1.0);
 }
 
@@ -36,15 +31,6 @@ void visit(Io& io, MaskEdgeOptions& o) {
 
 template <typename Io>
 void visit(Io& io, AssociationOptions& o) {
-  io.number("min_iou", o.min_iou, 0.0, 1.0);
-  io.number("min_fragment", o.min_fragment, 0.0, 1.0);
-  io.positive("max_depth_step", o.max_depth_step);
-  io.number("min_similarity", o.min_similarity, 0.0, 1.0);
-  io.number("sure_similarity", o.sure_similarity, 0.0, 1.0);
-  io.positive("max_area_ratio", o.max_area_ratio);
-  io.number("reach_m", o.reach_m, 0.0);
-  io.number("reach_mps", o.reach_mps, 0.0);
-  io.number("patience_s", o.patience_s, 0.0);
   io.number("hold_s", o.hold_s, 0.0);
 }
 
@@ -57,11 +43,7 @@ void visit(Io& io, AotOptions& o) {
             Choices<AotLatency>{{"sequence", AotLatency::sequence}, {"fixed", AotLatency::fixed}});
   io.number("latency_s", o.latency_s, 0.0, 60.0);
   io.flag("trust_ids", o.trust_ids);
-  io.number("min_pixels", o.min_pixels, 1);
   io.number("clear_growth", o.clear_growth, 0.0, 10.0);
-  io.number("jump_iou", o.jump_iou, 0.0, 1.0);
-  io.number("max_missing", o.max_missing, 1);
-  io.positive("max_silence_s", o.max_silence_s);
   io.positive("max_gap_s", o.max_gap_s);
   io.choice(
       "tracker", o.tracker,

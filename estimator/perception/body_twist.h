@@ -21,13 +21,13 @@ struct BodyTwist {
 struct BodyTwistOptions {
   double first_velocity_mps = 10, first_turn_radps = 0.7;  // standard deviations of what nothing is known of
   double acceleration_mps2_rthz = 1.5, turn_acceleration_radps2_rthz = 1;
-  double reach_px = 20;    // of a point's neighbours
-  int neighbours = 12;     // that a plane is laid through
-  double max_jump = 0.06;  // relative depth to a neighbour: with what an unknown motion adds
-  int max_points = 500;    // of a body
+  double reach_px = 20;                  // of a point's neighbours
+  static constexpr int neighbours = 12;  // that a plane is laid through
+  double max_jump = 0.06;                // relative depth to a neighbour: with what an unknown motion adds
+  int max_points = 500;                  // of a body
   double pixel_sigma = 0.3;
   // Points are looked at in several frames and as neighbours of many: so many rows count as one
-  double rows_as_one = 10;
+  static constexpr double rows_as_one = 10;
 };
 
 /// A point of a body where the sensor saw it, in the world.

@@ -11,10 +11,11 @@ namespace uniquadric {
 
 /// A detector of the YOLOX family (Ge et al., arXiv 2107.08430): its boxes are prompts.
 struct DetectorOptions {
-  std::string model;          // ONNX file: input 1x3xSxS (blue, green, red, 0 to 255), output 1xNx(5+classes)
-  int input_px = 416;         // S, as yolox_nano has it
-  double min_score = 0.3;     // ours: objectness times the best class's probability
-  double max_overlap = 0.45;  // ours: IoU above which the lesser of two boxes of one body goes
+  std::string model;       // ONNX file: input 1x3xSxS (blue, green, red, 0 to 255), output 1xNx(5+classes)
+  int input_px = 416;      // S, as yolox_nano has it
+  double min_score = 0.3;  // ours: objectness times the best class's probability
+  static constexpr double max_overlap =
+      0.45;  // ours: IoU above which the lesser of two boxes of one body goes
 };
 
 /// Boxes and scores (best first) of the network's output on an image that was scaled by `scale`: for each

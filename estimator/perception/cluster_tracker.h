@@ -10,20 +10,23 @@ namespace uniquadric {
 
 /// All numbers are ours, chosen on subway_car.
 struct ClusterTrackerOptions {
-  int window_scans = 6;          // that a velocity is taken from
-  int confirm_scans = 5;         // seen so often a track can be a body
-  bool moving_only = true;       // of what does not move nobody can say whether it is a body or a house
-  int moving_scans = 5;          // in a row that it has to be seen to move in, once
-  double min_way = 0.3;          // share of its extent, that it has to go then
-  int forget_scans = 10;         // after which what moved, and did not leave its own place, rests again
-  double min_speed_mps = 0.7;    // and its speed then
-  double max_stretch_mps = 0.7;  // by which its two ends may move apart then
+  static constexpr int window_scans = 6;   // that a velocity is taken from
+  static constexpr int confirm_scans = 5;  // seen so often a track can be a body
+  bool moving_only = true;  // of what does not move nobody can say whether it is a body or a house
+  static constexpr int moving_scans = 5;  // in a row that it has to be seen to move in, once
+  static constexpr double min_way = 0.3;  // share of its extent, that it has to go then
+  static constexpr int forget_scans =
+      10;  // after which what moved, and did not leave its own place, rests again
+  static constexpr double min_speed_mps = 0.7;    // and its speed then
+  static constexpr double max_stretch_mps = 0.7;  // by which its two ends may move apart then
   // of a scan's end that faces the sensor: what it has to move by beside the one that is hidden is four times
   // what this makes its speed uncertain by
-  double end_sigma_m = 0.15;
-  double min_overlap = 0.3;   // of the smaller box along the ground, where the last one should be now
-  double max_speed_mps = 40;  // of what was seen once: how far away it may be when it is seen again
-  int patience_scans = 8;     // without a cluster, until a track ends
+  static constexpr double end_sigma_m = 0.15;
+  static constexpr double min_overlap =
+      0.3;  // of the smaller box along the ground, where the last one should be now
+  static constexpr double max_speed_mps =
+      40;  // of what was seen once: how far away it may be when it is seen again
+  static constexpr int patience_scans = 8;  // without a cluster, until a track ends
 };
 
 /// The box of a cluster along the world's axes.

@@ -13,11 +13,11 @@ namespace uniquadric {
 /// How the surface that a body stands on is found. All numbers are ours.
 struct ContactOptions {
   bool enabled = true;
-  double ring = 0.3;           // width about the mask, of the root of its area
-  double threshold = 0.01;     // of depth: what counts as one plane at first
-  double min_share = 0.3;      // of the ring's points that must lie on it
-  double max_below = 0.1;      // share of the body's points that may lie behind it
-  double lowest_share = 0.02;  // of the body's points: those that must reach down to it
+  double ring = 0.3;                            // width about the mask, of the root of its area
+  static constexpr double threshold = 0.01;     // of depth: what counts as one plane at first
+  static constexpr double min_share = 0.3;      // of the ring's points that must lie on it
+  static constexpr double max_below = 0.1;      // share of the body's points that may lie behind it
+  static constexpr double lowest_share = 0.02;  // of the body's points: those that must reach down to it
 };
 
 /// The plane about a body's mask that the body reaches down to, in the camera's frame. `depth` CV_32FC1 [m, 0

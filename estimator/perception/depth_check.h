@@ -9,10 +9,10 @@ namespace uniquadric {
 /// Which depth images are measurements. All numbers are ours.
 struct DepthCheckOptions {
   bool enabled = true;
-  double max_change = 0.1;  // of a pixel's depth from image to image, for it to agree
+  static constexpr double max_change = 0.1;  // of a pixel's depth from image to image, for it to agree
   /// of the pixels that both images have: 0.95 and more agree at 30 Hz, by hand too; 0.15 to 0.6 at 1.5 Hz; a
   /// depth of another scale, or from another place, has next to none
-  double min_agreement = 0.3;
+  static constexpr double min_agreement = 0.3;
   /// [s] that images are compared over; what stays otherwise for longer is how it is: the camera has moved
   double max_gap_s = 0.25;
 };

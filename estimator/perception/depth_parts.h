@@ -14,13 +14,14 @@ namespace uniquadric {
 
 /// How depth is cut into parts that stand clear of floor and walls. All numbers are ours.
 struct DepthPartsOptions {
-  double plane_threshold_m = 0.03;  // most that a plane's points are off at 1 m and nearer; grows with depth
+  static constexpr double plane_threshold_m =
+      0.03;  // most that a plane's points are off at 1 m and nearer; grows with depth
   double plane_share =
-      0.1;             // of the image that a plane needs to be floor or wall: a near body's face has less
-  int max_planes = 6;  // floor, walls, ceiling
-  double jump = 0.02;  // relative, between neighbours that belong to two bodies
-  double max_extent_m = 1.5;  // of a body across the image; wider parts are the room
-  int min_pixels = 300;       // smaller parts are noise
+      0.1;  // of the image that a plane needs to be floor or wall: a near body's face has less
+  static constexpr int max_planes = 6;  // floor, walls, ceiling
+  double jump = 0.02;                   // relative, between neighbours that belong to two bodies
+  double max_extent_m = 1.5;            // of a body across the image; wider parts are the room
+  int min_pixels = 300;                 // smaller parts are noise
 };
 
 /// The parts of a depth image (CV_32FC1 [m], 0 none): pixels off its large planes, connected without a jump

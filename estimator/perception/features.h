@@ -19,34 +19,38 @@ namespace uniquadric {
 
 /// Of the tracks that were lost and may come back. All numbers are ours.
 struct GalleryOptions {
-  int body_tracks = 600;         // kept of each body, the last lost first
-  int background_tracks = 3000;  // kept of the background
-  int min_sightings = 3;         // of a track that is worth keeping
-  int max_distance = 70;         // of 256 bits: beyond, chance matches are as many as true ones
-  double max_ratio = 0.85;       // of the best match's distance to the second best's
-  int min_matches = 8;           // that must agree on one rigid motion
-  double min_share = 0.25;       // of the matches
-  double pixel_gate = 4;         // of an agreeing match
+  int body_tracks = 600;                          // kept of each body, the last lost first
+  static constexpr int background_tracks = 3000;  // kept of the background
+  static constexpr int min_sightings = 3;         // of a track that is worth keeping
+  static constexpr int max_distance = 70;    // of 256 bits: beyond, chance matches are as many as true ones
+  static constexpr double max_ratio = 0.85;  // of the best match's distance to the second best's
+  static constexpr int min_matches = 8;      // that must agree on one rigid motion
+  static constexpr double min_share = 0.25;  // of the matches
+  static constexpr double pixel_gate = 4;    // of an agreeing match
   /// A camera that lost its map is looked for where it was then, before descriptors are compared.
   bool look_where_left = true;
 };
 
 /// All numbers are ours.
 struct FeatureOptions {
-  int body_features = 90;             // wanted on each body
-  int background_features = 220;      // wanted on what no mask covers
-  int fast_threshold = 8;             // grey levels, four sigma of usual image noise
-  double min_distance_px = 5;         // between features
-  int start_margin_px = 4;            // of a new feature to the next pixel of another label
-  int keep_margin_px = 2;             // of a feature that is being tracked: masks jitter by a pixel
-  int max_missed = 2;                 // frames that a feature may spend off its mask
-  double max_prediction_gap_s = 0.2;  // after a longer gap nothing is known of the motion
-  double max_anchor_warp = 1.6;       // scale or shear of a patch, either way; then a new anchor is taken
-  double min_anchor_correlation = 0.8;
-  double max_pixel_sigma = 0.25;   // of an alignment [px]
-  double max_slip_px = 0.5;        // off the landmark, of a track whose anchor does not fit any more
-  double aligned_pixel_gate = 1;   // of tracks that were aligned: true ones are off by a tenth
-  double max_scale_change = 0.02;  // of depth from image to image: 0.0003 simulated, 0.01 recorded by hand
+  int body_features = 90;                          // wanted on each body
+  static constexpr int background_features = 220;  // wanted on what no mask covers
+  static constexpr int fast_threshold = 8;         // grey levels, four sigma of usual image noise
+  static constexpr double min_distance_px = 5;     // between features
+  static constexpr int start_margin_px = 4;        // of a new feature to the next pixel of another label
+  static constexpr int keep_margin_px = 2;  // of a feature that is being tracked: masks jitter by a pixel
+  static constexpr int max_missed = 2;      // frames that a feature may spend off its mask
+  static constexpr double max_prediction_gap_s = 0.2;  // after a longer gap nothing is known of the motion
+  static constexpr double max_anchor_warp =
+      1.6;  // scale or shear of a patch, either way; then a new anchor is taken
+  static constexpr double min_anchor_correlation = 0.8;
+  double max_pixel_sigma = 0.25;  // of an alignment [px]
+  static constexpr double max_slip_px =
+      0.5;  // off the landmark, of a track whose anchor does not fit any more
+  static constexpr double aligned_pixel_gate =
+      1;  // of tracks that were aligned: true ones are off by a tenth
+  static constexpr double max_scale_change =
+      0.02;                        // of depth from image to image: 0.0003 simulated, 0.01 recorded by hand
   double max_scale_refused_s = 1;  // what stays otherwise for longer is how it is
   PointFlowOptions flow;
   PatchAlignmentOptions alignment;

@@ -12,10 +12,10 @@ namespace uniquadric {
 /// How the flow tracker carries masks.
 struct FlowTrackerOptions {
   FlowOptions flow;
-  double depth_tolerance =
+  static constexpr double depth_tolerance =
       0.05;  // ours: relative; ten sigma of depth noise, no body turns as much in a frame
-  double max_depth_change = 0.05;  // ours: relative, of a whole body in a frame: 3 m/s at 2 m and 30 Hz; more
-                                   // is something else in its place
+  static constexpr double max_depth_change = 0.05;  // ours: relative, of a whole body in a frame: 3 m/s at 2
+                                                    // m and 30 Hz; more is something else in its place
   double lost_share = 0.9;  // ours: of a mask's pixels; where flow finds fewer again, the body is looked for
                             // as a whole (body_shift.h), and the mask whose colours agree over more of it is
                             // taken; 0: never

@@ -12,15 +12,18 @@ namespace uniquadric {
 /// A classical segmenter for real images without a learnt model. All numbers are ours, tried on an RGB-D
 /// recording of a cabinet.
 struct GrabcutOptions {
-  int iterations = 3;        // of GrabCut; more change no pixel to speak of
-  int downscale = 2;         // GrabCut's image is this much smaller: four times the speed
-  double context = 0.2;      // width of the ring around the box that shows the background, share of its side
-  double depth_reach = 1.0;  // depth off the box's median by more than this share of its size is background
-  double plane_threshold_m = 0.025;  // most that points of the ring's planes (floor, wall) are off; what lies
-                                     // on these, within the points' own spread, is cut out of the box
-  double plane_share = 0.15;         // of the ring's pixels that a plane needs
-  double rim = 0.05;         // width of the object's rim that colour decides, share of the box's shorter side
-  double depth_jump = 0.03;  // relative jump between neighbours that separates two bodies
+  int iterations = 3;  // of GrabCut; more change no pixel to speak of
+  int downscale = 2;   // GrabCut's image is this much smaller: four times the speed
+  static constexpr double context =
+      0.2;  // width of the ring around the box that shows the background, share of its side
+  static constexpr double depth_reach =
+      1.0;  // depth off the box's median by more than this share of its size is background
+  static constexpr double plane_threshold_m =
+      0.025;                  // most that points of the ring's planes (floor, wall) are off; what lies
+                              // on these, within the points' own spread, is cut out of the box
+  double plane_share = 0.15;  // of the ring's pixels that a plane needs
+  double rim = 0.05;  // width of the object's rim that colour decides, share of the box's shorter side
+  static constexpr double depth_jump = 0.03;  // relative jump between neighbours that separates two bodies
 };
 
 /// The object in a box: depth far from the box's median and the planes seen around the box are background,

@@ -27,10 +27,10 @@ enum class MotionSource {
 struct LidarDepthOptions {
   Undistortion undistortion = Undistortion::object;
   MotionSource motion = MotionSource::points;
-  double motion_window_s = 0.2;  // of points that a motion is found from
+  static constexpr double motion_window_s = 0.2;  // of points that a motion is found from
   BodyTwistOptions twist;
-  double window_s = 0.1;  // of points behind each frame: a scan of most sensors
-  int erode_px = 1;       // of masks, before points are said to be a body's
+  static constexpr double window_s = 0.1;  // of points behind each frame: a scan of most sensors
+  int erode_px = 1;                        // of masks, before points are said to be a body's
   PointPlaneOptions planes;
   int max_points = 2000;  // of a body
 };

@@ -10,10 +10,11 @@ namespace uniquadric {
 
 /// How bodies that touch are told apart by their motions. All numbers are ours.
 struct MotionSplitOptions {
-  int frames = 5;          // between the two images: a sixth of a second at 30 Hz, for slow bodies to move
-  double gate_px = 1.5;    // of a pixel's flow from a rigid motion, to belong to it
-  double min_share = 0.2;  // of a part, that must move in another way for the part to be two bodies
-  int samples = 400;       // pixels of a part that vote
+  int frames = 5;  // between the two images: a sixth of a second at 30 Hz, for slow bodies to move
+  static constexpr double gate_px = 1.5;  // of a pixel's flow from a rigid motion, to belong to it
+  static constexpr double min_share =
+      0.2;            // of a part, that must move in another way for the part to be two bodies
+  int samples = 400;  // pixels of a part that vote
   // of a part's median flow off the background's motion, in medians over the whole image: to move; 0:
   // whatever stands clear of planes is a body
   double moving_ratio = 6;

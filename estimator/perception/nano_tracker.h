@@ -16,8 +16,8 @@ namespace uniquadric {
 /// with.
 struct NanoTrackOptions {
   std::string backbone, head;  // ONNX files
-  double window_influence = 0.455;
-  double size_penalty = 0.055;
+  static constexpr double window_influence = 0.455;
+  static constexpr double size_penalty = 0.055;
   double learning_rate = 0.37;  // of the box's size
   double min_score = 0.3;       // ours: a worse match leaves the box where it was
 };

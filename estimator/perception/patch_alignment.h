@@ -11,10 +11,10 @@ namespace uniquadric {
 
 /// All numbers are ours.
 struct PatchAlignmentOptions {
-  int half_window_px = 5;        // 11x11: half of a small body's face still has corners whose patch is on it
-  int iterations = 10;           // converges in three or four
-  double max_shift_px = 2;       // from where it is sought: beyond, it is another corner
-  double min_correlation = 0.7;  // of the patches, after gain and offset
+  int half_window_px = 5;  // 11x11: half of a small body's face still has corners whose patch is on it
+  int iterations = 10;     // converges in three or four
+  static constexpr double max_shift_px = 2;       // from where it is sought: beyond, it is another corner
+  static constexpr double min_correlation = 0.7;  // of the patches, after gain and offset
 };
 
 /// What a corner looked like where it was found. Later sightings are aligned to it, so that their errors do

@@ -8,13 +8,13 @@ namespace uniquadric {
 
 /// How a feature's depth is read off a noisy depth image. All numbers are ours.
 struct PlaneDepthOptions {
-  int half_window_px = 3;     // 7x7: a seventh of the noise of one pixel
-  int half_wide_px = 7;       // 15x15, where the surface is flat enough: a fifteenth
-  double max_jump = 0.04;     // relative to the window's median depth; a wall seen at 80 degrees stays below
-  double min_share = 0.5;     // of the window's pixels that must lie on the plane
-  double outlier_sigmas = 3;  // off the plane
-  double agreement_sigmas = 2;  // of the wide and the narrow plane at the pixel
-  double curvature_share =
+  int half_window_px = 3;  // 7x7: a seventh of the noise of one pixel
+  int half_wide_px = 7;    // 15x15, where the surface is flat enough: a fifteenth
+  double max_jump = 0.04;  // relative to the window's median depth; a wall seen at 80 degrees stays below
+  static constexpr double min_share = 0.5;       // of the window's pixels that must lie on the plane
+  static constexpr double outlier_sigmas = 3;    // off the plane
+  static constexpr double agreement_sigmas = 2;  // of the wide and the narrow plane at the pixel
+  static constexpr double curvature_share =
       0.6;  // of their difference that the narrow one is off by, where they disagree: in a
             // crease the bias grows with the window's side, 0.9; on a ball with its square, 0.3
   double min_sigma = 2e-4;  // of depth, relative: what no average takes away

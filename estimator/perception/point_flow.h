@@ -9,11 +9,11 @@ namespace uniquadric {
 
 /// Of the pyramidal Lucas-Kanade tracker. All numbers are ours.
 struct PointFlowOptions {
-  int window_px = 15;  // side; larger windows take in what lies behind a small body
-  int levels = 3;      // above the image itself: 15 px of window reach 60 px of error in the seed
+  static constexpr int window_px = 15;  // side; larger windows take in what lies behind a small body
+  int levels = 3;  // above the image itself: 15 px of window reach 60 px of error in the seed
   int iterations = 20;
-  double min_eigenvalue = 1e-4;    // of the patch's structure, as OpenCV norms it
-  double max_round_trip_px = 0.7;  // forward and backward again
+  static constexpr double min_eigenvalue = 1e-4;    // of the patch's structure, as OpenCV norms it
+  static constexpr double max_round_trip_px = 0.7;  // forward and backward again
 };
 
 /// An image and its pyramid for tracking.

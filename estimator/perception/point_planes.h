@@ -24,12 +24,12 @@ struct PointPlane {
 
 /// All numbers are ours.
 struct PointPlaneOptions {
-  double reach_px = 14;    // of a point: beyond, nothing is known of the depth
-  int neighbours = 12;     // that a plane is laid through
-  int min_neighbours = 5;  // of them on it
-  double max_jump = 0.03;  // relative depth to a neighbour on the same surface
-  bool one_body = false;   // whether slivers of other things are among the points
-  double row_gap_px = 0;   // between the rows of a spinning sensor, along v; 0: there are none
+  double reach_px = 14;                     // of a point: beyond, nothing is known of the depth
+  static constexpr int neighbours = 12;     // that a plane is laid through
+  static constexpr int min_neighbours = 5;  // of them on it
+  double max_jump = 0.03;                   // relative depth to a neighbour on the same surface
+  bool one_body = false;                    // whether slivers of other things are among the points
+  double row_gap_px = 0;  // between the rows of a spinning sensor, along v; 0: there are none
 };
 
 /// The paper's depth of a feature from LiDAR (spherical projection, k nearest, a plane that the line of sight

@@ -20,11 +20,11 @@ struct PointSighting {
 
 /// All numbers are ours.
 struct RigidMotionOptions {
-  double pixel_sigma = 0.12;    // of aligned corners [px], with what the points' own errors add
-  double pixel_gate = 3;        // an inlier's distance [px]
-  double depth_gate = 5;        // an inlier's distance in depth [sigma]
-  double depth_slack_m = 0.01;  // and what it may be off besides
-  int iterations = 100;         // three points of half outliers are drawn clean with 1 - 1e-6
+  double pixel_sigma = 0.12;  // of aligned corners [px], with what the points' own errors add
+  double pixel_gate = 3;      // an inlier's distance [px]
+  double depth_gate = 5;      // an inlier's distance in depth [sigma]
+  static constexpr double depth_slack_m = 0.01;  // and what it may be off besides
+  int iterations = 100;  // three points of half outliers are drawn clean with 1 - 1e-6
   int min_inliers = 6;
   double min_share = 0.4;  // of the sightings that must agree
 };

@@ -20,7 +20,8 @@ struct SamOptions {
   int grid = 8;              // ours: points a side that `everything` prompts with; SAM's own 32 take minutes
   double min_quality = 0.8;  // of the decoder's own guess of its mask's IoU; SAM's generator has 0.88
   double max_share = 0.3;    // ours: of the image; larger masks are the room
-  double max_overlap = 0.5;  // ours: IoU above which the lesser of two masks of one body goes
+  static constexpr double max_overlap =
+      0.5;  // ours: IoU above which the lesser of two masks of one body goes
 };
 
 /// What the decoder is asked for: points on one body, or its box.

@@ -15,17 +15,19 @@ namespace uniquadric {
 
 /// How sequences without images get bodies. All numbers are ours.
 struct ScanObjectOptions {
-  bool enabled = true;      // or the sensor's own motion alone is followed
-  bool masks = false;       // of the camera say which clusters are bodies, besides those that move
-  double mask_share = 0.5;  // of a cluster's points that lie under a mask then
+  bool enabled = true;  // or the sensor's own motion alone is followed
+  bool masks = false;   // of the camera say which clusters are bodies, besides those that move
+  static constexpr double mask_share = 0.5;  // of a cluster's points that lie under a mask then
   LidarClusterOptions clusters;
   ClusterTrackerOptions tracker;
   double width_deg = 120, height_deg = 100;  // of the image that an evaluation draws bodies in
-  double focal_px = 460;
-  double look_back_s = 1;   // that a body's earlier clusters are kept for, from before it was known to be one
-  double rim_deg = 1.75;    // what is so near to the end of the sensor's view may go on beyond it
-  double beside_deg = 0.6;  // what is so near beside a body may hide a part of it
-  int max_points = 2000;    // of a body
+  static constexpr double focal_px = 460;
+  static constexpr double look_back_s =
+      1;  // that a body's earlier clusters are kept for, from before it was known to be one
+  static constexpr double rim_deg =
+      1.75;  // what is so near to the end of the sensor's view may go on beyond it
+  static constexpr double beside_deg = 0.6;  // what is so near beside a body may hide a part of it
+  int max_points = 2000;                     // of a body
 };
 
 /// The camera that scans are looked at with: at the place of the sequence's, with an image of its own.

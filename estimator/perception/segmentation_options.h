@@ -11,29 +11,17 @@ template <typename Io>
 void visit(Io& io, GrabcutOptions& o) {
   io.number("iterations", o.iterations, 1, 100);
   io.number("downscale", o.downscale, 1, 16);
-  io.number("context", o.context, 0.01, 2.0);
-  io.positive("depth_reach", o.depth_reach);
-  io.positive("plane_threshold_m", o.plane_threshold_m);
-  io.number("plane_share", o.plane_share, 0.01, 1.0);
   io.number("rim", o.rim, 0.0, 1.0);
-  io.positive("depth_jump", o.depth_jump);
 }
 
 template <typename Io>
 void visit(Io& io, DepthPartsOptions& o) {
-  io.positive("plane_threshold_m", o.plane_threshold_m);
-  io.number("plane_share", o.plane_share, 0.001, 1.0);
-  io.number("max_planes", o.max_planes, 0, 100);
   io.positive("jump", o.jump);
-  io.positive("max_extent_m", o.max_extent_m);
-  io.number("min_pixels", o.min_pixels, 1);
 }
 
 template <typename Io>
 void visit(Io& io, MotionSplitOptions& o) {
   io.number("frames", o.frames, 1, 1000);
-  io.positive("gate_px", o.gate_px);
-  io.number("min_share", o.min_share, 0.0, 0.5);
   io.number("samples", o.samples, 10, 100'000);
   io.number("moving_ratio", o.moving_ratio, 0.0, 1000.0);
 }
@@ -47,7 +35,6 @@ void visit(Io& io, SamOptions& o) {
   io.number("grid", o.grid, 1, 64);
   io.number("min_quality", o.min_quality, 0.0, 1.0);
   io.number("max_share", o.max_share, 0.0, 1.0);
-  io.number("max_overlap", o.max_overlap, 0.0, 1.0);
 }
 
 template <typename Io>
@@ -55,7 +42,6 @@ void visit(Io& io, DetectorOptions& o) {
   io.text("model", o.model);
   io.number("input_px", o.input_px, 32, 4096);
   io.number("min_score", o.min_score, 0.0, 1.0);
-  io.number("max_overlap", o.max_overlap, 0.0, 1.0);
 }
 
 template <typename Io>

@@ -10,9 +10,10 @@ namespace uniquadric {
 
 /// How masks become silhouettes.
 struct SilhouetteOptions {
-  int directions = 16;      // ours: what is gained beyond is within the noise (4: the paper's RotBbox)
-  int min_pixels = 50;      // ours: under 8 px across a pixel of noise is more than a tenth of the size
-  double min_share = 0.15;  // ours: smaller parts beside the largest are specks of a bad mask
+  int directions = 16;  // ours: what is gained beyond is within the noise (4: the paper's RotBbox)
+  int min_pixels = 50;  // ours: under 8 px across a pixel of noise is more than a tenth of the size
+  static constexpr double min_share =
+      0.15;  // ours: smaller parts beside the largest are specks of a bad mask
   // The outermost point of a noisy outline lies too far out, the more so the longer the stretch that competes
   // to be outermost. Its mean can be taken off: 0.75 outline_noise_px ln(1 + L / outline_length_px), L the
   // length of the hull beside the tangent, each piece weighted by exp(-1.5 gap / outline_noise_px). Measured
@@ -21,13 +22,16 @@ struct SilhouetteOptions {
   // +0.24 1.10.
   double outline_noise_px =
       0;  // ours: outlines fitted to depth edges (mask_edges.h) have no bias to speak of
-  double outline_length_px = 15;
-  double border_px = 2.5;   // ours: an outline this near to the image's border may be cut by it
-  double touch_px = 1.5;    // ours: outline points this near to a tangent are what it touches
-  double cut_share = 0.25;  // ours: of the points touched; more of them cut and the tangent is not free
-  double occluder_jump =
-      0.03;                   // ours: relative; six sigma of depth noise of 0.5 %, the floor's slope is less
-  int occluder_reach_px = 6;  // ours: how far outside a neighbour is looked for: masks are pixels off
+  static constexpr double outline_length_px = 15;
+  static constexpr double border_px =
+      2.5;  // ours: an outline this near to the image's border may be cut by it
+  static constexpr double touch_px = 1.5;  // ours: outline points this near to a tangent are what it touches
+  static constexpr double cut_share =
+      0.25;  // ours: of the points touched; more of them cut and the tangent is not free
+  static constexpr double occluder_jump =
+      0.03;  // ours: relative; six sigma of depth noise of 0.5 %, the floor's slope is less
+  static constexpr int occluder_reach_px =
+      6;  // ours: how far outside a neighbour is looked for: masks are pixels off
 };
 
 /// The silhouette of each body in `masks` (CV_16UC1 ids, 0 none) with at least `min_pixels`. A tangent is

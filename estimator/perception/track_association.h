@@ -12,14 +12,17 @@ namespace uniquadric {
 
 /// Gates of the backward association. All numbers are ours.
 struct AssociationOptions {
-  double min_iou = 0.25;          // with the tracker's mask: half of a body that is a third of its width off
-  double min_fragment = 0.7;      // share of a mask inside a track's that makes it a piece of that track
-  double max_depth_step = 0.05;   // relative, between pieces of one body
-  double min_similarity = 0.6;    // of colours: a body that comes back shows other sides
-  double sure_similarity = 0.85;  // of colours: no need to wait for more of the body to be seen
-  double max_area_ratio = 3;      // of silhouettes in m^2, seen to known: more is another body
-  double reach_m = 0.5, reach_mps = 1;  // of a hidden body about the line of its last velocity
-  double patience_s = 10;               // after that a hidden body is forgotten
+  static constexpr double min_iou =
+      0.25;  // with the tracker's mask: half of a body that is a third of its width off
+  static constexpr double min_fragment =
+      0.7;  // share of a mask inside a track's that makes it a piece of that track
+  static constexpr double max_depth_step = 0.05;  // relative, between pieces of one body
+  static constexpr double min_similarity = 0.6;   // of colours: a body that comes back shows other sides
+  static constexpr double sure_similarity =
+      0.85;                                    // of colours: no need to wait for more of the body to be seen
+  static constexpr double max_area_ratio = 3;  // of silhouettes in m^2, seen to known: more is another body
+  double reach_m = 0.5, reach_mps = 1;         // of a hidden body about the line of its last velocity
+  static constexpr double patience_s = 10;     // after that a hidden body is forgotten
   double hold_s = 0.5;  // how long a body that may be a hidden one is watched before it is called a new one
 };
 

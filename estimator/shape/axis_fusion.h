@@ -27,7 +27,7 @@ struct AxisFusionOptions {
   // ours: whether the spread is that of frames weighted by 1 / delta^2: where delta says what a frame may
   // miss
   bool weighted_spread = false;
-  double min_sigma_m = 1e-3;   // ours: no frame is trusted beyond a millimetre
+  static constexpr double min_sigma_m = 1e-3;  // ours: no frame is trusted beyond a millimetre
   int iterations = 100;        // ours: Num has no value in the paper; the mode needs about ten
   double literal_alpha = 0.5;  // ours: where the printed descent on alpha starts
   double literal_step = 0.01;  // ours: its step

@@ -20,12 +20,14 @@ namespace uniquadric {
 /// What is taken away of a superellipsoid where depth saw through it. All numbers are ours.
 struct CarvingOptions {
   bool enabled = false;
-  int cells = 64;            // along a cube of the body's box's volume
-  int views = 60;            // spread evenly over those of the body
-  double sigmas = 3;         // of depth: what lies so far before a measured point is free
-  int min_views = 2;         // that have to see a cell free,
-  double min_share = 0.05;   // and that share of those that see it at all: flying pixels are rare
-  double least_free = 0.12;  // of the superellipsoid: below it the body has no hollows but noise
+  int cells = 64;                      // along a cube of the body's box's volume
+  int views = 60;                      // spread evenly over those of the body
+  static constexpr double sigmas = 3;  // of depth: what lies so far before a measured point is free
+  static constexpr int min_views = 2;  // that have to see a cell free,
+  static constexpr double min_share =
+      0.05;  // and that share of those that see it at all: flying pixels are rare
+  static constexpr double least_free =
+      0.12;  // of the superellipsoid: below it the body has no hollows but noise
 };
 
 /// Carves the free space out of one superellipsoid (Kutulakos and Seitz, "A theory of shape by space

@@ -9,15 +9,16 @@ namespace uniquadric {
 
 /// All numbers are ours, chosen on subway_car.
 struct LidarClusterOptions {
-  double cell_m = 1;           // whose lowest point speaks for the ground there
-  double ground_tilt_deg = 6;  // of the ground at most
-  int ground_samples = 200;    // planes that are tried
-  double ground_m = 0.2;       // what is no higher above the ground is the ground
-  double tolerance_m = 0.7;    // between points of one body
-  double max_rise_m = 2;       // between rows of a spinning LiDAR one above the other on it, at most
-  int min_points = 10;         // of a body
-  double min_height_m = 0.5;   // kerbs and rails are lower; what hangs higher does not stand on the ground
-  double max_extent_m = 24;    // along the ground: what is longer is a wall
+  double cell_m = 1;                            // whose lowest point speaks for the ground there
+  static constexpr double ground_tilt_deg = 6;  // of the ground at most
+  static constexpr int ground_samples = 200;    // planes that are tried
+  static constexpr double ground_m = 0.2;       // what is no higher above the ground is the ground
+  double tolerance_m = 0.7;                     // between points of one body
+  double max_rise_m = 2;  // between rows of a spinning LiDAR one above the other on it, at most
+  int min_points = 10;    // of a body
+  static constexpr double min_height_m =
+      0.5;                   // kerbs and rails are lower; what hangs higher does not stand on the ground
+  double max_extent_m = 24;  // along the ground: what is longer is a wall
 };
 
 /// The ground as height over a place: z = offset_m + slope . (x, y).

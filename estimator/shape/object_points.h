@@ -14,8 +14,8 @@ struct PointOptions {
   double edge_ratio = 0.03;  // relative jump to a neighbour; a face seen at 80 degrees has 0.01
   double max_depth_m = 50;   // beyond every sensor here; 65.535 m is a common mark of invalid depth
   double voxel_m = 0.01;     // evens out the density of near and far, frontal and slanted faces
-  int outlier_neighbours = 12;
-  double outlier_sigmas = 2.5;
+  static constexpr int outlier_neighbours = 12;
+  static constexpr double outlier_sigmas = 2.5;
   int outlier_rounds = 1;  // two also drop the rim of slanted faces: IoU 0.30 of that cube, 0.40 with one
   int max_points = 2000;   // bounds the time of Alg. 1
   int min_points = 30;     // fewer say nothing about a shape

@@ -27,16 +27,19 @@ struct CloudAlignmentOptions {
   double point_sigma_m = 0.005;  // of a smoothed point off the model's plane: its voxels' roughness
   double outline_sigma_px = 2;   // of a tangent about the model's points, whose outline is not complete
   double far_m = 0.08, near_m = 0.015;  // within which a point's partner is looked for: at first, and at last
-  double min_normal_cosine = 0.5;       // of a point's normal and its partner's
-  double min_matched = 0.5;       // share of the points that lie on the model, or it is a face not seen yet
-  int min_lines = 10;             // free tangents that will do instead, soon after the last pose
-  double max_distance_m = 0.006;  // their mean distance from its planes beyond which it is not found
-  double max_outline_px = 5;      // the same of the tangents
-  double max_outline_share =
+  static constexpr double min_normal_cosine = 0.5;  // of a point's normal and its partner's
+  static constexpr double min_matched =
+      0.5;  // share of the points that lie on the model, or it is a face not seen yet
+  static constexpr int min_lines = 10;  // free tangents that will do instead, soon after the last pose
+  static constexpr double max_distance_m =
+      0.006;  // their mean distance from its planes beyond which it is not found
+  static constexpr double max_outline_px = 5;  // the same of the tangents
+  static constexpr double max_outline_share =
       0.05;               // or this, of the outline's width, where it is more: masks of large things err more
   double turn_rad = 0.5;  // starts turned by so much about each axis, where the prediction is stale
-  int turns = 3;          // and twice, three times that
-  double color_sigma = 12;  // [1] of a point's colour, CIE L*a*b*: texture between voxels, light, noise
+  static constexpr int turns = 3;  // and twice, three times that
+  static constexpr double color_sigma =
+      12;  // [1] of a point's colour, CIE L*a*b*: texture between voxels, light, noise
 };
 
 struct CloudAlignment {

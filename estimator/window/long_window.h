@@ -69,7 +69,7 @@ struct LongWindowOptions {
   double surface_sigma_m = 0.01;          // ours: of an averaged point of the cloud against a superellipsoid
   // ours: and no less than so many radii of the body: what is large has panes, doors and wheels off the
   // surface
-  double surface_sigma_radii = 0.02;
+  static constexpr double surface_sigma_radii = 0.02;
   bool extents = true;   // ours: where the body ends along its axes is what its points say, where seen
   bool contacts = true;  // ours: what stands on a plane ends there, and stands on a face
   // ours: of the offset about its start, a solve: a ball has no axes to be found, what nothing holds stays

@@ -26,7 +26,8 @@ struct PoseSolverOptions {
   double gate_sigmas = 3.5;     // ours: a sighting further off is no inlier; 1 in 2000 true ones is lost
   int iterations = 10;          // ours: Gauss-Newton from a prediction converges in four
   int min_inliers = 5;          // ours: three determine a pose, two more vouch for it
-  int ransac_iterations = 200;  // ours: finds 30 % of inliers with three points in 99 of 100 cases
+  static constexpr int ransac_iterations =
+      200;  // ours: finds 30 % of inliers with three points in 99 of 100 cases
 };
 
 struct PoseSolution {

@@ -16,15 +16,17 @@
 namespace uniquadric {
 
 struct ShortWindowOptions {
-  int keyframes = 10;            // paper: 8-10
-  double keyframe_turn_deg = 5;  // ours: new faces come into view by less than their corners' spacing
-  double keyframe_share = 0.7;   // ours: a keyframe is due when fewer of the last one's points are left
+  int keyframes = 10;  // paper: 8-10
+  static constexpr double keyframe_turn_deg =
+      5;  // ours: new faces come into view by less than their corners' spacing
+  static constexpr double keyframe_share =
+      0.7;                       // ours: a keyframe is due when fewer of the last one's points are left
   double keyframe_gap_s = 0.33;  // ours: bounds the motion model's reach
   bool motion_model = true;      // paper: Eq. 7
   MotionNoise motion_noise;
-  bool rest_factor = true;     // ours: what stands still is held there in the place of Eq. 7
-  bool marginal_prior = true;  // paper: e_prior
-  int max_landmarks = 4000;    // ours: bounds memory; those not seen for longest go first
+  bool rest_factor = true;                    // ours: what stands still is held there in the place of Eq. 7
+  bool marginal_prior = true;                 // paper: e_prior
+  static constexpr int max_landmarks = 4000;  // ours: bounds memory; those not seen for longest go first
   PoseSolverOptions pose;
 };
 

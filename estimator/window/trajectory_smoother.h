@@ -28,15 +28,16 @@ struct PoseSample {
 
 /// All numbers are ours.
 struct TrajectorySmootherOptions {
-  double least_translation_sigma_m = 5e-4;              // of a pose: what its covariance does not know of
-  double least_rotation_sigma_rad = 2e-3;               // the same
-  double guess_sigma_m = 0.02, guess_sigma_rad = 0.05;  // of a guess besides
+  static constexpr double least_translation_sigma_m =
+      5e-4;                                                 // of a pose: what its covariance does not know of
+  static constexpr double least_rotation_sigma_rad = 2e-3;  // the same
+  double guess_sigma_m = 0.02, guess_sigma_rad = 0.05;      // of a guess besides
   double outlier = 3;  // sigmas at which a pose, or a step, counts half (Cauchy)
-  int robust_rounds = 4;
+  static constexpr int robust_rounds = 4;
   double settle_s = 0.3;  // time constant in which a new shape takes the place of the one before; 0: at once
-  double sudden =
+  static constexpr double sudden =
       8;  // of the usual change of motion from state to state: a jump, before which all is forgotten
-  double history_s = 3;  // of a trajectory that goes on: how far back it is smoothed
+  static constexpr double history_s = 3;  // of a trajectory that goes on: how far back it is smoothed
 };
 
 /// How restless a body has been found to be: density of its jerk's noise over the variance of a pose, of
