@@ -91,6 +91,11 @@ void ConfigNode::blame_other_file(const std::string& what) const {
       throw InputError(value.where + place, fmt::format("{} (in {})", what, file_.filename().string()));
 }
 
+std::string ConfigNode::place() const {
+  return line() > 0 ? fmt::format("{}:{}: {}", file_.string(), line(), name_)
+                    : fmt::format("{}: {}", file_.string(), name_);
+}
+
 int ConfigNode::line() const {
   return node_->Mark().line + 1;
 }

@@ -74,6 +74,8 @@ class ConfigNode {
   /// The dotted path of keys that leads here, as messages have it; of the whole file empty.
   const std::string& key_path() const { return name_; }
   int line() const;
+  /// Where this value stands, as messages begin: file, line where there is one, and dotted path of keys.
+  std::string place() const;
 
  private:
   ConfigNode(const YAML::Node& node, std::filesystem::path file, std::string name);

@@ -36,12 +36,12 @@ const Sequence& with_scans(const Sequence& sequence) {
   return sequence;
 }
 
-LidarRigView rig_of(const Sequence& sequence, const LidarEgoOptions& options) {
+LidarRigView rig_of(const Sequence& sequence) {
   LidarRigView rig;
   rig.camera_from_lidar = sequence.lidar->camera_from_lidar;
   rig.imu = sequence.imu;
   rig.noise = sequence.lidar->noise.value_or(LidarDataSheet());
-  if (options.use_masks) rig.camera = sequence.camera;
+  rig.camera = sequence.camera;  // points on masked bodies are left out
   return rig;
 }
 
@@ -73,7 +73,7 @@ std::vector<ImuSample> imu_of(const Sequence& sequence, const LidarEgoOptions& o
 LidarEgo::LidarEgo(const Sequence& sequence, const LidarEgoOptions& options)
     : sequence_(with_scans(sequence)),
       options_(options),
-      odometry_(rig_of(sequence_, options), imu_of(sequence_, options, imu_faults_), options.odometry),
+      odometry_(rig_of(sequence_), imu_of(sequence_, options, imu_faults_), options.odometry),
       watch_(options.odometry.sweep.min_range_m, options.odometry.sweep.max_range_m) {
   if (sequence.frames.empty()) options_.cut = SweepCut::scans;
 }

@@ -20,8 +20,7 @@ enum class SweepCut {
 
 struct LidarEgoOptions {
   SweepCut cut = SweepCut::frames;
-  std::int64_t imu_time_offset_ns = 0;     ///< the IMU's clock less the sequence's
-  static constexpr bool use_masks = true;  ///< leave points on masked bodies out
+  std::int64_t imu_time_offset_ns = 0;  ///< the IMU's clock less the sequence's
   LidarOdometryOptions odometry;
 };
 

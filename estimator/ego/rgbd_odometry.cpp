@@ -376,13 +376,11 @@ std::optional<Pose> RgbdOdometry::pose() const {
 void RgbdOdometry::State::append(const EgoMap& of, const std::vector<FramePose>& placed,
                                  const std::vector<FramePose>& earlier, Trajectory& trajectory) const {
   EgoMap adjusted = of;
-  if (options.final_adjustment) {
-    std::vector<int> all(adjusted.keyframes.size());
-    std::iota(all.begin(), all.end(), 0);
-    BundleOptions bundle = options.bundle;
-    bundle.iterations = options.final_iterations;
-    adjust_bundle(adjusted, camera, all, bundle);
-  }
+  std::vector<int> all(adjusted.keyframes.size());
+  std::iota(all.begin(), all.end(), 0);
+  BundleOptions bundle = options.bundle;
+  bundle.iterations = options.final_iterations;
+  adjust_bundle(adjusted, camera, all, bundle);
   const auto world_from_camera = [&](const FramePose& frame, const Pose& camera_from_map) {
     Pose pose = world_from_map() * camera_from_map.inverse();
     pose.rotation.normalize();

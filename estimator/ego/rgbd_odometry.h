@@ -32,10 +32,9 @@ struct EgoOptions {
   static constexpr double keyframe_shift =
       0.05;  // of the camera since the last keyframe, share of the median depth
   static constexpr double keyframe_turn_rad = 0.1;
-  static constexpr int keyframe_max_gap = 15;     // frames
-  static constexpr int window_keyframes = 8;      // that move in the local bundle adjustment
-  static constexpr bool final_adjustment = true;  // of all keyframes, when the trajectory is asked for
-  static constexpr int final_iterations = 20;
+  static constexpr int keyframe_max_gap = 15;  // frames
+  static constexpr int window_keyframes = 8;   // that move in the local bundle adjustment
+  static constexpr int final_iterations = 20;  // over all keyframes, when the trajectory is asked for
   /// Frames: a map that is lost for young_lost_frames before it has placed young_frames was begun on a bad
   /// one.
   int young_frames = 10, young_lost_frames = 3;

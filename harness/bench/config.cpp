@@ -92,16 +92,12 @@ bool is_there(const BenchScene& item) {
   return item.drawn_from || fs::exists(item.path);
 }
 
-// As messages begin.
-std::string place_of(const ConfigNode& node, const std::string& key_path) {
-  return fmt::format("{}:{}: {}", node.file().string(), node.line(), key_path);
-}
-
 std::vector<ConfigOverride> read_set(const ConfigNode& node, const std::string& key = "set") {
   std::vector<ConfigOverride> overrides;
   if (const auto set = node.find(key)) {
     for (const auto& [name, value] : set->entries())
-      overrides.push_back({name, value.yaml(), place_of(value, set->key_path())});
+      overrides.push_back({name, value.yaml(),
+                           fmt::format("{}:{}: {}", value.file().string(), value.line(), set->key_path())});
     set->refuse_unknown_keys();  // that stand twice
   }
   return overrides;
@@ -131,7 +127,7 @@ std::vector<BenchScene> read_family(const ConfigNode& node, const std::vector<st
   BenchScene common;
   common.seeds = seeds;
   common.set = read_set(node, "scene_set");
-  common.where = place_of(node, node.key_path());
+  common.where = node.place();
   read_common(node, common);
   node.refuse_unknown_keys();
   std::vector<BenchScene> scenes(static_cast<std::size_t>(count), common);
@@ -195,7 +191,7 @@ BenchVariant read_variant(const ConfigNode& root, const ConfigNode& node) {
   if (!variant.set.empty()) {
     node.at("name");
     if (is_external(variant.path)) node.at("set").fail("a variant with a command has no values to set");
-    variant.set.push_back({"name", yaml_quoted(variant.name), place_of(node, node.key_path())});
+    variant.set.push_back({"name", yaml_quoted(variant.name), node.place()});
   }
   return variant;
 }

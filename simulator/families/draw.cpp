@@ -64,9 +64,8 @@ std::string drawn_lens(RandomStream& random) {
   const double k1 = random.uniform(-0.15, 0.25), k2 = -k1 * random.uniform(0.5, 1.2);
   const double p1 = random.uniform(-0.003, 0.003), p2 = random.uniform(-0.003, 0.003);
   return fmt::format(
-      "  calibration: {{width: 640, height: 480, fx: 525, fy: 525, cx: 319.5, cy: 239.5, distortion: [{}, "
-      "{}, "
-      "{}, {}, 0]}}\n",
+      "  calibration: {{width: 640, height: 480, fx: 525, fy: 525, cx: 319.5, cy: 239.5, distortion: "
+      "[{}, {}, {}, {}, 0]}}\n",
       yaml_number(k1), yaml_number(k2), yaml_number(p1), yaml_number(p2));
 }
 

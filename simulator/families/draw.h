@@ -18,7 +18,7 @@ struct FamilyOptions {
   std::string meshes;  ///< a folder of scanned things to draw from; empty: primitives
   std::string realism = "ideal";
   std::string lidar;  ///< of streets: the scan pattern; empty: drawn
-  std::string lens;   ///< a line of `camera`, empty: without distortion. Streets do without
+  std::string lens;   ///< a line of `camera`; empty, as in streets: without distortion
 
   /// That a camera's way is drawn for: a scene shorter than a second shows its beginning.
   double camera_s() const { return std::max(1.0, static_cast<double>(frames) / 30); }

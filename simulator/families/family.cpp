@@ -86,7 +86,7 @@ std::string generate_scene(const FamilyRequest& request) {
   RandomStream random(request.seed, "family " + request.family);
   FamilyOptions options = read_options(request, random.uniform());
   RandomStream lens(request.seed, "lens " + request.family);
-  options.lens = drawn_lens(lens);
+  if (request.family != "street") options.lens = drawn_lens(lens);
   std::string text = fmt::format("{}{}, seed {}, difficulty {}.\n", kSceneHead, request.family, request.seed,
                                  yaml_number(options.difficulty, 3));
   text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\nrealism: {}\ntexture: sparse\n", request.family,

@@ -118,14 +118,12 @@ std::string camera_before_table(RandomStream& random, const FamilyOptions& optio
   const double end_m = side_m + random.uniform(-0.3, 0.3);
   const double end_far_m = far_m * random.uniform(0.9, 1.1);
   const double duration_s = static_cast<double>(options.frames) / 30;
-  return options.lens + fmt::format(
-                            "  motion:\n    kind: compose\n    parts:\n      - kind: spline\n        "
-                            "look_at_m: [0, 0, 0.95]\n"
-                            "        waypoints:\n          - {{time_s: -1, position_m: {}}}\n          - "
-                            "{{time_s: {}, position_m: "
-                            "{}}}\n{}",
-                            yaml_vector({side_m, -far_m, 1.25}), yaml_number(duration_s + 1, 2),
-                            yaml_vector({end_m, -end_far_m, 1.3}), drawn_camera_tremor(random));
+  return fmt::format(
+      "  motion:\n    kind: compose\n    parts:\n      - kind: spline\n        look_at_m: [0, 0, 0.95]\n"
+      "        waypoints:\n          - {{time_s: -1, position_m: {}}}\n          - {{time_s: {}, position_m: "
+      "{}}}\n{}",
+      yaml_vector({side_m, -far_m, 1.25}), yaml_number(duration_s + 1, 2),
+      yaml_vector({end_m, -end_far_m, 1.3}), drawn_camera_tremor(random));
 }
 
 }  // namespace

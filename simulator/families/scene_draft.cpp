@@ -55,8 +55,8 @@ bool box_hides(const Pose& box_from_world, const Vector3d& half_m, const Vector3
 }  // namespace
 
 SceneDraft::SceneDraft(const FamilyOptions& options, const std::string& camera, double clear_m)
-    : options_(options), clear_m_(clear_m), camera_(camera) {
-  const ConfigNode node = ConfigNode::parse("camera:\n" + camera, "family");
+    : options_(options), clear_m_(clear_m), camera_(options.lens + camera) {
+  const ConfigNode node = ConfigNode::parse("camera:\n" + camera_, "family");
   std::vector<std::filesystem::path> files;  // remains empty: nothing recorded is drawn
   sensors_.camera_motion = read_motion(node.at("camera").at("motion"), {Mover::camera, files});
 }

@@ -30,7 +30,7 @@ Thing draw_thing(RandomStream& random, const FamilyOptions& options);
 /// another one than `clear_m` (boxes about them) and with which each is seen in one of every third frame.
 class SceneDraft {
  public:
-  /// `camera` is the scene's section without its key, indented by two.
+  /// `camera` is the scene's section without its key, indented by two; options.lens comes before it.
   SceneDraft(const FamilyOptions& options, const std::string& camera, double clear_m);
 
   void add_world(const std::string& line) { world_ += line; }

@@ -43,7 +43,6 @@ std::string hand_held_camera(RandomStream& random, const FamilyOptions& options,
   const double duration_s = options.camera_s();
   const double begin_deg = random.uniform(-180, 180), signed_deg = arc_deg * (random.below(2) ? 1 : -1);
   std::string text =
-      options.lens +
       "  motion:\n    kind: compose\n    parts:\n      - kind: spline\n        look_at_m: [0, 0, 0.78]\n     "
       "   may_overshoot: true\n"
       "        waypoints:\n";

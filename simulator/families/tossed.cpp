@@ -42,7 +42,6 @@ std::string camera_of(RandomStream& random, const FamilyOptions& options) {
   const double arc_deg = random.below(2) ? random.uniform(10, 60) : 0;  // every other camera stands still
   const double duration_s = options.camera_s();
   std::string text =
-      options.lens +
       "  motion:\n    kind: spline\n    look_at_m: [0, 0, 0.3]\n    may_overshoot: true\n    waypoints:\n";
   const double above_m = random.uniform(1, 1.5);
   for (int i = 0; i <= 4; ++i) {

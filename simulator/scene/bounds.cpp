@@ -16,9 +16,14 @@ double read_between(const ConfigNode& node, const std::string& key, double fallb
   return value;
 }
 
-double read_at_most(const ConfigNode& node, const std::string& key, double fallback, double most) {
+double read_at_least_0(const ConfigNode& node, const std::string& key, double fallback) {
   const double value = node.get<double>(key, fallback);
   if (value < 0) node.at(key).fail(fmt::format("cannot be negative, found {}", value));
+  return value;
+}
+
+double read_at_most(const ConfigNode& node, const std::string& key, double fallback, double most) {
+  const double value = read_at_least_0(node, key, fallback);
   if (value > most) node.at(key).fail(fmt::format("expected at most {}, found {}", most, value));
   return value;
 }

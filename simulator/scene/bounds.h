@@ -24,6 +24,8 @@ constexpr double kMostTurn_deg = 360;
 /// for one that is out of bounds or not finite.
 double read_between(const ConfigNode& node, const std::string& key, double fallback, double least,
                     double most);
+/// From 0 on, without a bound above.
+double read_at_least_0(const ConfigNode& node, const std::string& key, double fallback);
 /// From 0 on.
 double read_at_most(const ConfigNode& node, const std::string& key, double fallback, double most);
 /// Above 0.

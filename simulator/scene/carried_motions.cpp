@@ -98,24 +98,27 @@ class Drive final : public Motion::Curve {
     const Eigen::Vector3d origin(options.ahead_m, 0, options.height_m);
     axle_from_body_ = {Eigen::Quaterniond::Identity(), origin};
     if (options.optical) axle_from_body_.rotation = camera_from_body_axes().rotation.conjugate();
+    const auto curvature_pm = [&](const DriveLeg& of) {
+      return std::tan(of.steer_rad) / options.wheelbase_m;
+    };
     Leg leg{options.begins_s,
             {exp_so3(options.heading_rad * Vector3d::UnitZ()), {options.start_m.x(), options.start_m.y(), 0}},
             options.speed_mps,
             0,
-            options.legs.empty() ? 0 : std::tan(options.legs.front().steer_rad) / options.wheelbase_m};
+            options.legs.empty() ? 0 : curvature_pm(options.legs.front())};
     legs_.push_back(leg);  // before the first
     for (const DriveLeg& next : options.legs) {
-      const double begins_s = leg.begins_s, curvature_pm = std::tan(next.steer_rad) / options.wheelbase_m;
-      const double steers_s =
-          curvature_pm == leg.curvature_pm ? 0 : std::min(options.steering_s, next.duration_s);
+      const double own_pm = curvature_pm(next);
+      const double steers_s = own_pm == leg.curvature_pm ? 0 : std::min(options.steering_s, next.duration_s);
+      const double ends_s = leg.begins_s + next.duration_s;
       leg.acceleration_mps2 = next.acceleration_mps2;
       if (const double way_m = way_of(leg.speed_mps, leg.acceleration_mps2, steers_s).value; way_m > 0) {
-        leg.sharpness_pm2 = (curvature_pm - leg.curvature_pm) / way_m;
+        leg.sharpness_pm2 = (own_pm - leg.curvature_pm) / way_m;
         add(leg, steers_s);
       }
-      leg.curvature_pm = curvature_pm;
+      leg.curvature_pm = own_pm;
       leg.sharpness_pm2 = 0;
-      add(leg, begins_s + next.duration_s - leg.begins_s);
+      add(leg, ends_s - leg.begins_s);
     }
     leg.acceleration_mps2 = 0;
     legs_.push_back(leg);

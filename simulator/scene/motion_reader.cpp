@@ -129,8 +129,7 @@ Motion read_drive(const ConfigNode& node, Mover mover) {
   if (options.speed_mps < 0) node.at("speed_mps").fail("cannot be negative");
   options.begins_s = node.get<double>("begins_s", 0);
   options.wheelbase_m = node.positive("wheelbase_m", options.wheelbase_m);
-  options.steering_s = node.get<double>("steering_s", options.steering_s);
-  if (options.steering_s < 0) node.at("steering_s").fail("cannot be negative");
+  options.steering_s = read_at_least_0(node, "steering_s", options.steering_s);
   options.ahead_m = node.get<double>("ahead_m", options.wheelbase_m / 2);
   options.height_m = node.get<double>("height_m", 0);
   options.optical = mover == Mover::camera;
@@ -151,8 +150,7 @@ Motion read_toss(const ConfigNode& node, const MotionScope& scope) {
   options.begins_s = node.get<double>("begins_s", options.begins_s);
   options.floor_m = node.get<double>("floor_m", options.floor_m);
   options.restitution = read_share(node, "restitution", options.restitution);
-  options.friction = node.get<double>("friction", options.friction);
-  if (options.friction < 0) node.at("friction").fail("cannot be negative");
+  options.friction = read_at_least_0(node, "friction", options.friction);
   options.gravity_mps2 = node.positive("gravity_mps2", options.gravity_mps2);
   node.refuse_unknown_keys();  // before what a wrong key leaves out is found wrong
   try {

@@ -135,10 +135,7 @@ std::vector<ConfigOverride> realism_of(const ConfigNode& scene) {
   const std::string level = read_realism(scene);
   if (level == "ideal") return {};
   const double rate_hz = scene.positive("rate_hz", Scene{}.rate_hz);
-  const ConfigNode key = scene.at("realism");
-  const std::string where = key.line() > 0
-                                ? fmt::format("{}:{}: realism {}", scene.file().string(), key.line(), level)
-                                : fmt::format("{}: realism {}", scene.file().string(), level);
+  const std::string where = scene.at("realism").place() + ' ' + level;
   std::vector<ConfigOverride> added;
   for (const RealismRow& row : realism_rows()) {
     const std::string_view value = level == "mild" ? row.mild : level == "real" ? row.real : row.harsh;

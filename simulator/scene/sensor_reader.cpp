@@ -20,12 +20,6 @@ constexpr std::array kStereoKeys = {"baseline_m",        "disparity_sigma_px", "
                                     "disparity_bias_px", "correlation_px",     "smear_px",
                                     "flying_pixels",     "max_incidence_deg",  "shadow"};
 
-double at_least_0(const ConfigNode& node, const std::string& key, double fallback) {
-  const double value = node.get<double>(key, fallback);
-  if (value < 0) node.at(key).fail(fmt::format("cannot be negative, found {}", value));
-  return value;
-}
-
 double probability(const ConfigNode& node, const std::string& key, double fallback) {
   return read_between(node, key, fallback, 0, 1);
 }
@@ -56,9 +50,7 @@ Eigen::Vector2d pixels(const ConfigNode& node, const std::string& key) {
 void warn_of_idle_keys(const ConfigNode& node, const std::string& model) {
   const auto warn_of = [&](const std::string& key, const std::string& of) {
     if (model == of || !node.has(key)) return;
-    const ConfigNode idle = node.at(key);
-    warn(fmt::format("{}:{}: {}: counts for model {} alone, and the model is {}", idle.file().string(),
-                     idle.line(), idle.key_path(), of, model));
+    warn(fmt::format("{}: counts for model {} alone, and the model is {}", node.at(key).place(), of, model));
   };
   warn_of("k", "proportional");
   for (const char* key : kStereoKeys) warn_of(key, "stereo");
@@ -126,13 +118,13 @@ void read_imaging(const ConfigNode& node, const Scene& scene, Imaging& imaging) 
   imaging.samples = node.get<int>("samples", imaging.samples);
   if (imaging.samples != 1 && imaging.samples != 4) node.at("samples").fail("expected 1 or 4");
   imaging.gain = read_positive(node, "gain", imaging.gain, kMostGain);
-  imaging.exposure_s = at_least_0(node, "exposure_s", imaging.exposure_s);
+  imaging.exposure_s = read_at_least_0(node, "exposure_s", imaging.exposure_s);
   if (imaging.exposure_s * rate_hz > 1)
     node.at("exposure_s").fail(fmt::format("is longer than a frame, {} s", 1 / rate_hz));
   imaging.exposure_steps = node.get<int>("exposure_steps", imaging.exposure_steps);
   if (imaging.exposure_steps < 1 || imaging.exposure_steps > kMostSteps)
     node.at("exposure_steps").fail(fmt::format("expected 1 to {}", kMostSteps));
-  imaging.rolling_shutter_s = at_least_0(node, "rolling_shutter_s", imaging.rolling_shutter_s);
+  imaging.rolling_shutter_s = read_at_least_0(node, "rolling_shutter_s", imaging.rolling_shutter_s);
   if (imaging.rolling_shutter_s * rate_hz > 1)
     node.at("rolling_shutter_s").fail(fmt::format("is longer than a frame, {} s", 1 / rate_hz));
   imaging.auto_exposure_level =
@@ -142,7 +134,8 @@ void read_imaging(const ConfigNode& node, const Scene& scene, Imaging& imaging) 
   imaging.white_balance_drift =
       read_at_most(node, "white_balance_drift", imaging.white_balance_drift, kMostDrift);
   imaging.stamp_offset_s = stamp_error(node, "stamp_offset_s", rate_hz);
-  imaging.stamp_jitter_s = at_least_0(node, "stamp_jitter_s", stamp_error(node, "stamp_jitter_s", rate_hz));
+  imaging.stamp_jitter_s =
+      read_at_least_0(node, "stamp_jitter_s", stamp_error(node, "stamp_jitter_s", rate_hz));
   imaging.rolling_shutter_bands = read_bands(node, scene.camera.height, imaging.rolling_shutter_bands);
 }
 
