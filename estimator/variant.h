@@ -38,7 +38,7 @@ struct Variant {
   std::string name = "single_frame_obb";
   PerceptionOptions perception;
   // ours: names only, no measurement passes between frames; the world's names made 0.9 rad of error of a
-  // turning cube that is right to 0.1 (README.md)
+  // turning cube that is right to 0.1 (docs/estimator/baseline.md)
   AxisNaming axis_naming = AxisNaming::previous;
   bool smooth = false;  // of `single_frame`: one size a track, its trajectory smoothed at the end
   BodyOptions body;

@@ -13,12 +13,12 @@ enum class AxisRule { blend_best, literal };
 
 /// Options of Alg. 1.
 struct ObbOptions {
-  BoxFit fit = BoxFit::surface;  // ours: the paper names no fit; measured, README.md
+  BoxFit fit = BoxFit::surface;  // ours: the paper names no fit; measured, docs/estimator/baseline.md
   InlierDistance inlier_distance = InlierDistance::surface;  // ours; `corner` is Eq. 12 as printed
   AxisRule axis_rule = AxisRule::blend_best;                 // ours; `literal` is Alg. 1 l. 13-14 as printed
   bool canonicalise = true;  // ours: the paper averages axes whatever their order
   int iterations = 100;      // ours: the paper's Num has no value; more gain nothing on the tested clouds
-  int sample_size = 20;      // ours: more points meet more outliers, fewer shrink the box (README.md)
+  int sample_size = 20;      // ours: more points meet more outliers, fewer shrink the box
   double inlier_threshold_m = 0.01;  // ours: epsilon; three sigmas of an RGB-D camera's depth at 1.5 m
   double best_weight = 0.7;          // ours: omega has no value in the paper
   double min_semi_axis_m = 0.005;    // ours: a single visible face has no thickness, a quadric needs one

@@ -56,7 +56,7 @@ struct LongWindowOptions {
   // exponents of their own
   int exponents = 3;
   double profile_sigma = 0.02;    // ours: of three, by which the profiles above and below z = 0 differ
-  double outline_sigma_px = 1.0;  // ours: of one tangent, README.md
+  double outline_sigma_px = 1.0;  // ours: of one tangent, docs/estimator/perception.md
   OutlineNoise outline_noise = OutlineNoise::given;
   // ours: outlines that a mask tracker carried no longer count once segmented ones have come: without depth
   // edges to hold them they are pixels off on the side where a body uncovers what is behind it

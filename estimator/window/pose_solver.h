@@ -22,7 +22,7 @@ struct LandmarkSighting {
 };
 
 struct PoseSolverOptions {
-  double pixel_sigma_px = 0.4;  // ours: of KLT on the simulator's images, README.md
+  double pixel_sigma_px = 0.4;  // ours: of KLT on the simulator's images
   double gate_sigmas = 3.5;     // ours: a sighting further off is no inlier; 1 in 2000 true ones is lost
   int iterations = 10;          // ours: Gauss-Newton from a prediction converges in four
   int min_inliers = 5;          // ours: three determine a pose, two more vouch for it

@@ -26,7 +26,7 @@ struct Accuracy {
   double axes_m, rotation_rad, centre_m;
 };
 
-// The bounds are three times the root mean square of 24 such clouds (README.md of the estimator).
+// The bounds are three times the root mean square of 24 such clouds (docs/estimator/baseline.md).
 TEST(Alg1, FindsTheBoxOfFullPartialNoisyAndPollutedClouds) {
   const std::vector<Accuracy> cases = {
       {{}, 0.012, 0.02, 0.012},
