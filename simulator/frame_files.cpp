@@ -77,8 +77,8 @@ void FrameWriter::fill_color(std::int64_t frame, const cv::Mat& rgba) {
 }
 
 void FrameWriter::fill_depth(std::int64_t frame, const RenderedFrame& rendered) {
-  const cv::Mat noisy_m =
-      add_depth_noise(rendered.depth_m, rendered.rgba, rays_, scene_.depth_noise, seed_, frame);
+  const cv::Mat& rgba = rendered.returning_rgba.empty() ? rendered.rgba : rendered.returning_rgba;
+  const cv::Mat noisy_m = add_depth_noise(rendered.depth_m, rgba, rays_, scene_.depth_noise, seed_, frame);
   cv::Mat units;
   noisy_m.convertTo(units, CV_16U, depth_units_per_m(scene_.depth_noise));
   for (int v = 0; v < units.rows; ++v) pack_16_bits(units.ptr<std::uint16_t>(v), units.cols, depth_.row(v));

@@ -65,6 +65,13 @@ void discard_other_work(const Scene& scene, const std::string& key, const Pendin
   write_text(key_file, key);
 }
 
+bool has_faint(const Scene& scene) {
+  const auto is_faint = [](const Body& body) {
+    return std::ranges::any_of(body.meshes, [](const Mesh& mesh) { return mesh.depth_return < 1; });
+  };
+  return std::ranges::any_of(scene.world, is_faint) || std::ranges::any_of(scene.objects, is_faint);
+}
+
 // What a worker has to draw and write frames with, and what it does with one.
 struct FrameMaker {
   const Scene& scene;
@@ -72,13 +79,29 @@ struct FrameMaker {
   Renderer renderer;
   FrameWriter writer;
 
+  // Depth of an earlier time, where it comes late. What surfaces return of it belongs to that time, too: it
+  // costs one more image, and is drawn where some surface does not return all.
+  RenderedFrame late_depth(double time_s) {
+    RenderedFrame late;
+    if (scene.depth_noise.delay_s <= 0) return late;
+    const ScenePoses poses = poses_at(scene, time_s - scene.depth_noise.delay_s);
+    if (!has_faint(scene)) {
+      late.depth_m = renderer.depth_m(poses);
+      return late;
+    }
+    renderer.draw(poses);
+    renderer.read_back(late.rgba, late.ids, late.depth_m);
+    return late;
+  }
+
   void make(std::int64_t frame, FrameLog& log, FrameTimes& times) {
     LapTimer timer(times);
-    const double time_s = frame_time_s(scene, frame) - stamp_error_s(scene.imaging, seed, frame);
-    const double delay_s = scene.depth_noise.delay_s;
-    const cv::Mat late_m = delay_s > 0 ? renderer.depth_m(poses_at(scene, time_s - delay_s)) : cv::Mat();
+    const double time_s =
+        frame_time_s(scene, frame) - stamp_error_s(scene.imaging, scene.rate_hz, seed, frame);
+    RenderedFrame late = late_depth(time_s);
     RenderedFrame rendered = renderer.render(poses_at(scene, time_s), color_steps(scene, time_s));
-    if (delay_s > 0) rendered.depth_m = late_m;
+    if (!late.depth_m.empty()) rendered.depth_m = late.depth_m;
+    rendered.returning_rgba = late.rgba;
     timer.lap(FrameStage::draw);
     writer.write(frame, rendered, timer);
     log.add(frame, visibility_lines(scene, frame, rendered));

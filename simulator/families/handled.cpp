@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
 #include "simulator/families/families.h"
 #include "simulator/families/table.h"
 
@@ -129,9 +128,8 @@ std::string camera_before_table(RandomStream& random, const FamilyOptions& optio
 }  // namespace
 
 std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
-  constexpr int kMostObjects = 3;
   const int drawn = 1 + static_cast<int>(graded(options.difficulty, 0.8, 3) * random.uniform());
-  const int count = options.count > 0 ? options.count : std::min(drawn, kMostObjects);
+  const int count = options.count > 0 ? options.count : drawn;
   SceneDraft draft(options, camera_before_table(random, options), 0.01);
   add_room_with_table(random, options, draft);
   const Vector3d screen_m(std::min(kScreen_m[0] * count, kTable_m.x()), kScreen_m[1], kScreen_m[2]);
@@ -150,10 +148,7 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
     const auto motion = draft.add_drawn(thing, [&] { return draw_motion(random, thing, home_m, options); });
     if (motion) add_arm(random, thing, *motion, draft);
   }
-  if (draft.count() == 0 && options.frames > FamilyOptions{}.frames)
-    throw InputError(fmt::format(
-        "handled: frames: no object finds a way clear of the rest for {} frames; set fewer", options.frames));
-  return draft.text();
+  return draft.text(count);
 }
 
 }  // namespace uniquadric

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/warning.h"
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
 
@@ -175,7 +176,11 @@ void SceneDraft::add_unscored(const Thing& thing, const std::string& motion) {
   ++next_id_;
 }
 
-std::string SceneDraft::text() const {
+std::string SceneDraft::text(int wanted) const {
+  if (wanted > 0 && count_ == 0)
+    throw InputError("no object finds a place and a way in the scene; set fewer frames or another seed");
+  if (options_.count > count_)
+    warn(fmt::format("{} of {} objects find a place in the scene", count_, options_.count));
   return "camera:\n" + camera_ + (world_.empty() ? "" : "world:\n" + world_) +
          (objects_.empty() ? "" : "objects:\n" + objects_);
 }

@@ -47,8 +47,10 @@ class SceneDraft {
   /// Adds what is seen and not scored: the others do not have to keep clear of it.
   void add_unscored(const Thing& thing, const std::string& motion);
 
-  std::size_t count() const { return count_; }
-  std::string text() const;  ///< `camera`, `world` and `objects`
+  int count() const { return count_; }
+  /// `camera`, `world` and `objects`. Warns where fewer objects than `wanted` found a place, and throws
+  /// InputError where none did.
+  std::string text(int wanted = 0) const;
 
  private:
   std::string object_text(const Thing& thing, const std::string& motion) const;
@@ -70,7 +72,7 @@ class SceneDraft {
     bool is_object, hides;
   };
   std::vector<Box> boxes_;
-  std::size_t count_ = 0;
+  int count_ = 0;
   int next_id_ = 1;
 };
 

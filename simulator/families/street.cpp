@@ -149,8 +149,10 @@ double way_of(const Drive& drive, double duration_s) {
 }
 
 std::string legs_text(const Drive& drive) {
+  constexpr double kShortest_s = 0.005;  // shorter ones would be written as 0
   std::string text;
   for (const DriveLeg& leg : drive.legs) {
+    if (leg.duration_s < kShortest_s) continue;
     text += fmt::format("{}{{duration_s: {}, acceleration_mps2: {}", text.empty() ? "[" : ", ",
                         yaml_number(leg.duration_s, 2), yaml_number(leg.acceleration_mps2, 2));
     const double steer_deg = leg.steer_rad * 180 / std::numbers::pi;
@@ -279,7 +281,7 @@ std::string sensors(RandomStream& random, const FamilyOptions& options) {
 }  // namespace
 
 std::string street_scene(RandomStream& random, const FamilyOptions& options) {
-  constexpr int kMostTries = 60;
+  constexpr int kLeastTries = 60, kTriesEach = 6;
   Street street{static_cast<double>(options.frames) / 30, graded(options.difficulty, 3, 12), 0, 0,
                 options.difficulty};
   const double way_m = street.speed_mps * street.duration_s;
@@ -301,9 +303,10 @@ std::string street_scene(RandomStream& random, const FamilyOptions& options) {
                   "material: {{seed: {}, texture: sparse}}}}\n",
                   yaml_number(street.length_m, 1), yaml_number(kWidth_m, 1), random.below(100'000)));
   const int drawn = 1 + static_cast<int>(graded(options.difficulty, 3, 9.99) * random.uniform());
-  const auto count = static_cast<std::size_t>(options.count > 0 ? options.count : drawn);
-  for (int i = 0; i < kMostTries && draft.count() < count; ++i) add_actor(random, street, draft);
-  return sensors(random, options) + draft.text();
+  const int count = options.count > 0 ? options.count : drawn;
+  const int tries = std::max(kLeastTries, kTriesEach * count);
+  for (int i = 0; i < tries && draft.count() < count; ++i) add_actor(random, street, draft);
+  return sensors(random, options) + draft.text(count);
 }
 
 }  // namespace uniquadric

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "simulator/families/families.h"
 #include "simulator/families/table.h"
@@ -27,7 +28,7 @@ Way draw_way(RandomStream& random, const Thing& thing, Act act, double difficult
   way.from_m = way.to_m = place_on_table(random, thing);
   way.yaw_deg = random.uniform(-180, 180);
   if (act == Act::rest) return way;
-  const double direction = random.uniform(-M_PI, M_PI);
+  const double direction = random.uniform(-std::numbers::pi, std::numbers::pi);
   const double length_m = random.uniform(0.08, graded(difficulty, 0.25, 0.5));
   way.to_m = onto_table(thing, way.from_m + length_m * Vector2d(std::cos(direction), std::sin(direction)));
   way.turn_deg = random.uniform(-1, 1) * graded(difficulty, 30, 120);
@@ -75,13 +76,13 @@ std::string tabletop_scene(RandomStream& random, const FamilyOptions& options) {
   add_room_with_table(random, options, draft);
   for (int k = 0; k < count; ++k) {
     const Thing thing = draw_thing(random, options);
-    const Act act = draw_act(random, k == 0);  // something moves
+    const Act act = draw_act(random, draft.count() == 0);  // something moves
     draft.add_drawn(thing, [&] {
       const Way way = draw_way(random, thing, act, options.difficulty);
       return motion_of(random, thing, act, way, options);
     });
   }
-  return draft.text();
+  return draft.text(count);
 }
 
 }  // namespace uniquadric

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -19,10 +20,14 @@ std::vector<fs::path> mesh_files(const fs::path& folder) {
   if (!fs::is_directory(folder)) throw InputError(folder, "is no folder of meshes");
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string ending = entry.path().extension().string();
+    std::string ending = entry.path().extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
     if (ending == ".obj" || ending == ".ply" || ending == ".glb" || ending == ".dae" || ending == ".stl")
       files.push_back(entry.path());
   }
+  for (const fs::path& file : files)
+    if (file.string().find("${") != std::string::npos)
+      throw InputError(file, "has ${ in its name, which a scene file takes for an environment variable");
   if (files.empty()) throw InputError(folder, "has no mesh (.obj, .ply, .glb, .dae, .stl)");
   std::ranges::sort(files);  // folders have no order of their own
   return files;

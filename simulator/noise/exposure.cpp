@@ -10,6 +10,8 @@
 namespace uniquadric {
 namespace {
 
+constexpr double kMostStampError = 0.49;  // of the time between two frames: less than half keeps their order
+
 // Unit variance: n sinusoids of amplitude sqrt(2 / n).
 double slow_change(std::uint64_t seed, std::uint32_t channel, double time_s) {
   constexpr int kWaves = 6;
@@ -22,9 +24,9 @@ double slow_change(std::uint64_t seed, std::uint32_t channel, double time_s) {
   return sum * std::sqrt(2.0 / kWaves);
 }
 
-double automatic_gain(const cv::Mat& rgba, double level) {
+double automatic_gain(const cv::Mat& rgba, double gain, double level) {
   const cv::Scalar mean = cv::mean(rgba);
-  const double grey = (mean[0] + mean[1] + mean[2]) / 3;
+  const double grey = gain * (mean[0] + mean[1] + mean[2]) / 3;
   return grey > 0 ? std::clamp(level / grey, 0.25, 4.0) : 1;
 }
 
@@ -38,10 +40,10 @@ std::array<double, 3> exposure_gains(const Imaging& imaging, std::uint64_t seed,
 }
 
 cv::Mat exposed(const cv::Mat& rgba, const Imaging& imaging, std::uint64_t seed, double time_s) {
-  if (imaging.auto_exposure_level <= 0 && imaging.exposure_drift <= 0 && imaging.white_balance_drift <= 0)
-    return rgba;
+  if (!imaging.changes_exposure()) return rgba;
   const auto gains = exposure_gains(imaging, seed, time_s);
-  const double all = imaging.auto_exposure_level > 0 ? automatic_gain(rgba, imaging.auto_exposure_level) : 1;
+  double all = imaging.gain;
+  if (imaging.auto_exposure_level > 0) all *= automatic_gain(rgba, all, imaging.auto_exposure_level);
   cv::Mat levels(1, 256, CV_8UC4);
   for (int i = 0; i < 256; ++i)
     for (int channel = 0; channel < 4; ++channel)
@@ -52,10 +54,11 @@ cv::Mat exposed(const cv::Mat& rgba, const Imaging& imaging, std::uint64_t seed,
   return result;
 }
 
-double stamp_error_s(const Imaging& imaging, std::uint64_t seed, std::int64_t frame) {
+double stamp_error_s(const Imaging& imaging, double rate_hz, std::uint64_t seed, std::int64_t frame) {
   if (imaging.stamp_jitter_s <= 0) return imaging.stamp_offset_s;
   RandomStream random(seed, "stamp", static_cast<std::uint64_t>(frame));
-  return imaging.stamp_offset_s + imaging.stamp_jitter_s * random.normal();
+  const double most_s = kMostStampError / rate_hz;
+  return std::clamp(imaging.stamp_offset_s + imaging.stamp_jitter_s * random.normal(), -most_s, most_s);
 }
 
 }  // namespace uniquadric

@@ -39,6 +39,11 @@ Eigen::Matrix4f clip_from_camera(const Camera& camera) {
   return clip.cast<float>();
 }
 
+// Of all that is drawn.
+double drawn_gain(const Imaging& imaging) {
+  return imaging.changes_exposure() ? 1 : imaging.gain;
+}
+
 bool has_shine(const Scene& scene) {
   const auto shines = [](const Body& body) {
     return std::ranges::any_of(body.meshes, [](const Mesh& mesh) { return mesh.shine > 0; });
@@ -108,7 +113,7 @@ unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput outp
   const Eigen::Matrix4f clip = clip_from_camera(camera);
   gl.UniformMatrix4fv(uniform_clip_from_camera, 1, GL_FALSE, clip.data());
   gl.Uniform1f(uniform_ambient, static_cast<float>(scene.ambient));
-  gl.Uniform1f(uniform_gain, static_cast<float>(scene.imaging.gain));
+  gl.Uniform1f(uniform_gain, static_cast<float>(drawn_gain(scene.imaging)));
   return program;
 }
 
@@ -126,7 +131,7 @@ void Renderer::State::upload(const Scene& scene) {
   }
   for (const Body& body : scene.objects) objects.push_back(upload_body(gl, body));
   sun_direction = scene.sun_direction.normalized();
-  for (int k = 0; k < 3; ++k) sky[k] = static_cast<float>(scene.imaging.gain * scene.sky_color[k]);
+  for (int k = 0; k < 3; ++k) sky[k] = static_cast<float>(drawn_gain(scene.imaging) * scene.sky_color[k]);
   if (scene.shadows) shadows = make_shadow_maps(gl, scene, {world, world_from_static});
 }
 

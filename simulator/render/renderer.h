@@ -36,6 +36,7 @@ struct RenderedFrame {
                  ///< returns, 255 all; 0 where nothing is
   cv::Mat ids;   ///< 16UC1: the object's id, 0 for the world and where nothing is
   cv::Mat depth_m;                  ///< 32FC1: z along the optical axis [m], 0 where nothing is
+  cv::Mat returning_rgba;           ///< rgba when depth was taken; empty: at the same time
   std::vector<ObjectView> objects;  ///< in the scene's order
 };
 

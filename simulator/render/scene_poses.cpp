@@ -12,11 +12,11 @@ namespace uniquadric {
 void check_can_render(const Scene& scene) {
   if (scene.camera.has_distortion())
     if (const auto fault = lens_fault(scene.camera))
-      throw InputError(fmt::format("scene {}: camera.calibration.distortion: {}", scene.name, *fault));
+      throw InputError(fmt::format("scene '{}': camera.calibration.distortion: {}", scene.name, *fault));
   std::set<int> ids;
   for (const Body& body : scene.objects)
     if (body.id < 1 || body.id > 65535 || !ids.insert(body.id).second)
-      throw InputError(fmt::format("scene {}: object {}: id {} is taken or not in 1..65535", scene.name,
+      throw InputError(fmt::format("scene '{}': object {}: id {} is taken or not in 1..65535", scene.name,
                                    body.name, body.id));
 }
 

@@ -110,7 +110,9 @@ Motion read_tremor(const ConfigNode& node) {
 
 DriveLeg read_leg(const ConfigNode& item) {
   constexpr double kMostSteer_deg = 80;
-  DriveLeg leg{item.positive("duration_s"), item.get<double>("acceleration_mps2", 0), 0};
+  constexpr double kMost_s = 86'400, kMost_mps2 = 100;  // ours: a day; ten times what tyres hold
+  DriveLeg leg{read_positive(item, "duration_s", 0, kMost_s),
+               read_within(item, "acceleration_mps2", 0, kMost_mps2), 0};
   const double steer_deg = item.get<double>("steer_deg", 0);
   if (std::abs(steer_deg) > kMostSteer_deg)
     item.at("steer_deg").fail(fmt::format("expected at most {} to each side", kMostSteer_deg));
@@ -125,8 +127,8 @@ Motion read_drive(const ConfigNode& node, Mover mover) {
   if (start.size() != 2) node.at("start_m").fail(fmt::format("expected 2 numbers, found {}", start.size()));
   options.start_m = {start[0], start[1]};
   options.heading_rad = radians(node.get<double>("heading_deg", 0));
-  options.speed_mps = node.get<double>("speed_mps");
-  if (options.speed_mps < 0) node.at("speed_mps").fail("cannot be negative");
+  constexpr double kMost_mps = 300;  // ours: the fastest car
+  options.speed_mps = read_between(node, "speed_mps", node.get<double>("speed_mps"), 0, kMost_mps);
   options.begins_s = node.get<double>("begins_s", 0);
   options.wheelbase_m = node.positive("wheelbase_m", options.wheelbase_m);
   options.steering_s = read_at_least_0(node, "steering_s", options.steering_s);

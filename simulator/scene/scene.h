@@ -72,6 +72,12 @@ struct Imaging {
   double white_balance_drift = 0;  ///< the same of the gains of red and blue against green's
   double stamp_offset_s = 0;       ///< images are stamped so late (negative: early)
   double stamp_jitter_s = 0;       ///< standard deviation of a stamp's error besides
+
+  /// Then images are drawn with gain 1 and multiplied by `gain` afterwards (exposed): nothing saturates that
+  /// a darker exposure would show.
+  bool changes_exposure() const {
+    return auto_exposure_level > 0 || exposure_drift > 0 || white_balance_drift > 0;
+  }
 };
 
 struct ImageNoise {

@@ -103,14 +103,6 @@ double stamp_error(const ConfigNode& node, const std::string& key, double rate_h
   return value_s;
 }
 
-int read_bands(const ConfigNode& node, int height_px, int fallback) {
-  const int bands = node.get<int>("rolling_shutter_bands", fallback);
-  if (bands < 1) node.at("rolling_shutter_bands").fail("expected at least 1");
-  if (node.has("rolling_shutter_bands") && bands > height_px)
-    node.at("rolling_shutter_bands").fail(fmt::format("is {}, the image has {} rows", bands, height_px));
-  return bands;
-}
-
 void read_imaging(const ConfigNode& node, const Scene& scene, Imaging& imaging) {
   const double rate_hz = scene.rate_hz;
   constexpr double kMostGain = 1000, kMostLevel = 255;  // ours: white from a third of a grey level on
@@ -136,7 +128,8 @@ void read_imaging(const ConfigNode& node, const Scene& scene, Imaging& imaging) 
   imaging.stamp_offset_s = stamp_error(node, "stamp_offset_s", rate_hz);
   imaging.stamp_jitter_s =
       read_at_least_0(node, "stamp_jitter_s", stamp_error(node, "stamp_jitter_s", rate_hz));
-  imaging.rolling_shutter_bands = read_bands(node, scene.camera.height, imaging.rolling_shutter_bands);
+  imaging.rolling_shutter_bands = node.get<int>("rolling_shutter_bands", imaging.rolling_shutter_bands);
+  if (imaging.rolling_shutter_bands < 1) node.at("rolling_shutter_bands").fail("expected at least 1");
 }
 
 void read_image_noise(const ConfigNode& node, ImageNoise& noise) {
@@ -161,6 +154,8 @@ void read_segmenter(const ConfigNode& node, SegmenterNoise& noise) {
   noise.outage_every_s =
       read_zero_or(node, "outage_every_s", noise.outage_every_s, kLeastOutage_s, kMostOutage_s);
   noise.outage_s = read_positive(node, "outage_s", noise.outage_s, kMostOutage_s);
+  if (noise.outage_every_s > 0 && noise.outage_every_s <= noise.outage_s)
+    node.at("outage_every_s").fail(fmt::format("leaves no mask: each outage lasts {} s", noise.outage_s));
   noise.every_n_frames = node.get<int>("every_n_frames", noise.every_n_frames);
   if (noise.every_n_frames < 1) node.at("every_n_frames").fail("expected at least 1");
   noise.min_pixels = node.get<int>("min_pixels", noise.min_pixels);

@@ -49,12 +49,39 @@ TEST(Exposure, DriftHasItsDeviationAndIsSlow) {
 TEST(Exposure, StampsErrByOffsetAndJitter) {
   Imaging imaging;
   imaging.stamp_offset_s = 0.01;
-  EXPECT_EQ(stamp_error_s(imaging, 1, 5), 0.01);
+  EXPECT_EQ(stamp_error_s(imaging, 30, 1, 5), 0.01);
   imaging.stamp_jitter_s = 0.002;
   std::vector<double> errors;
-  for (std::int64_t frame = 0; frame < 4000; ++frame) errors.push_back(stamp_error_s(imaging, 1, frame));
+  for (std::int64_t frame = 0; frame < 4000; ++frame) errors.push_back(stamp_error_s(imaging, 30, 1, frame));
   EXPECT_NEAR(mean(errors), 0.01, kSigmas * 0.002 / std::sqrt(4000.0));
   EXPECT_NEAR(deviation(errors) / 0.002, 1, kSigmas / std::sqrt(8000.0));
+}
+
+// Two images whose stamps cross would be in the wrong order.
+TEST(Exposure, StampsKeepTheirOrder) {
+  Imaging imaging;
+  imaging.stamp_jitter_s = 0.0166;
+  double before_s = -1;
+  for (std::int64_t frame = 0; frame < 1000; ++frame) {
+    const double taken_s = static_cast<double>(frame) / 30 - stamp_error_s(imaging, 30, 1, frame);
+    EXPECT_GT(taken_s, before_s);
+    before_s = taken_s;
+  }
+}
+
+// What would saturate at that gain is not lost before the exposure is dimmed.
+TEST(Exposure, IsAutomaticBeforeGreySaturates) {
+  Imaging imaging;
+  imaging.auto_exposure_level = 60;
+  cv::Mat image(1, 2, CV_8UC4, cv::Scalar(40, 40, 40, 255));
+  image.at<cv::Vec4b>(0, 1) = {80, 80, 80, 255};
+  for (const double gain : {1.0, 8.0}) {
+    imaging.gain = gain;
+    const cv::Mat seen = exposed(image, imaging, 1, 0);
+    const double within = gain == 1 ? 1 : 2;  // 8 times is dimmed by a quarter at most
+    EXPECT_NEAR(seen.at<cv::Vec4b>(0, 0)[0], 40 * within, 1);
+    EXPECT_NEAR(seen.at<cv::Vec4b>(0, 1)[0], 80 * within, 1);
+  }
 }
 
 }  // namespace

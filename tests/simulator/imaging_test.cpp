@@ -50,7 +50,7 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
       {"image_noise: {electrons_per_level: -1}", "cannot be negative"},
       {"depth_noise: {max_incidence_deg: 91}", "at most 90"},
       {"depth_noise: {flying_pixels: 1.5}", "expected 0 to 1"},
-      {"image: {rolling_shutter_bands: 481}", "rolling_shutter_bands: is 481, the image has 480 rows"},
+      {"segmenter: {outage_every_s: 0.5}", "outage_every_s: leaves no mask: each outage lasts 2 s"},
       {"image: {stamp_offset_s: -0.03}", "stamp_offset_s: is -0.03 s, more than half the time between two"},
       {"image: {stamp_jitter_s: 0.03}", "stamp_jitter_s: is 0.03 s, more than half the time between two"},
       {"image: {exposure_drift: 2}", "exposure_drift: expected at most 1, found 2"},
