@@ -335,10 +335,14 @@ void warn_of_the_camera(const Perception& perception, bool has_images) {
 // reason; an image may show nothing to follow.
 void warn_of_little(const Perception& perception, const Tracks& tracks, bool has_images, bool wants_objects) {
   const std::size_t frames = perception.frames().size(), lost = frames - tracks.camera.size();
+  const auto never = static_cast<std::size_t>(
+      std::ranges::count_if(perception.frames(), [](const auto& frame) { return !frame.world_from_camera; }));
   if (!has_images && lost > 0)
     warn(fmt::format("{} of {} scans have no pose (run.yaml: frames_without_pose)", lost, frames));
   if (has_images && 2 * lost > frames)
-    warn(fmt::format("{} of {} frames have no camera pose (run.yaml: frames_without_pose)", lost, frames));
+    warn(
+        fmt::format("{} of {} frames have no camera pose{} (run.yaml: frames_without_pose)", lost, frames,
+                    lost == never ? "" : fmt::format(" when they are seen, {} have none at the end", never)));
   warn_of_the_camera(perception, has_images);
   if (wants_objects && tracks.objects.empty())
     warn(fmt::format("no object has a state (run.yaml counts {})",

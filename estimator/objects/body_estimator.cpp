@@ -45,6 +45,12 @@ BodyObservation features_of(const BodyObservation& body) {
   return result;
 }
 
+// Of the points of a body of which nothing hides a part, in the world.
+std::optional<Eigen::Vector3d> middle_of(const PerceivedFrame& frame, const BodyObservation& body) {
+  if (!body.silhouette || !is_whole(*body.silhouette) || body.points.cols() == 0) return std::nullopt;
+  return *frame.world_from_camera * Eigen::Vector3d(body.points.rowwise().mean());
+}
+
 Matrix6d covariance_of(Matrix6d information) {
   information.diagonal().head<3>().array() += std::pow(kAnySigmas.translation_m, -2);
   information.diagonal().tail<3>().array() += std::pow(kAnySigmas.rotation_rad, -2);
@@ -129,6 +135,7 @@ BodyState BodyEstimator::found(const PerceivedFrame& frame, const BodyObservatio
   sure_ns_ = frame.stamp_ns;
   sure_frame_ = frame.frame;
   remember(frame, pose.world_from_body, covariance);
+  recent_.back().middle = middle_of(frame, body);
   if (own_outline && body.silhouette)
     outlines_.trust(camera_, *body.silhouette, frame.stamp_ns,
                     frame.world_from_camera->inverse() * pose.world_from_body, body_center());
@@ -288,9 +295,18 @@ void BodyEstimator::place_center(Pose& world_from_body, const Eigen::Vector3d& a
   world_from_body.translation = at - world_from_body.rotation * body_center();
 }
 
+// Where it is by how far the middle of its points moved, of a body of which nothing is hidden: one that flies
+// or bounces does not keep its velocity.
+std::optional<Eigen::Vector3d> BodyEstimator::center_by_points(const PerceivedFrame& frame,
+                                                               const BodyObservation& body) const {
+  const Tracked& last = recent_.back();
+  const auto middle = options_.lifecycle.follows_points ? middle_of(frame, body) : std::nullopt;
+  if (!middle || !last.middle) return std::nullopt;
+  return Eigen::Vector3d(last.world_from_body * body_center() + *middle - *last.middle);
+}
+
 // The body is in view and too few of its points are found again: its surface places it. When that goes on,
-// the short window starts anew from there. After a time out of view it may be on from the last guess, or
-// anywhere that its points are.
+// the short window starts anew from there. It may be on from the last pose, or where its points are.
 std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
   const bool stale = is_stale(frame);
   const SurfaceModel surface = shape_.surface();
@@ -300,10 +316,10 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   };
   Pose predicted = predict(frame, &body);
   auto found = found_from(predicted, recent_.back().stamp_ns);
-  const auto center = stale ? shape_.center_of(frame, body) : std::nullopt;
+  const auto center = stale ? shape_.center_of(frame, body) : center_by_points(frame, body);
   if (center) {
     place_center(predicted, *center);
-    const auto other = found_from(predicted, sure_ns_);
+    const auto other = found_from(predicted, stale ? sure_ns_ : recent_.back().stamp_ns);
     if (other && (!found || other->matched > found->matched)) found = other;
   }
   if (!found) return std::nullopt;

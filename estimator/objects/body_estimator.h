@@ -27,7 +27,8 @@ struct LifecycleOptions {
   double angular_acceleration_radps2 = 1;         // the same
   static constexpr double search_after_s = 0.25;  // a prediction older than this is not trusted
   double lost_after_s = 3;                        // of prediction alone
-  bool ends_outside = true;  // or where that leaves the image: nobody says how it goes on there
+  bool ends_outside = true;    // or where that leaves the image: nobody says how it goes on there
+  bool follows_points = true;  // without features it is sought where the middle of its points moved, too
 };
 
 /// What the quadric is fixed to.
@@ -98,6 +99,7 @@ class BodyEstimator {
     std::int64_t frame, stamp_ns;
     Pose world_from_camera, world_from_body;
     Matrix6d covariance;
+    std::optional<Eigen::Vector3d> middle{};  // of its points, in the world, where nothing hid a part of it
   };
 
   void begin_anew();
@@ -115,6 +117,8 @@ class BodyEstimator {
   void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);
   BodyPose stand_still(const PerceivedFrame& frame) const;
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
+  std::optional<Eigen::Vector3d> center_by_points(const PerceivedFrame& frame,
+                                                  const BodyObservation& body) const;
   Eigen::Vector3d body_center() const { return shape_.shape().body_from_object.translation; }
   void place_center(Pose& world_from_body, const Eigen::Vector3d& at) const;
   bool is_stale(const PerceivedFrame& frame) const;

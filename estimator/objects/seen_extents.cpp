@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/base/quantile.h"
 #include "estimator/objects/outline_reach.h"
 #include "estimator/window/contact_sides.h"
 
@@ -21,12 +22,11 @@ constexpr double kBestViews = 0.5;                 // quantile of the views that
 constexpr double kRimSpacings = 0.75;              // between points, that they end inside the outline at most
 constexpr double kLeastRim =
     0.8;  // share of a semi-axis that an ellipsoid would show: below, points say little
-constexpr double kTipShort = 0.04;      // share by which an ellipse's furthest hundredth is short of it
-constexpr double kAgreeing = 0.03;      // radii, within which points and a fit agree: the fit has all of them
-constexpr double kMostAgreeing = 0.01;  // [m] of the same: what a pose or a cell is off by does not grow
-constexpr double kEndSigma = 0.003;     // [m] of an end read off points, at best
-constexpr double kCutSigma = 1;         // radii, of an end that was cut from every view
-constexpr double kUnseenSigma = 0.05;   // radii, of an end that no camera saw
+constexpr double kTipShort = 0.04;     // share by which an ellipse's furthest hundredth is short of it
+constexpr int kFewViews = 3;           // of an end, and ends, below which their spread tells no noise
+constexpr double kEndSigma = 0.003;    // [m] of an end read off points, at best
+constexpr double kCutSigma = 1;        // radii, of an end that was cut from every view
+constexpr double kUnseenSigma = 0.05;  // radii, of an end that no camera saw
 
 // Mean distance of a view's points to their neighbours.
 double point_spacing(const Shape& shape, const std::vector<PointView>& views) {
@@ -79,10 +79,25 @@ std::vector<Side> sides_of(const Shape& shape, const std::vector<PointView>& vie
   return sides;
 }
 
+// Of an end read off points: how far views disagree about it, in the median over the ends that are shown.
+double noise_of(const std::vector<Side>& sides) {
+  std::vector<double> spreads_m;
+  for (const Side& side : sides)
+    if (side.reach && side.reach->views >= kFewViews) spreads_m.push_back(side.reach->spread_m);
+  return spreads_m.size() < kFewViews ? 0 : quantile(std::move(spreads_m), 0.5);
+}
+
 // Of a side, from the middle.
 struct End {
   double at_m = 0, sigma_m = 0;
 };
+
+// The mean of two, each by what it is uncertain by. What has no sigma tells nothing.
+double fused(const End& a, const End& b) {
+  const double a2 = a.sigma_m * a.sigma_m, b2 = b.sigma_m * b.sigma_m;
+  if (!std::isfinite(b2) || !(a2 + b2 > 0)) return a.at_m;
+  return (a.at_m * b2 + b.at_m * a2) / (a2 + b2);
+}
 
 // Share of a semi-axis by which the mean of the furthest points ends before it: of what a body's profile has
 // of an ellipse's. Where it is less than the points are apart, as a LiDAR's, that is allowed for already.
@@ -93,12 +108,13 @@ double tip_short(const Shape& shape, const Side& side, double spacing_m) {
   return kTipShort * std::clamp(q - 1, 0.0, 1.0);
 }
 
-// `solved_m`: by the fit; `outlined_m`: at least, by outlines; `seen_share`: of the semi-axis, by points.
-End end_of(const Side& side, double solved_m, std::optional<double> outlined_m, double seen_share,
-           double spacing_m, double radius_m) {
-  const auto fused = [&](double seen_m) {
-    const double doubts = (seen_m - solved_m) / std::min(kAgreeing * radius_m, kMostAgreeing);
-    return seen_m + (solved_m - seen_m) / (1 + std::pow(doubts, 4));
+// `solved`: by the fit; `outlined_m`: at least, by outlines; `seen_share`: of the semi-axis, by points, which
+// are as noisy as `noise_m`.
+End end_of(const Side& side, const End& solved, std::optional<double> outlined_m, double seen_share,
+           double spacing_m, double noise_m, double radius_m) {
+  const double solved_m = solved.at_m;
+  const auto with_solved = [&](double seen_m) {
+    return fused({seen_m, std::max(noise_m, side.reach->spread_m)}, solved);
   };
   End end{solved_m, kUnseenSigma * radius_m};
   if (!side.reach) return end;
@@ -108,14 +124,14 @@ End end_of(const Side& side, double solved_m, std::optional<double> outlined_m, 
   if (side.reach->views > 0) {
     // few points may lie on a thin end (wheels, an egg's tip), and a mask's rim has none
     const double shown_m = std::max(seen_m, std::min(solved_m, outlined_m.value_or(seen_m)));
-    end = {fused(shown_m), std::max(kEndSigma, std::abs(shown_m - solved_m))};  // of two ways to tell
+    end = {with_solved(shown_m), std::max(kEndSigma, std::abs(shown_m - solved_m))};  // of two ways to tell
   } else if (seen_m > solved_m) {
-    end.at_m = fused(seen_m);
+    end.at_m = with_solved(seen_m);
   } else if (seen_share > 0) {
     const double by_points_m = std::max(seen_m, (seen_m + kRimSpacings * spacing_m) / seen_share);
     end.sigma_m = std::max(end.sigma_m, solved_m - by_points_m);  // a fit that is far off tells little
     if (seen_share > kLeastRim)
-      end.at_m = std::min(solved_m, std::max(by_points_m, outlined_m.value_or(by_points_m)));
+      end.at_m = with_solved(std::min(solved_m, std::max(by_points_m, outlined_m.value_or(by_points_m))));
   }
   if (side.reach->is_cut) end.sigma_m = kCutSigma * radius_m;
   return end;
@@ -125,7 +141,7 @@ End end_of(const Side& side, double solved_m, std::optional<double> outlined_m, 
 Shape with_ends(Shape shape, const Shape& about, const std::vector<Side>& sides,
                 const std::vector<PointView>& views, double radius_m,
                 const std::vector<ContactSide>& contacts) {
-  const double spacing_m = point_spacing(shape, views);
+  const double spacing_m = point_spacing(shape, views), noise_m = noise_of(sides);
   const auto end_at = [&](const Side& side) {
     for (const ContactSide& contact : contacts)
       if (contact.direction.dot(side.direction) > kSameSideCosine)
@@ -135,7 +151,9 @@ Shape with_ends(Shape shape, const Shape& about, const std::vector<Side>& sides,
     if (outlined_m) *outlined_m += side.direction.dot(about.body_from_object.translation) - side.middle_m;
     const double seen_share =
         visible_share(about, views, side.axis, side.sign) * (1 - tip_short(shape, side, spacing_m));
-    return end_of(side, shape.semi_axes_m[side.axis], outlined_m, seen_share, spacing_m, radius_m);
+    const End solved{shape.semi_axes_m[side.axis],
+                     std::sqrt(shape.variances[side.axis] + shape.variances[3 + side.axis])};
+    return end_of(side, solved, outlined_m, seen_share, spacing_m, noise_m, radius_m);
   };
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {

@@ -12,9 +12,9 @@ namespace uniquadric {
 PointView point_view(const Camera& camera, const ShapeView& view);
 
 /// The shape with the ends that points show along its axes, stated as uncertain as they are. The model's
-/// family of shapes is small: where points show that the body reaches further, or less far, than the fit by
-/// more than their own error, they count; within it the fit does. On a side on which the body stood it ends
-/// at the plane. `radius_m`: of the body's first sphere, positive.
+/// family of shapes is small, and points are noisy: an end is the mean of what the views' points show and of
+/// the fit, each weighted by its variance. That of points is how far the views disagree. On a side on which
+/// the body stood it ends at the plane. `radius_m`: of the body's first sphere, positive.
 Shape with_seen_extents(const Shape& shape, const std::vector<PointView>& views, double radius_m,
                         const std::vector<ContactSide>& contacts = {});
 

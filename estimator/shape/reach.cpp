@@ -129,7 +129,10 @@ std::optional<Reach> reach_along(const std::vector<PointView>& views, const Eige
   }
   if (all.empty()) return std::nullopt;
   if (shown.empty()) return Reach{quantile(all, options.least_quantile), 0, always_cut};
-  return Reach{quantile(shown, 0.5), static_cast<int>(std::ssize(shown))};
+  Reach reach{quantile(shown, 0.5), static_cast<int>(std::ssize(shown))};
+  for (double& end : shown) end = std::abs(end - reach.position_m);
+  reach.spread_m = kMadToSigma * quantile(std::move(shown), 0.5);
+  return reach;
 }
 
 }  // namespace uniquadric

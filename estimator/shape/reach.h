@@ -34,6 +34,7 @@ struct Reach {
   double position_m = 0;
   int views = 0;        ///< that show the end itself; none: the body reaches so far at least
   bool is_cut = false;  ///< on this side in every view: how much further is not known
+  double spread_m = 0;  ///< standard deviation over those views (from the median deviation)
 };
 
 /// All numbers are ours.

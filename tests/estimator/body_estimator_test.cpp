@@ -53,6 +53,30 @@ TEST(BodyEstimator, KeepsItsShapeWhileAnotherBodyIsUnderItsMask) {
   EXPECT_LT(errors.axes_m, 0.006);
 }
 
+// A box of 12 cm is thrown at 8 m/s, too quickly for its features. Its steady motion before says nothing of
+// that.
+TEST(BodyEstimator, FollowsThePointsOfABodyThatIsThrown) {
+  static constexpr double kThrown_s = 2;
+  const SyntheticBody body = box_body(0.2 * kAxes, [](double t) {
+    Pose pose = tumbling(std::min(t, kThrown_s));
+    const double flies_s = std::max(0.0, t - kThrown_s);
+    pose.translation += flies_s * Eigen::Vector3d(8, 0, 1.5 - 4.905 * flies_s);
+    return pose;
+  });
+  SyntheticOptions options = three_seconds();
+  SyntheticPerception perception = synthetic_perception({body}, options);
+  const auto first = static_cast<std::size_t>(kThrown_s * options.rate_hz), last = first + 6;
+  perception.frames.resize(last);
+  for (std::size_t i = first; i < last; ++i) {
+    perception.frames[i].bodies.at(0).features.clear();
+    perception.frames[i].bodies.at(0).motion.reset();
+  }
+  BodyOptions without;
+  without.lifecycle.follows_points = false;
+  EXPECT_LT(largest_errors(perception, body, options, kThrown_s).translation_m, 0.02);
+  EXPECT_GT(largest_errors(perception, body, options, kThrown_s, without).translation_m, 0.2);
+}
+
 // One exponent makes it a box or an egg.
 TEST(BodyEstimator, AndOfADisc) {
   const SyntheticBody disc = cylinder_body(0.25, 0.04, tumbling);
