@@ -22,6 +22,7 @@
 #include "simulator/map/occupancy_map.h"
 #include "simulator/noise/exposure.h"
 #include "simulator/render/renderer.h"
+#include "simulator/scene/any_mesh.h"
 #include "simulator/scene_files.h"
 #include "simulator/stage_times.h"
 #include "simulator/workers.h"
@@ -66,10 +67,7 @@ void discard_other_work(const Scene& scene, const std::string& key, const Pendin
 }
 
 bool has_faint(const Scene& scene) {
-  const auto is_faint = [](const Body& body) {
-    return std::ranges::any_of(body.meshes, [](const Mesh& mesh) { return mesh.depth_return < 1; });
-  };
-  return std::ranges::any_of(scene.world, is_faint) || std::ranges::any_of(scene.objects, is_faint);
+  return any_mesh(scene, [](const Mesh& mesh) { return mesh.depth_return < 1; });
 }
 
 // What a worker has to draw and write frames with, and what it does with one.
@@ -98,7 +96,7 @@ struct FrameMaker {
     LapTimer timer(times);
     const double time_s =
         frame_time_s(scene, frame) - stamp_error_s(scene.imaging, scene.rate_hz, seed, frame);
-    RenderedFrame late = late_depth(time_s);
+    const RenderedFrame late = late_depth(time_s);
     RenderedFrame rendered = renderer.render(poses_at(scene, time_s), color_steps(scene, time_s));
     if (!late.depth_m.empty()) rendered.depth_m = late.depth_m;
     rendered.returning_rgba = late.rgba;

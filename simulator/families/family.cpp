@@ -31,7 +31,7 @@ int whole(const ConfigNode& node, const std::string& key, int fallback, int low,
 
 FamilyOptions read_options(const FamilyRequest& request, double drawn_difficulty) {
   const ConfigNode node = ConfigNode::parse("{}", request.family, request.set);
-  FamilyOptions options;
+  FamilyOptions options{request.family};
   options.difficulty = node.get<double>("difficulty", drawn_difficulty);
   if (!(options.difficulty >= 0 && options.difficulty <= 1)) node.at("difficulty").fail("expected 0 to 1");
   options.frames = whole(node, "frames", 300, 1, kMostFrames);

@@ -148,7 +148,7 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
     const auto motion = draft.add_drawn(thing, [&] { return draw_motion(random, thing, home_m, options); });
     if (motion) add_arm(random, thing, *motion, draft);
   }
-  return draft.text(count);
+  return draft.text();
 }
 
 }  // namespace uniquadric

@@ -176,9 +176,11 @@ void SceneDraft::add_unscored(const Thing& thing, const std::string& motion) {
   ++next_id_;
 }
 
-std::string SceneDraft::text(int wanted) const {
-  if (wanted > 0 && count_ == 0)
-    throw InputError("no object finds a place and a way in the scene; set fewer frames or another seed");
+std::string SceneDraft::text() const {
+  if (count_ == 0)
+    throw InputError(
+        fmt::format("{}: frames: no object finds a way clear of the rest for {} frames; set fewer",
+                    options_.family, options_.frames));
   if (options_.count > count_)
     warn(fmt::format("{} of {} objects find a place in the scene", count_, options_.count));
   return "camera:\n" + camera_ + (world_.empty() ? "" : "world:\n" + world_) +

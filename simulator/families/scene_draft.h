@@ -48,9 +48,9 @@ class SceneDraft {
   void add_unscored(const Thing& thing, const std::string& motion);
 
   int count() const { return count_; }
-  /// `camera`, `world` and `objects`. Warns where fewer objects than `wanted` found a place, and throws
-  /// InputError where none did.
-  std::string text(int wanted = 0) const;
+  /// `camera`, `world` and `objects`. Warns where fewer objects than FamilyOptions::count found a place, and
+  /// throws InputError where none did.
+  std::string text() const;
 
  private:
   std::string object_text(const Thing& thing, const std::string& motion) const;

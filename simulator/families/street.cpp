@@ -306,7 +306,7 @@ std::string street_scene(RandomStream& random, const FamilyOptions& options) {
   const int count = options.count > 0 ? options.count : drawn;
   const int tries = std::max(kLeastTries, kTriesEach * count);
   for (int i = 0; i < tries && draft.count() < count; ++i) add_actor(random, street, draft);
-  return sensors(random, options) + draft.text(count);
+  return sensors(random, options) + draft.text();
 }
 
 }  // namespace uniquadric

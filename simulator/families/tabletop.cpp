@@ -82,7 +82,7 @@ std::string tabletop_scene(RandomStream& random, const FamilyOptions& options) {
       return motion_of(random, thing, act, way, options);
     });
   }
-  return draft.text(count);
+  return draft.text();
 }
 
 }  // namespace uniquadric

@@ -64,7 +64,7 @@ std::string tossed_scene(RandomStream& random, const FamilyOptions& options) {
     const Thing thing = draw_thing(random, options);
     draft.add_drawn(thing, [&] { return draw_toss(random, thing, options); });
   }
-  return draft.text(count);
+  return draft.text();
 }
 
 }  // namespace uniquadric

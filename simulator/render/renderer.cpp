@@ -14,6 +14,7 @@
 #include "simulator/render/render_targets.h"
 #include "simulator/render/shadow_maps.h"
 #include "simulator/render/silhouettes.h"
+#include "simulator/scene/any_mesh.h"
 
 namespace uniquadric {
 namespace {
@@ -45,10 +46,7 @@ double drawn_gain(const Imaging& imaging) {
 }
 
 bool has_shine(const Scene& scene) {
-  const auto shines = [](const Body& body) {
-    return std::ranges::any_of(body.meshes, [](const Mesh& mesh) { return mesh.shine > 0; });
-  };
-  return std::ranges::any_of(scene.world, shines) || std::ranges::any_of(scene.objects, shines);
+  return any_mesh(scene, [](const Mesh& mesh) { return mesh.shine > 0; });
 }
 
 // Sums of `count` bytes each become their means. The product is exact: of sums below 2^16 and counts below

@@ -137,7 +137,7 @@ TEST(Handled, SaysWhereAScenesFramesAreTooMany) {
   const std::string said = input_error([] {
     generate_scene({"handled", 1, {{"frames", "20000"}, {"count", "1"}}});
   });
-  EXPECT_EQ(said, "no object finds a place and a way in the scene; set fewer frames or another seed");
+  EXPECT_EQ(said, "handled: frames: no object finds a way clear of the rest for 20000 frames; set fewer");
 }
 
 // A rest would change the scenes of results.
