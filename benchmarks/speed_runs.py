@@ -112,8 +112,9 @@ objects:
     pathlib.Path(path).write_text(text)
 
 
-def simulate(scene, out, frames, threads=0):
-    return run(PROGRAM, "simulate", "-q", scene, out, "--frames", frames, "--threads", threads, "--force")
+def simulate(scene, out, frames, threads=0, level="ideal"):
+    return run(PROGRAM, "simulate", "-q", scene, out, "--frames", frames, "--threads", threads, "--force",
+               "--set", f"realism={level}")
 
 
 def estimate(data, out, threads):
