@@ -99,6 +99,7 @@ void visit(Io& io, LifecycleOptions& o) {
   io.positive("angular_acceleration_radps2", o.angular_acceleration_radps2);
   io.positive("lost_after_s", o.lost_after_s);
   io.flag("ends_outside", o.ends_outside);
+  io.flag("ends_unplaced", o.ends_unplaced);
   io.flag("follows_points", o.follows_points);
 }
 

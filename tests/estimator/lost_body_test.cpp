@@ -110,6 +110,7 @@ TEST(BodyEstimator, ABodyThatStaysHiddenIsSaidToBeLostOnce) {
   const SyntheticPerception perception = synthetic_perception({box_body(kAxes, tumbling)}, options);
   BodyOptions body;
   body.lifecycle.lost_after_s = 0.5;
+  body.lifecycle.ends_unplaced = false;
   BodyEstimator estimator(1, perception.camera, body, 1);
   int predicted = 0, lost = 0, silent = 0, last_predicted = 0;
   for (int i = 0; i < std::ssize(perception.frames); ++i) {
@@ -130,6 +131,35 @@ TEST(BodyEstimator, ABodyThatStaysHiddenIsSaidToBeLostOnce) {
             ObjectStatus::active);
 }
 
+// Frames after 1.5 s with a prediction of a body that is hidden from then on.
+int predicted_frames(const std::function<Pose(double)>& world_from_body, const BodyOptions& body) {
+  SyntheticOptions options = three_seconds();
+  options.hidden = [](int, double t) { return t > 1.5; };
+  const SyntheticPerception perception = synthetic_perception({box_body(kAxes, world_from_body)}, options);
+  BodyEstimator estimator(1, perception.camera, body, 1);
+  int predicted = 0;
+  for (const PerceivedFrame& frame : perception.frames) {
+    const auto state = estimator.step(frame, frame.bodies.empty() ? nullptr : &frame.bodies[0]);
+    predicted += state && state->status == ObjectStatus::occluded;
+  }
+  return predicted;
+}
+
+// The sigma of the prediction, a t^2 / 2 and that over one frame, exceeds the shortest semi-axis.
+TEST(BodyEstimator, APredictionLessSureThanTheBodyIsLargeIsGivenUp) {
+  BodyOptions body;
+  const double shortest_m = kAxes.minCoeff(), of_a_frame_m = 0.02;
+  const double until_s = std::sqrt(2 * (shortest_m - of_a_frame_m) / body.lifecycle.acceleration_mps2);
+  EXPECT_NEAR(predicted_frames(tumbling, body), 30 * until_s, 1.5);
+  body.lifecycle.ends_unplaced = false;
+  EXPECT_GE(predicted_frames(tumbling, body), 43);
+}
+
+TEST(BodyEstimator, ABodyAtRestIsPredictedWhereItIs) {
+  const Pose resting{Eigen::Quaterniond::Identity(), {0, 0, 1}};
+  EXPECT_GE(predicted_frames([&](double) { return resting; }, BodyOptions()), 43);
+}
+
 // It leaves the image at 2 m/s, and is where nobody sees it: its prediction ends there, not seconds later.
 TEST(BodyEstimator, ABodyThatLeavesTheImageIsLostThere) {
   const auto passing = [](double t) {
@@ -141,6 +171,7 @@ TEST(BodyEstimator, ABodyThatLeavesTheImageIsLostThere) {
   for (const bool ends_outside : {true, false}) {
     BodyOptions body;
     body.lifecycle.ends_outside = ends_outside;
+    body.lifecycle.ends_unplaced = false;
     BodyEstimator estimator(1, perception.camera, body, 1);
     int outside = 0, lost = 0;
     for (std::size_t i = 0; i < perception.frames.size(); ++i) {
