@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <ostream>
-#include <stdexcept>
 
 #include "core/base/error.h"
 #include "core/geometry/box_symmetry.h"
@@ -164,7 +163,7 @@ int run_metric(const std::string& kind, const MetricOptions& options, std::istre
     result["id"] = id;
     out << result.dump(-1, ' ', false, json::error_handler_t::replace)
         << std::endl;  // at once: it may be a dialogue
-    if (!out) throw std::runtime_error(fmt::format("the answer cannot be written: {}", std::strerror(errno)));
+    if (!out) throw InputError(fmt::format("the answer cannot be written: {}", std::strerror(errno)));
   }
   return exit_code;
 }

@@ -7,11 +7,12 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
-#include <new>
 
+#include "core/base/error.h"
 #include "core/base/version.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/options.h"
+#include "harness/fault_line.h"
 #include "harness/program.h"
 
 namespace uniquadric {
@@ -51,14 +52,12 @@ int run(int argc, char** argv) {
   } catch (const std::filesystem::filesystem_error& e) {
     std::cerr << fmt::format("uniquadric: {}: {}\n", e.path1().string(), e.code().message());
     return kBadInput;
-  } catch (const std::bad_alloc&) {
-    std::cerr << "uniquadric: out of memory\n";
+  } catch (const InputError& e) {
+    std::cerr << "uniquadric: " << e.what() << '\n';
     return kBadInput;
   } catch (const std::exception& e) {
-    std::string_view what = e.what();
-    while (what.ends_with('\n')) what.remove_suffix(1);  // OpenCV's end with one
-    std::cerr << "uniquadric: " << what << '\n';
-    return kBadInput;
+    std::cerr << "uniquadric: " << fault_line(e) << '\n';
+    return kInternalError;
   }
   if (!std::cout.flush()) {
     std::cerr << fmt::format("uniquadric: standard output cannot be written: {}\n", std::strerror(errno));

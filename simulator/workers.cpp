@@ -22,7 +22,7 @@ namespace uniquadric {
 namespace {
 
 constexpr int kIdleInterval_ms = 100;
-constexpr char kInputError = 'i', kOtherError = 'e';
+constexpr char kInputError = 'i', kOutOfMemory = 'm', kOtherError = 'e';
 
 struct Worker {
   pid_t process = -1;
@@ -52,6 +52,8 @@ void keep_freed_memory() {
     work(number);
   } catch (const InputError& e) {
     failure = kInputError + std::string(e.what());
+  } catch (const std::bad_alloc&) {
+    failure = kOutOfMemory;
   } catch (const std::exception& e) {
     failure = kOtherError + std::string(e.what());
   }
@@ -101,6 +103,7 @@ void end_all(std::vector<Worker>& workers) {
 
 [[noreturn]] void fail(const std::string& message) {
   if (message[0] == kInputError) throw InputError(message.substr(1));
+  if (message[0] == kOutOfMemory) throw std::bad_alloc();
   throw std::runtime_error(message.substr(1));
 }
 

@@ -24,7 +24,7 @@ std::string read_text(const fs::path& path) {
 }
 
 void throw_unwritable(const fs::path& path) {
-  throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+  throw InputError(path, fmt::format("cannot be written: {}", std::strerror(errno)));
 }
 
 fs::path aside_of(const fs::path& path) {

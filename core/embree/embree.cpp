@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <new>
 #include <stdexcept>
 
 #include "core/embree/rtcore_parts.h"
@@ -11,9 +12,8 @@ namespace uniquadric {
 namespace {
 
 [[noreturn]] void fail(RTCError error, const char* doing) {
-  throw std::runtime_error(error == RTC_ERROR_OUT_OF_MEMORY
-                               ? fmt::format("Embree: out of memory while {}", doing)
-                               : fmt::format("Embree: error {} while {}", static_cast<int>(error), doing));
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  throw std::runtime_error(fmt::format("Embree: error {} while {}", static_cast<int>(error), doing));
 }
 
 // A copy of `items` in a buffer of the geometry's.

@@ -15,7 +15,8 @@ class Validator;
 
 namespace uniquadric {
 
-constexpr int kBadInput = 2;  ///< exit code of bad input and of an incomplete answer
+constexpr int kBadInput = 2;       ///< exit code of bad input and of an incomplete answer
+constexpr int kInternalError = 3;  ///< exit code of a fault of the program, and of memory that ran out
 constexpr std::uint64_t kMaxCount = 10'000'000;
 
 /// What the subcommands share.

@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
-#include <stdexcept>
 
+#include "core/base/error.h"
 #include "evaluation/report/report.h"
 #include "harness/bench/process.h"
 #include "harness/commands/options.h"
@@ -22,7 +22,7 @@ void add_report(CLI::App& app, Common& common) {
     if (!open) return;
     const ProcessResult shown =
         run_process({"/usr/bin/env", "xdg-open", results + "/report.html"}, "/dev/null", 60);
-    if (!shown.ok) throw std::runtime_error("the report cannot be shown: " + shown.message);
+    if (!shown.ok) throw InputError("the report cannot be shown: " + shown.message);
   });
 }
 

@@ -124,7 +124,7 @@ void write_rosbag(const ExportSource& source, const ExportOptions& options,
   } catch (const InputError&) {
     throw;
   } catch (const std::runtime_error& e) {  // rosbag's, which names no file
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}", bag.string(), e.what()));
+    throw InputError(bag, fmt::format("cannot be written: {}", e.what()));
   }
 }
 

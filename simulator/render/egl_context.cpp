@@ -4,15 +4,15 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <stdexcept>
 
+#include "core/base/error.h"
 #include "simulator/render/gl_context.h"
 
 namespace uniquadric {
 namespace {
 
 [[noreturn]] void fail(const char* what) {
-  throw std::runtime_error(fmt::format(
+  throw InputError(fmt::format(
       "EGL cannot {} (error 0x{:04x}); Mesa's (libegl-mesa0) can, and OSMesa (--gl osmesa) needs no EGL",
       what, eglGetError()));
 }

@@ -1,12 +1,11 @@
 // In the place of osmesa_context.cpp where there was no header of OSMesa.
-#include <stdexcept>
-
+#include "core/base/error.h"
 #include "simulator/render/gl_context.h"
 
 namespace uniquadric {
 
 void load_osmesa() {
-  throw std::runtime_error("this program was built without OSMesa (libosmesa6-dev); --gl egl draws the same");
+  throw InputError("this program was built without OSMesa (libosmesa6-dev); --gl egl draws the same");
 }
 
 std::unique_ptr<GlContext> make_osmesa_context() {

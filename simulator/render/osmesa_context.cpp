@@ -6,6 +6,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "core/base/error.h"
 #include "core/base/on_demand.h"
 #include "simulator/render/gl_context.h"
 
@@ -50,7 +51,7 @@ class OsmesaContext : public GlContext {
                                        5,
                                        0};
     context_ = osmesa().OSMesaCreateContextAttribs(attributes.data(), nullptr);
-    if (!context_) throw std::runtime_error("OSMesa cannot make an OpenGL 4.5 core context");
+    if (!context_) throw InputError("OSMesa cannot make an OpenGL 4.5 core context");
   }
   ~OsmesaContext() override { osmesa().OSMesaDestroyContext(context_); }
 

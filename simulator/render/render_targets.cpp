@@ -6,6 +6,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "core/base/error.h"
+
 namespace uniquadric {
 namespace {
 
@@ -21,8 +23,7 @@ unsigned attach(const GlFunctions& gl, const RenderTargets& targets, unsigned fr
 
 void check_complete(const GlFunctions& gl, const RenderTargets& targets, unsigned framebuffer) {
   if (gl.CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw std::runtime_error(
-        fmt::format("OpenGL cannot draw images of {}x{} px", targets.width, targets.height));
+    throw InputError(fmt::format("OpenGL cannot draw images of {}x{} px", targets.width, targets.height));
 }
 
 void read(const GlFunctions& gl, unsigned framebuffer, const cv::Rect& part, unsigned format, unsigned type,

@@ -53,9 +53,9 @@ TEST(Memory, EvaluateEndsByNoSignalWhateverIsLeft) {
   for (int limit_kb = 100'000; limit_kb <= 400'000; limit_kb += 5'000) {
     const int code = exit_code(std::to_string(limit_kb));
     EXPECT_LT(code, 128) << limit_kb << " kB: " << read_text(temp.path() / "said");
-    refused += code == 2;
-    if (code == 2) {
-      EXPECT_TRUE(read_text(temp.path() / "said").starts_with("uniquadric: ")) << limit_kb;
+    refused += code == 3;
+    if (code == 3) {
+      EXPECT_EQ(read_text(temp.path() / "said"), "uniquadric: out of memory\n") << limit_kb;
     }
   }
   EXPECT_GT(refused, 0);

@@ -67,5 +67,23 @@ TEST(WorkflowFile, IsYamlWhoseCommandsExist) {
   EXPECT_EQ(configs, 2);
 }
 
+TEST(WorkflowFile, OfTestsAndLintCallScriptsThatExist) {
+  int scripts = 0;
+  for (const auto& [file, job] : {std::pair("systems", "test"), std::pair("lint", "lint")}) {
+    const ConfigNode workflow =
+        ConfigNode::load(kSource / ".github/workflows" / (std::string(file) + ".yaml"));
+    EXPECT_EQ(workflow.get<std::string>("on"), "pull_request");
+    for (const ConfigNode& step : workflow.at("jobs").at(job).at("steps").items()) {
+      EXPECT_NE(step.has("uses"), step.has("run")) << step.line();
+      const std::string called = step.has("run") ? words(step.get<std::string>("run")).front() : "";
+      if (!called.starts_with("scripts/")) continue;
+      EXPECT_NE(fs::status(kSource / called).permissions() & fs::perms::owner_exec, fs::perms::none)
+          << called;
+      ++scripts;
+    }
+  }
+  EXPECT_EQ(scripts, 2);
+}
+
 }  // namespace
 }  // namespace uniquadric
