@@ -8,7 +8,7 @@
 #include "core/base/error.h"
 #include "core/sequence/sequence.h"
 #include "estimator/ego/rgbd_odometry.h"
-#include "estimator/perception/features.h"
+#include "estimator/features/features.h"
 #include "evaluation/align/alignment.h"
 #include "evaluation/trajectory/trajectory_error.h"
 

@@ -15,7 +15,7 @@
 #include "benchmarks/exact_depth.h"
 #include "core/base/error.h"
 #include "core/sequence/sequence.h"
-#include "estimator/perception/features.h"
+#include "estimator/features/features.h"
 #include "simulator/render/renderer.h"
 #include "simulator/scene/scene.h"
 

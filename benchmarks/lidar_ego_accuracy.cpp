@@ -9,7 +9,7 @@
 #include "benchmarks/ego_pairs.h"
 #include "core/sequence/sequence.h"
 #include "estimator/ego/lidar_ego.h"
-#include "estimator/perception/lidar_stream.h"
+#include "estimator/lidar/lidar_stream.h"
 #include "estimator/variant.h"
 #include "evaluation/align/alignment.h"
 #include "evaluation/trajectory/trajectory_error.h"

@@ -12,8 +12,8 @@
 #include <set>
 
 #include "core/sequence/sequence.h"
-#include "estimator/perception/aot.h"
-#include "estimator/perception/silhouette.h"
+#include "estimator/mask_tracking/aot.h"
+#include "estimator/observation/silhouette.h"
 #include "estimator/variant.h"
 
 namespace uniquadric {

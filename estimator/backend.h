@@ -7,8 +7,8 @@
 
 #include "core/sequence/ply.h"
 #include "core/sequence/tracks.h"
+#include "estimator/base/stopwatch.h"
 #include "estimator/perception/perception_files.h"
-#include "estimator/stopwatch.h"
 #include "estimator/variant.h"
 
 namespace uniquadric {

@@ -25,7 +25,7 @@
 #include "estimator/factors/solver_log.h"
 #include "estimator/plausibility/plausibility.h"
 #include "estimator/single_frame.h"
-#include "estimator/upright/upright_backend.h"
+#include "estimator/upright_backend.h"
 
 namespace uniquadric {
 namespace {

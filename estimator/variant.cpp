@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "core/base/read_file.h"
+#include "estimator/base/option_io.h"
 #include "estimator/default_variants.h"
 #include "estimator/objects/body_options.h"
-#include "estimator/option_io.h"
 #include "estimator/perception/perception_options.h"
 
 namespace uniquadric {

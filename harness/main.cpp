@@ -10,10 +10,10 @@
 
 #include "core/base/error.h"
 #include "core/base/version.h"
+#include "harness/bench/program.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/options.h"
 #include "harness/fault_line.h"
-#include "harness/program.h"
 
 namespace uniquadric {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "estimator/perception/ideal_ray.h"
+#include "estimator/observation/ideal_ray.h"
 
 namespace uniquadric {
 

@@ -7,7 +7,7 @@
 
 #include "core/geometry/camera.h"
 #include "core/geometry/pose.h"
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 
 namespace uniquadric {
 

@@ -4,7 +4,7 @@
 
 #include "estimator/ego/lidar_ego.h"
 #include "estimator/ego/rgbd_odometry.h"
-#include "estimator/perception/feature_options.h"
+#include "estimator/features/feature_options.h"
 
 namespace uniquadric {
 

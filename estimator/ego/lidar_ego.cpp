@@ -13,7 +13,7 @@
 #include "core/base/seconds.h"
 #include "core/sequence/imu_faults.h"
 #include "core/sequence/stamps.h"
-#include "estimator/perception/lidar_stream.h"
+#include "estimator/lidar/lidar_stream.h"
 
 namespace uniquadric {
 namespace {

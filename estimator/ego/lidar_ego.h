@@ -8,7 +8,7 @@
 
 #include "core/sequence/sequence.h"
 #include "estimator/ego/lidar_odometry.h"
-#include "estimator/perception/scan_watch.h"
+#include "estimator/lidar/scan_watch.h"
 
 namespace uniquadric {
 

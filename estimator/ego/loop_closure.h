@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "estimator/ego/ego_map.h"
-#include "estimator/perception/rigid_motion.h"
+#include "estimator/images/rigid_motion.h"
 
 namespace uniquadric {
 

@@ -8,7 +8,7 @@
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "estimator/ego/ego_map.h"
-#include "estimator/perception/rolling_shutter.h"
+#include "estimator/features/rolling_shutter.h"
 
 namespace uniquadric {
 namespace {

@@ -11,8 +11,8 @@
 #include "estimator/ego/ego_map.h"
 #include "estimator/ego/loop_closure.h"
 #include "estimator/ego/world_frame.h"
-#include "estimator/perception/features.h"
-#include "estimator/perception/rigid_motion.h"
+#include "estimator/features/features.h"
+#include "estimator/images/rigid_motion.h"
 
 namespace uniquadric {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "estimator/perception/support_planes.h"
+#include "estimator/images/support_planes.h"
 #include "estimator/shape/depth_point.h"
 
 namespace uniquadric {

@@ -10,7 +10,7 @@
 #include "estimator/objects/motion_decision.h"
 #include "estimator/objects/outline_watch.h"
 #include "estimator/objects/shape_estimator.h"
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 #include "estimator/shape/body_carving.h"
 #include "estimator/window/cloud_alignment.h"
 #include "estimator/window/short_window.h"

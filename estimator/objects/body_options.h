@@ -1,7 +1,7 @@
 #pragma once
 
+#include "estimator/base/option_io.h"
 #include "estimator/objects/body_estimator.h"
-#include "estimator/option_io.h"
 
 namespace uniquadric {
 

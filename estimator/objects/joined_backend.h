@@ -4,7 +4,7 @@
 #include <map>
 
 #include "estimator/objects/body_estimator.h"
-#include "estimator/perception/body_hints.h"
+#include "estimator/observation/body_hints.h"
 
 namespace uniquadric {
 

@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
+#include "estimator/base/stopwatch.h"
 #include "estimator/objects/surface_cloud.h"
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 #include "estimator/shape/axis_fusion.h"
 #include "estimator/shape/obb_ransac.h"
 #include "estimator/shape/reach.h"
-#include "estimator/stopwatch.h"
 #include "estimator/window/long_window.h"
 #include "estimator/window/short_window.h"
 

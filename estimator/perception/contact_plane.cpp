@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/quantile.h"
-#include "estimator/perception/support_planes.h"
+#include "estimator/images/support_planes.h"
 #include "estimator/shape/even_choice.h"
 
 namespace uniquadric {

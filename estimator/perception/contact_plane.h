@@ -6,7 +6,7 @@
 
 #include "core/base/random.h"
 #include "core/geometry/camera.h"
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 
 namespace uniquadric {
 

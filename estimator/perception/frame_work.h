@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "estimator/perception/aot.h"
-#include "estimator/perception/frame_points.h"
-#include "estimator/perception/perception.h"
+#include "estimator/base/stopwatch.h"
+#include "estimator/lidar/frame_points.h"
+#include "estimator/mask_tracking/aot.h"
+#include "estimator/observation/perception.h"
 #include "estimator/shape/object_points.h"
-#include "estimator/stopwatch.h"
 
 namespace uniquadric {
 

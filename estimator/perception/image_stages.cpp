@@ -7,10 +7,10 @@
 
 #include "core/base/error.h"
 #include "core/base/warning.h"
-#include "estimator/perception/check_sequence.h"
+#include "estimator/lidar/lidar_stream.h"
 #include "estimator/perception/depth_bias.h"
-#include "estimator/perception/lidar_stream.h"
 #include "estimator/perception/observe_bodies.h"
+#include "estimator/segmentation/check_sequence.h"
 
 namespace uniquadric {
 namespace {

@@ -13,11 +13,11 @@
 #include "estimator/ego/depth_calibration.h"
 #include "estimator/ego/lidar_ego.h"
 #include "estimator/ego/rgbd_odometry.h"
-#include "estimator/perception/aot.h"
+#include "estimator/images/repeats.h"
+#include "estimator/lidar/lidar_depth.h"
+#include "estimator/mask_tracking/aot.h"
 #include "estimator/perception/frame_work.h"
-#include "estimator/perception/lidar_depth.h"
 #include "estimator/perception/perceive.h"
-#include "estimator/perception/repeats.h"
 
 namespace uniquadric {
 

@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "estimator/perception/point_colors.h"
+#include "estimator/lidar/point_colors.h"
 
 namespace uniquadric {
 namespace {

@@ -8,8 +8,8 @@
 #include "core/base/error.h"
 #include "core/base/threads.h"
 #include "core/base/warning.h"
+#include "estimator/lidar/scan_watch.h"
 #include "estimator/perception/image_stages.h"
-#include "estimator/perception/scan_watch.h"
 
 namespace uniquadric {
 namespace {

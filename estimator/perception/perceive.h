@@ -6,19 +6,19 @@
 #include <vector>
 
 #include "core/sequence/sequence.h"
+#include "estimator/base/stopwatch.h"
 #include "estimator/ego/lidar_ego.h"
 #include "estimator/ego/rgbd_odometry.h"
-#include "estimator/perception/aot.h"
+#include "estimator/features/features.h"
+#include "estimator/lidar/lidar_depth.h"
+#include "estimator/mask_tracking/aot.h"
+#include "estimator/observation/silhouette.h"
 #include "estimator/perception/contact_plane.h"
 #include "estimator/perception/depth_check.h"
-#include "estimator/perception/features.h"
-#include "estimator/perception/lidar_depth.h"
 #include "estimator/perception/perception_files.h"
 #include "estimator/perception/scan_objects.h"
-#include "estimator/perception/segmentation.h"
-#include "estimator/perception/silhouette.h"
+#include "estimator/segmentation/segmentation.h"
 #include "estimator/shape/object_points.h"
-#include "estimator/stopwatch.h"
 
 namespace uniquadric {
 

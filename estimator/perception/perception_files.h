@@ -9,7 +9,7 @@
 
 #include "core/geometry/camera.h"
 #include "estimator/ego/depth_calibration.h"
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 
 namespace uniquadric {
 

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "estimator/ego/ego_options.h"
-#include "estimator/perception/aot_options.h"
-#include "estimator/perception/feature_options.h"
+#include "estimator/features/feature_options.h"
+#include "estimator/mask_tracking/aot_options.h"
 #include "estimator/perception/perceive.h"
-#include "estimator/perception/segmentation_options.h"
+#include "estimator/segmentation/segmentation_options.h"
 
 namespace uniquadric {
 

@@ -14,8 +14,8 @@
 #include "core/base/seconds.h"
 #include "core/base/warning.h"
 #include "estimator/ego/lidar_sweep.h"
-#include "estimator/perception/lidar_stream.h"
-#include "estimator/perception/scan_view.h"
+#include "estimator/lidar/lidar_stream.h"
+#include "estimator/lidar/scan_view.h"
 #include "estimator/shape/even_choice.h"
 
 namespace uniquadric {

@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "core/sequence/sequence.h"
+#include "estimator/base/stopwatch.h"
 #include "estimator/ego/lidar_ego.h"
-#include "estimator/perception/cluster_tracker.h"
+#include "estimator/lidar/cluster_tracker.h"
 #include "estimator/perception/perception_files.h"
-#include "estimator/perception/segmenter_clock.h"
+#include "estimator/segmentation/segmenter_clock.h"
 #include "estimator/shape/lidar_clusters.h"
-#include "estimator/stopwatch.h"
 
 namespace uniquadric {
 

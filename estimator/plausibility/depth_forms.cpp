@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/base/quantile.h"
-#include "estimator/perception/ideal_ray.h"
+#include "estimator/observation/ideal_ray.h"
 
 namespace uniquadric {
 namespace {

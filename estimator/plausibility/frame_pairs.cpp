@@ -6,11 +6,11 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/base/seconds.h"
-#include "estimator/perception/corners.h"
-#include "estimator/perception/ideal_ray.h"
-#include "estimator/perception/plane_depth.h"
-#include "estimator/perception/point_flow.h"
-#include "estimator/perception/rigid_motion.h"
+#include "estimator/features/corners.h"
+#include "estimator/features/point_flow.h"
+#include "estimator/images/plane_depth.h"
+#include "estimator/images/rigid_motion.h"
+#include "estimator/observation/ideal_ray.h"
 
 namespace uniquadric {
 namespace {

@@ -11,8 +11,8 @@
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "estimator/ego/lidar_odometry.h"
-#include "estimator/perception/ideal_ray.h"
-#include "estimator/perception/scan_watch.h"
+#include "estimator/lidar/scan_watch.h"
+#include "estimator/observation/ideal_ray.h"
 #include "estimator/plausibility/axis_turns.h"
 #include "estimator/plausibility/turns.h"
 

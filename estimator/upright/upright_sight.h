@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 
 namespace uniquadric {
 

@@ -8,7 +8,7 @@
 #include "core/geometry/superquadric.h"
 #include "estimator/factors/pose_jacobian.h"
 #include "estimator/factors/pose_prior.h"
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 
 namespace uniquadric {
 

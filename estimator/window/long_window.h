@@ -12,7 +12,7 @@
 #include "core/geometry/superquadric.h"
 #include "core/sequence/tracks.h"
 #include "estimator/factors/pose_prior.h"
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 
 namespace uniquadric {
 

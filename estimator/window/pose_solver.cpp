@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/perception/ideal_ray.h"
+#include "estimator/observation/ideal_ray.h"
 #include "estimator/window/normal_equations.h"
 
 namespace uniquadric {

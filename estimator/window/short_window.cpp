@@ -11,7 +11,7 @@
 #include "estimator/factors/pose_block.h"
 #include "estimator/factors/pose_prior.h"
 #include "estimator/factors/reprojection.h"
-#include "estimator/perception/ideal_ray.h"
+#include "estimator/observation/ideal_ray.h"
 
 namespace uniquadric {
 namespace {

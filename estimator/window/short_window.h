@@ -10,7 +10,7 @@
 #include "core/geometry/camera.h"
 #include "core/geometry/pose.h"
 #include "estimator/factors/motion_model.h"
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 #include "estimator/window/pose_solver.h"
 
 namespace uniquadric {

@@ -1,6 +1,6 @@
 #include "core/base/hash.h"
 #include "estimator/perception/perception_files.h"
-#include "estimator/perception/prompts.h"
+#include "estimator/segmentation/prompts.h"
 #include "fuzz/target.h"
 
 #include <cstring>

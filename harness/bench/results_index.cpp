@@ -11,7 +11,7 @@
 #include "evaluation/report/report.h"
 #include "harness/bench/keys.h"
 #include "harness/bench/process.h"
-#include "harness/program.h"
+#include "harness/bench/program.h"
 
 namespace uniquadric {
 namespace {

@@ -1,5 +1,5 @@
 // The asynchronous tracker on drawn worlds, whose masks are known.
-#include "estimator/perception/aot.h"
+#include "estimator/mask_tracking/aot.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "estimator/perception/body_shift.h"
+#include "estimator/mask_tracking/body_shift.h"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
 
 #include "drawn_world.h"
-#include "estimator/perception/flow_tracker.h"
+#include "estimator/mask_tracking/flow_tracker.h"
 
 namespace uniquadric {
 namespace {

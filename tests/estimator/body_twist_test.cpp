@@ -1,4 +1,4 @@
-#include "estimator/perception/body_twist.h"
+#include "estimator/lidar/body_twist.h"
 
 #include <gtest/gtest.h>
 

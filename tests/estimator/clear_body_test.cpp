@@ -1,4 +1,4 @@
-#include "estimator/perception/clear_body.h"
+#include "estimator/mask_tracking/clear_body.h"
 
 #include <gtest/gtest.h>
 

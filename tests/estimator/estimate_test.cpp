@@ -13,8 +13,8 @@
 #include "core/base/files.h"
 #include "core/geometry/box_symmetry.h"
 #include "core/sequence/tracks.h"
-#include "estimator/perception/check_sequence.h"
-#include "estimator/perception/lidar_stream.h"
+#include "estimator/lidar/lidar_stream.h"
+#include "estimator/segmentation/check_sequence.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {

@@ -1,4 +1,4 @@
-#include "estimator/perception/lidar_depth.h"
+#include "estimator/lidar/lidar_depth.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "core/base/random.h"
-#include "estimator/perception/pixel_grid.h"
+#include "estimator/lidar/pixel_grid.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {

@@ -1,4 +1,4 @@
-#include "estimator/perception/mask_edges.h"
+#include "estimator/mask_tracking/mask_edges.h"
 
 #include <gtest/gtest.h>
 

@@ -8,9 +8,9 @@
 #include "core/base/error.h"
 #include "core/sequence/sequence.h"
 #include "drawn_world.h"
-#include "estimator/perception/box_detector.h"
-#include "estimator/perception/nano_tracker.h"
-#include "estimator/perception/sam_segmenter.h"
+#include "estimator/mask_tracking/nano_tracker.h"
+#include "estimator/segmentation/box_detector.h"
+#include "estimator/segmentation/sam_segmenter.h"
 #include "tests/support/onnx_writer.h"
 #include "tests/support/temp_folder.h"
 

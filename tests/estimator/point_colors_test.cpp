@@ -1,4 +1,4 @@
-#include "estimator/perception/point_colors.h"
+#include "estimator/lidar/point_colors.h"
 
 #include <gtest/gtest.h>
 

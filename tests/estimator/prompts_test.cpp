@@ -1,4 +1,4 @@
-#include "estimator/perception/prompts.h"
+#include "estimator/segmentation/prompts.h"
 
 #include <gtest/gtest.h>
 

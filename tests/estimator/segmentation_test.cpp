@@ -1,4 +1,4 @@
-#include "estimator/perception/segmentation.h"
+#include "estimator/segmentation/segmentation.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "drawn_world.h"
-#include "estimator/perception/moving_parts.h"
-#include "estimator/perception/outline.h"
-#include "estimator/perception/support_planes.h"
+#include "estimator/images/support_planes.h"
+#include "estimator/observation/outline.h"
+#include "estimator/segmentation/moving_parts.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {

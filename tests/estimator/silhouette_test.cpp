@@ -1,5 +1,5 @@
 // Silhouettes of shapes drawn pixel by pixel, whose tangents are known in closed form.
-#include "estimator/perception/silhouette.h"
+#include "estimator/observation/silhouette.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "core/geometry/camera.h"
 #include "core/sequence/tracks.h"
-#include "estimator/perception/perception.h"
+#include "estimator/observation/perception.h"
 
 namespace uniquadric {
 

@@ -1,4 +1,4 @@
-#include "estimator/perception/features.h"
+#include "estimator/features/features.h"
 
 #include <gtest/gtest.h>
 

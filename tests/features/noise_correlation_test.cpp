@@ -1,4 +1,4 @@
-#include "estimator/perception/noise_correlation.h"
+#include "estimator/images/noise_correlation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "estimator/perception/patch_alignment.h"
+#include "estimator/features/patch_alignment.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "core/base/random.h"
 #include "drawn_world.h"
-#include "estimator/perception/corners.h"
+#include "estimator/features/corners.h"
 
 namespace uniquadric {
 namespace {

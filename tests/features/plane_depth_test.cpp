@@ -1,4 +1,4 @@
-#include "estimator/perception/plane_depth.h"
+#include "estimator/images/plane_depth.h"
 
 #include <gtest/gtest.h>
 

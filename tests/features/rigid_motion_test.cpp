@@ -1,4 +1,4 @@
-#include "estimator/perception/rigid_motion.h"
+#include "estimator/images/rigid_motion.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "estimator/perception/rolling_shutter.h"
+#include "estimator/features/rolling_shutter.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "core/base/random.h"
 #include "drawn_world.h"
 #include "estimator/ego/rgbd_odometry.h"
-#include "estimator/perception/features.h"
+#include "estimator/features/features.h"
 
 namespace uniquadric {
 namespace {

@@ -1,9 +1,9 @@
-#include "estimator/perception/surface_descriptor.h"
+#include "estimator/features/surface_descriptor.h"
 
 #include <gtest/gtest.h>
 
 #include "drawn_world.h"
-#include "estimator/perception/corners.h"
+#include "estimator/features/corners.h"
 
 namespace uniquadric {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "drawn_world.h"
 #include "estimator/ego/rgbd_odometry.h"
-#include "estimator/perception/features.h"
+#include "estimator/features/features.h"
 
 namespace uniquadric {
 namespace {

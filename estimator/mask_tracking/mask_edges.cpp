@@ -1,0 +1,187 @@
+#include "estimator/mask_tracking/mask_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "estimator/observation/outline.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr double kThinCore = 0.3;  // a body is thin when less of its mask is farther inside than the reach
+
+enum Side : unsigned char { undecided, inside, outside, unmeasured };
+
+// What depth says of the pixels near a mask's outline.
+struct Band {
+  cv::Mat sides;    // CV_8UC1 of Side
+  cv::Mat inner_m;  // CV_32FC1: the body's depth nearby
+};
+
+// Mean depth over the chosen pixels of a window around each pixel; 0 where it holds none.
+cv::Mat local_depth(const cv::Mat& depth, const cv::Mat& chosen, int window) {
+  cv::Mat weights, sums, counts;
+  cv::Mat(chosen & (depth > 0)).convertTo(weights, CV_32F, 1 / 255.0);
+  cv::boxFilter(depth.mul(weights), sums, CV_32F, {window, window}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::boxFilter(weights, counts, CV_32F, {window, window}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::Mat mean = sums / counts;
+  mean.setTo(0, counts < 0.5);
+  return mean;
+}
+
+// 255 on the pixels of the band that are reached from the seeds in `steps` steps through the band, none of
+// them a step of depth of `jump` or more. A slanted face is many small steps. What is only reached by a long
+// way round, as a standing body over its foot, has an edge.
+cv::Mat reached(const cv::Mat& seeds, const cv::Mat& band, const cv::Mat& depth, double jump, int steps) {
+  cv::Mat beside, result = cv::Mat::zeros(depth.size(), CV_8UC1);
+  cv::dilate(band, beside, {});
+  std::vector<cv::Point> front, next_front;
+  cv::findNonZero(seeds & beside & (depth > 0), front);
+  for (int step = 0; step < steps && !front.empty(); ++step) {
+    next_front.clear();
+    for (const cv::Point& from : front) {
+      const float z = depth.at<float>(from);
+      for (int y = std::max(from.y - 1, 0); y <= std::min(from.y + 1, depth.rows - 1); ++y)
+        for (int x = std::max(from.x - 1, 0); x <= std::min(from.x + 1, depth.cols - 1); ++x) {
+          const float next = depth.at<float>(y, x);
+          if (!band.at<unsigned char>(y, x) || result.at<unsigned char>(y, x) || !(next > 0) ||
+              std::abs(next - z) >= jump * std::min(next, z))
+            continue;
+          result.at<unsigned char>(y, x) = 255;
+          next_front.emplace_back(x, y);
+        }
+    }
+    std::swap(front, next_front);
+  }
+  return result;
+}
+
+// What depth tells of a pixel: whether it is reached from inside and from outside, and what is near it.
+struct Clues {
+  float z, in_m, nearer_m, farther_m;
+  bool from_inside, from_outside, in_mask, is_thin;
+};
+
+Side side_of(const Clues& c, double jump) {
+  if (c.from_inside != c.from_outside) return c.from_inside ? inside : outside;
+  if (c.from_inside && !c.is_thin) return undecided;            // body and support meet without a step
+  if (c.z > 0 && !c.from_inside && !c.in_mask) return outside;  // something else that came into view
+  const bool looks_near = c.z > 0 ? c.z < c.in_m : !(c.farther_m > 0);
+  const float likely_m = looks_near ? c.nearer_m : c.farther_m;
+  const float out_m = likely_m > 0 ? likely_m : looks_near ? c.farther_m : c.nearer_m;
+  if (!(c.in_m > 0 && out_m > 0) || std::abs(c.in_m - out_m) < jump * c.in_m) return undecided;
+  if (!(c.z > 0)) return unmeasured;
+  return std::abs(c.z - c.in_m) < std::abs(c.z - out_m) ? inside : outside;
+}
+
+Band decide(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& expected,
+            const MaskEdgeOptions& options) {
+  const int reach = options.reach_px, window = 4 * reach + 1;
+  const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1});
+  cv::Mat core, wide;
+  cv::erode(mask, core, square, {-1, -1}, 1, cv::BORDER_REPLICATE);  // the image's border is no outline
+  cv::dilate(mask, wide, square);
+  const cv::Mat between = wide & ~core;
+  const bool is_thin = cv::countNonZero(core) <= kThinCore * cv::countNonZero(mask);
+  Band band{cv::Mat(mask.size(), CV_8UC1, cv::Scalar(undecided)), local_depth(depth, core, window)};
+  if (is_thin && !expected.empty())  // hardly anything is surely inside: as it was expected
+    local_depth(expected, expected > 0, window).copyTo(band.inner_m, band.inner_m == 0);
+  cv::Mat from_inside(mask.size(), CV_8UC1, cv::Scalar(255)), from_outside = from_inside;
+  if (!is_thin) {
+    from_inside = reached(core, between, depth, options.jump, 2 * reach);
+    from_outside = reached(~wide, between, depth, options.jump, 2 * reach);
+  }
+  // What is nearer and what is farther than the body are told apart: their mean may be as far as the body.
+  const double middle_m = cv::mean(band.inner_m, band.inner_m > 0)[0];
+  const cv::Mat nearer_m = local_depth(depth, ~wide & (depth < middle_m), window);
+  const cv::Mat farther_m = local_depth(depth, ~wide & (depth >= middle_m), window);
+  for (int v = 0; v < mask.rows; ++v)
+    for (int u = 0; u < mask.cols; ++u) {
+      if (!between.at<unsigned char>(v, u)) continue;
+      const Clues clues{depth.at<float>(v, u),
+                        band.inner_m.at<float>(v, u),
+                        nearer_m.at<float>(v, u),
+                        farther_m.at<float>(v, u),
+                        from_inside.at<unsigned char>(v, u) != 0,
+                        from_outside.at<unsigned char>(v, u) != 0,
+                        mask.at<unsigned char>(v, u) != 0,
+                        is_thin};
+      band.sides.at<unsigned char>(v, u) = side_of(clues, options.jump);
+    }
+  return band;
+}
+
+// A pixel at an edge but without depth goes with most of its eight neighbours.
+void settle_unmeasured(Band& band, const cv::Mat& mask) {
+  const cv::Mat before = band.sides.clone();
+  const auto is_in = [&](int v, int u) {
+    const auto side = before.at<unsigned char>(v, u);
+    return side == inside || (side != outside && mask.at<unsigned char>(v, u));
+  };
+  for (int v = 0; v < mask.rows; ++v)
+    for (int u = 0; u < mask.cols; ++u) {
+      if (before.at<unsigned char>(v, u) != unmeasured) continue;
+      int votes = 0;
+      for (int y = std::max(v - 1, 0); y <= std::min(v + 1, mask.rows - 1); ++y)
+        for (int x = std::max(u - 1, 0); x <= std::min(u + 1, mask.cols - 1); ++x)
+          if (before.at<unsigned char>(y, x) != unmeasured) votes += is_in(y, x) ? 1 : -1;
+      if (votes != 0) band.sides.at<unsigned char>(v, u) = votes > 0 ? inside : outside;
+    }
+}
+
+struct FittedBody {
+  std::uint16_t id;
+  cv::Rect region;
+  Band band;
+};
+
+// Each body takes what is inside of it and has been left to nobody, the one whose depth is nearer before
+// others. What another body keeps is its own: bodies side by side have no edge between them.
+void take_what_is_free(cv::Mat& fitted, const cv::Mat& depth, const std::vector<FittedBody>& bodies) {
+  const cv::Mat is_free = fitted == 0;
+  cv::Mat misfit(fitted.size(), CV_32FC1, cv::Scalar(std::numeric_limits<float>::max()));
+  for (const FittedBody& body : bodies)
+    for (int y = 0; y < body.region.height; ++y)
+      for (int x = 0; x < body.region.width; ++x) {
+        const int v = body.region.y + y, u = body.region.x + x;
+        if (body.band.sides.at<unsigned char>(y, x) != inside || !is_free.at<unsigned char>(v, u)) continue;
+        const float z = depth.at<float>(v, u);
+        const float distance = z > 0 ? std::abs(z - body.band.inner_m.at<float>(y, x)) : 0;
+        if (distance >= misfit.at<float>(v, u)) continue;
+        misfit.at<float>(v, u) = distance;
+        fitted.at<std::uint16_t>(v, u) = body.id;
+      }
+}
+
+}  // namespace
+
+cv::Mat fit_to_depth_edges(const cv::Mat& masks, const cv::Mat& depth, const cv::Mat& expected,
+                           const MaskEdgeOptions& options) {
+  cv::Mat fitted = masks.clone();
+  if (options.reach_px == 0 || depth.empty()) return fitted;
+  const int margin = 3 * options.reach_px;
+  const cv::Rect image({0, 0}, masks.size());
+  std::vector<FittedBody> bodies;
+  for (const auto& [id, box] : id_boxes(masks)) {
+    const cv::Rect region =
+        cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) & image;
+    const cv::Mat mask = masks(region) == id;
+    cv::Mat expected_of_id;
+    if (!expected.empty()) {
+      expected_of_id = cv::Mat::zeros(region.size(), CV_32FC1);
+      expected(region).copyTo(expected_of_id, mask);
+    }
+    Band band = decide(mask, depth(region), expected_of_id, options);
+    settle_unmeasured(band, mask);
+    fitted(region).setTo(0, mask & (band.sides == outside));
+    bodies.push_back({static_cast<std::uint16_t>(id), region, std::move(band)});
+  }
+  take_what_is_free(fitted, depth, bodies);
+  return fitted;
+}
+
+}  // namespace uniquadric
