@@ -101,7 +101,7 @@ double thread_ms() {
 void run(const std::filesystem::path& data, const Variant& variant) {
   cv::setNumThreads(1);
   const Sequence sequence = open_sequence(data / "sequence");
-  const Segmenter segmenter = make_segmenter(sequence, variant.perception.segmentation, {});
+  const PromptedSegmenter segmenter = make_segmenter(sequence, variant.perception.segmentation, {});
   AsyncObjectTracker tracker(sequence.camera, slow_segmenter(sequence, segmenter, variant.perception.aot, 0),
                              variant.perception.aot);
   Scores tracked, arrived;

@@ -56,9 +56,11 @@ std::string perception_key(const Sequence& sequence, const Variant& variant, con
   } else {
     files.push_back(options.prompts.path);
   }
-  const SegmentationOptions& segmentation = variant.perception.segmentation;
-  for (const auto& network : {segmentation.sam.encoder, segmentation.sam.decoder, segmentation.detector.model,
-                              variant.perception.aot.nano.backbone, variant.perception.aot.nano.head})
+  SegmentationOptions segmentation = variant.perception.segmentation;
+  OptionWriter written;
+  visit(written, segmentation);
+  for (const std::string& network : written.texts()) files.emplace_back(network);
+  for (const auto& network : {variant.perception.aot.nano.backbone, variant.perception.aot.nano.head})
     files.emplace_back(network);
   for (const SequenceFrame& frame : sequence.frames)
     for (const fs::path& image : {frame.rgb, frame.depth, frame.masks})
@@ -163,7 +165,7 @@ Variant of_camera_alone(Variant variant, const Sequence& sequence) {
   variant.feedback = Feedback::perception;  // there is no back end
   const bool has_masks = std::ranges::any_of(sequence.frames, [](const auto& f) { return !f.masks.empty(); });
   if (has_masks) return variant;
-  variant.perception.segmentation.source = MaskSource::none;
+  variant.perception.segmentation.source = kNoMasks;
   variant.perception.aot.enabled = false;
   return variant;
 }

@@ -82,7 +82,10 @@ class OptionReader {
 /// Writes option structs as a YAML map.
 class OptionWriter {
  public:
-  void text(const char* key, const std::string& value) { line(key, yaml_quoted(value)); }
+  void text(const char* key, const std::string& value) {
+    line(key, yaml_quoted(value));
+    texts_.push_back(value);
+  }
   void flag(const char* key, bool value) { line(key, value ? "true" : "false"); }
   template <typename T>
   void number(const char* key, T value, T /*low*/, T /*high*/ = T{}) {
@@ -107,12 +110,14 @@ class OptionWriter {
     indent_.resize(indent_.size() - 2);
   }
   const std::string& yaml() const { return yaml_; }
+  const std::vector<std::string>& texts() const { return texts_; }  ///< all values of text(): files, mostly
 
  private:
   void line(const char* key, const std::string& value) {
     yaml_ += fmt::format("{}{}: {}\n", indent_, key, value);
   }
   std::string yaml_, indent_;
+  std::vector<std::string> texts_;
 };
 
 }  // namespace uniquadric

@@ -179,9 +179,9 @@ AotFrame AsyncObjectTracker::track(const SequenceFrame& frame, const cv::Mat& rg
   return out;
 }
 
-SlowSegmenter slow_segmenter(const Sequence& sequence, Segmenter segmenter, const AotOptions& options,
+SlowSegmenter slow_segmenter(const Sequence& sequence, PromptedSegmenter segmenter, const AotOptions& options,
                              std::uint64_t seed) {
-  const bool is_simulated = segmenter.source == MaskSource::sequence;
+  const bool is_simulated = segmenter.source == kSequenceMasks;
   const auto fixed_ns = static_cast<std::int64_t>(std::llround(options.latency_s * 1e9));
   const bool is_prompted = segmenter.prompt_kind != PromptKind::everything;
   const bool is_fixed = options.latency == AotLatency::fixed || (!is_simulated && !is_prompted);

@@ -116,7 +116,7 @@ class AsyncObjectTracker {
 
 /// A segmenter of a sequence as the tracker runs it. `sequence` must stay alive; frames without a mask of a
 /// simulated segmenter take no time, it never looked at them.
-SlowSegmenter slow_segmenter(const Sequence& sequence, Segmenter segmenter, const AotOptions& options,
+SlowSegmenter slow_segmenter(const Sequence& sequence, PromptedSegmenter segmenter, const AotOptions& options,
                              std::uint64_t seed);
 
 }  // namespace uniquadric

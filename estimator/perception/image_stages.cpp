@@ -28,7 +28,7 @@ std::map<std::int64_t, Pose> given_poses(const Sequence& sequence) {
 }
 
 // The tracker, where the options want one.
-std::unique_ptr<AsyncObjectTracker> make_tracker(const Sequence& sequence, const Segmenter& segmenter,
+std::unique_ptr<AsyncObjectTracker> make_tracker(const Sequence& sequence, const PromptedSegmenter& segmenter,
                                                  AotOptions options, std::uint64_t seed) {
   if (!options.enabled) return nullptr;
   options.trust_ids = options.trust_ids || segmenter.names_bodies;
@@ -119,7 +119,7 @@ ImageInput prepare_images(const Sequence& recorded, const PerceptionOptions& opt
   if (options.drop_smeared_edges) sequence.depth_edge_width_px = depth_edge_width_px(sequence);
   if (options.depth_calibration && has_depth_images(sequence) && !wants_lidar_depth(sequence, options)) {
     Stopwatch watch(sequence.frames.front().frame, times);
-    input.bias = depth_bias(sequence, options, input.segmenter.source == MaskSource::sequence, run);
+    input.bias = depth_bias(sequence, options, input.segmenter.source == kSequenceMasks, run);
     sequence.inverse_depth_bias_per_m = input.bias ? input.bias->per_m : 0;
     watch.stop("calibration");
   }
@@ -154,8 +154,8 @@ std::optional<Pose> ImageStages::camera_at(std::int64_t stamp_ns) const {
 }
 
 bool ImageStages::keeps_masks() const {
-  const MaskSource source = input_.segmenter.source;
-  return !run_.masks_folder.empty() && source != MaskSource::sequence && source != MaskSource::none;
+  const std::string& source = input_.segmenter.source;
+  return !run_.masks_folder.empty() && source != kSequenceMasks && source != kNoMasks;
 }
 
 void ImageStages::read(FrameWork& work) const {

@@ -25,7 +25,7 @@ namespace uniquadric {
 struct ImageInput {
   Sequence sequence;  ///< on the camera's clock; reads depth without its bias and smeared edges
   std::optional<std::map<std::int64_t, Pose>> poses;  ///< of the camera, where they are given
-  Segmenter segmenter;
+  PromptedSegmenter segmenter;
   std::optional<DepthBias> bias;
 };
 

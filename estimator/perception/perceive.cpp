@@ -21,7 +21,7 @@ constexpr int kFramesInFlight = 4;  // more cost memory and gain nothing on two 
 std::unique_ptr<SegmenterClock> segmenter_of(const Sequence& sequence, const PerceptionOptions& options,
                                              const PerceiveOptions& run) {
   if (sequence.frames.empty()) return nullptr;
-  const Segmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
+  const PromptedSegmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
   SlowSegmenter slow = slow_segmenter(sequence, segmenter, options.aot, run.seed);
   slow.segment = [&sequence, segmenter, seed = run.seed](const SegmenterInput& input) {
     const SequenceFrame& frame = input.frame;

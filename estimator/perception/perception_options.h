@@ -4,7 +4,7 @@
 #include "estimator/features/feature_options.h"
 #include "estimator/mask_tracking/aot_options.h"
 #include "estimator/perception/perceive.h"
-#include "estimator/segmentation/segmentation_options.h"
+#include "estimator/segmentation/segmenter.h"
 
 namespace uniquadric {
 

@@ -18,7 +18,7 @@ std::string pose_span(const Sequence& sequence, const std::map<std::int64_t, Pos
 
 }  // namespace
 
-void check_sequence(const Sequence& sequence, const Segmenter& segmenter,
+void check_sequence(const Sequence& sequence, const PromptedSegmenter& segmenter,
                     const std::optional<std::map<std::int64_t, Pose>>& poses, bool by_lidar,
                     bool wants_images) {
   const auto& frames = sequence.frames;
@@ -40,7 +40,7 @@ void check_sequence(const Sequence& sequence, const Segmenter& segmenter,
   if (std::none_of(frames.begin(), frames.end(), has_pose))
     throw InputError(sequence.folder, pose_span(sequence, *poses));
   if (std::none_of(frames.begin(), frames.end(), has_masks))
-    throw InputError(sequence.folder, segmenter.source == MaskSource::sequence ? "no frame has masks"
+    throw InputError(sequence.folder, segmenter.source == kSequenceMasks ? "no frame has masks"
                                       : segmenter.prompt_kind == PromptKind::boxes
                                           ? "no frame has masks: the prompts hold no box"
                                           : "no frame has masks: the prompts hold no point");

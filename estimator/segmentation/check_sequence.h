@@ -15,7 +15,7 @@ namespace uniquadric {
 /// that do not meet are a mistake in the input, not a result. A camera followed by a LiDAR (`by_lidar`) is a
 /// result without depth or masks too, but depth images that are asked for (`wants_images`) must be there.
 /// Of the scans see require_scans().
-void check_sequence(const Sequence& sequence, const Segmenter& segmenter,
+void check_sequence(const Sequence& sequence, const PromptedSegmenter& segmenter,
                     const std::optional<std::map<std::int64_t, Pose>>& poses, bool by_lidar = false,
                     bool wants_images = false);
 

@@ -1,6 +1,7 @@
 #include "estimator/segmentation/segmentation.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,31 +31,27 @@ void warn_of_lost_masks(const Sequence& sequence, const char* instead) {
         list.string(), instead));
 }
 
-MaskSource resolve(const Sequence& sequence, MaskSource source, PromptKind prompts) {
-  if (source == MaskSource::automatic) {
-    if (has_any_masks(sequence)) return MaskSource::sequence;
-    const bool by_boxes = prompts == PromptKind::boxes;
-    warn_of_lost_masks(sequence, by_boxes ? "grabcut_depth" : "depth_motion");
-    return by_boxes ? MaskSource::grabcut_depth : MaskSource::depth_motion;
+std::string resolve(const Sequence& sequence, const std::string& source, PromptKind prompts) {
+  if (source == "automatic") {
+    if (has_any_masks(sequence)) return kSequenceMasks;
+    const char* const instead = prompts == PromptKind::boxes ? "grabcut_depth" : "depth_motion";
+    warn_of_lost_masks(sequence, instead);
+    return instead;
   }
-  if (source == MaskSource::sequence && !has_any_masks(sequence))
+  if (source == kSequenceMasks && !has_any_masks(sequence))
     throw InputError(sequence.folder / "masks.txt",
                      "is not there or names no masks, which the variant's segmentation asks for");
   return source;
 }
 
-// Whether a source takes prompts of a kind; what it takes, for messages.
-const char* what_it_takes(MaskSource source, PromptKind prompts) {
-  switch (source) {
-    case MaskSource::grabcut_depth:
-      return prompts == PromptKind::boxes ? nullptr : "box prompts (a folder of STAMP.txt or a file)";
-    case MaskSource::depth_motion:
-      return prompts == PromptKind::boxes ? "point prompts or none" : nullptr;
-    case MaskSource::detector:
-      return prompts == PromptKind::everything ? nullptr : "no prompts";
-    default:
-      return nullptr;
-  }
+// What a segmenter takes, for messages.
+std::string text_of(const std::set<PromptKind>& prompts) {
+  std::vector<std::string> texts;
+  if (prompts.contains(PromptKind::boxes))
+    texts.emplace_back("box prompts (a folder of STAMP.txt or a file)");
+  if (prompts.contains(PromptKind::points)) texts.emplace_back("point prompts");
+  if (prompts.contains(PromptKind::everything)) texts.emplace_back(texts.empty() ? "no prompts" : "none");
+  return fmt::format("{}", fmt::join(texts, " or "));
 }
 
 std::map<int, BoxPrompt> bounding_boxes(const cv::Mat& masks) {
@@ -82,7 +79,7 @@ void add_ids_of_boxes(const cv::Mat& masks, std::int64_t stamp_ns, const std::ve
 using FirstPoints = std::map<int, PromptWatch::Placed>;
 
 void add_ids_of_points(const cv::Mat& masks, std::int64_t stamp_ns, const std::vector<PointPrompt>& prompts,
-                       const Segmenter& segmenter, FirstPoints& first_on, std::set<int>& ids) {
+                       const PromptedSegmenter& segmenter, FirstPoints& first_on, std::set<int>& ids) {
   for (const auto& point : prompts) {
     const int id = masks.at<std::uint16_t>(static_cast<int>(std::lround(point.v)),
                                            static_cast<int>(std::lround(point.u)));
@@ -94,7 +91,7 @@ void add_ids_of_points(const cv::Mat& masks, std::int64_t stamp_ns, const std::v
   }
 }
 
-std::set<int> ids_meant(const Sequence& sequence, const Segmenter& segmenter, bool ids_last) {
+std::set<int> ids_meant(const Sequence& sequence, const PromptedSegmenter& segmenter, bool ids_last) {
   std::set<int> ids;
   FirstPoints first_on;
   for (const auto& frame : sequence.frames) {
@@ -112,7 +109,7 @@ std::set<int> ids_meant(const Sequence& sequence, const Segmenter& segmenter, bo
   return ids;
 }
 
-std::shared_ptr<PromptWatch> watch_for(const Sequence& sequence, const Segmenter& segmenter,
+std::shared_ptr<PromptWatch> watch_for(const Sequence& sequence, const PromptedSegmenter& segmenter,
                                        const Prompts& prompts, bool ids_last) {
   auto watch = std::make_shared<PromptWatch>(prompts.path, ids_last);
   for (std::size_t frame = 0; frame < segmenter.boxes.size(); ++frame)
@@ -126,15 +123,15 @@ std::shared_ptr<PromptWatch> watch_for(const Sequence& sequence, const Segmenter
   return watch;
 }
 
-void read_prompts(const Sequence& sequence, const Prompts& prompts, Segmenter& segmenter) {
+void read_prompts(const Sequence& sequence, const Prompts& prompts, PromptedSegmenter& segmenter) {
   segmenter.prompt_kind = prompts.kind;
   if (prompts.kind == PromptKind::boxes) segmenter.boxes = read_box_prompts(prompts.path, sequence);
   if (prompts.kind == PromptKind::points) segmenter.points = read_point_prompts(prompts.path, sequence);
   if (prompts.empty()) return;
   const bool ids_last = have_ids(prompts);
   segmenter.watch = watch_for(sequence, segmenter, prompts, ids_last);
-  segmenter.names_bodies = segmenter.source != MaskSource::sequence && ids_last;
-  if (segmenter.source != MaskSource::sequence) return;
+  segmenter.names_bodies = segmenter.source != kSequenceMasks && ids_last;
+  if (segmenter.source != kSequenceMasks) return;
   segmenter.selected = ids_meant(sequence, segmenter, ids_last);
   if (segmenter.selected->empty())
     throw InputError(prompts.path, fmt::format("no {} fits a mask of the sequence",
@@ -143,25 +140,21 @@ void read_prompts(const Sequence& sequence, const Prompts& prompts, Segmenter& s
 
 }  // namespace
 
-Segmenter make_segmenter(const Sequence& sequence, const SegmentationOptions& options,
-                         const Prompts& prompts) {
-  Segmenter segmenter;
-  segmenter.options = options;
+PromptedSegmenter make_segmenter(const Sequence& sequence, const SegmentationOptions& options,
+                                 const Prompts& prompts) {
+  PromptedSegmenter segmenter;
   segmenter.source = resolve(sequence, options.source, prompts.kind);
-  if (const char* wanted = what_it_takes(segmenter.source, prompts.kind))
+  const SegmenterKind& kind = segmenter_kind_of(segmenter.source);
+  if (!kind.prompts.contains(prompts.kind))
     throw InputError(prompts.empty() ? sequence.folder : prompts.path,
-                     fmt::format("the variant's segmentation takes {}", wanted));
+                     fmt::format("the variant's segmentation takes {}", text_of(kind.prompts)));
   read_prompts(sequence, prompts, segmenter);
-  if (segmenter.source == MaskSource::depth_motion && prompts.kind == PromptKind::everything &&
-      options.motion_split.moving_ratio > 0)
-    warn("without masks, prompts or a network only what moves against the background is found");
-  if (segmenter.source == MaskSource::sam) segmenter.sam = std::make_shared<SamSegmenter>(options.sam);
-  if (segmenter.source == MaskSource::detector) segmenter.detector.emplace(options.detector.model);
+  segmenter.segmenter = kind.make(options, prompts.kind);
   return segmenter;
 }
 
-bool has_something_for(const Segmenter& segmenter, const SequenceFrame& frame) {
-  if (segmenter.source == MaskSource::sequence) return !frame.masks.empty();
+bool has_something_for(const PromptedSegmenter& segmenter, const SequenceFrame& frame) {
+  if (segmenter.source == kSequenceMasks) return !frame.masks.empty();
   if (segmenter.prompt_kind == PromptKind::boxes) return !segmenter.boxes[frame.frame].empty();
   if (segmenter.prompt_kind == PromptKind::points) return !segmenter.points[frame.frame].empty();
   return true;

@@ -116,7 +116,7 @@ TEST(Estimate, TheSameBytesForAnyNumberOfThreads) {
   EstimateOptions prompted = quiet();
   prompted.prompts = write_prompts(sequence);
   Variant grabcut;
-  grabcut.perception.segmentation.source = MaskSource::grabcut_depth;
+  grabcut.perception.segmentation.source = "grabcut_depth";
   int compared = 0;
   for (const auto& [variant, prompts] :
        {std::pair{Variant{}, fs::path()}, {grabcut, prompted.prompts.path}}) {
@@ -216,7 +216,7 @@ TEST(Estimate, ASequenceWithoutAnythingToEstimateIsRefused) {
     bool prompted = false;
   };
   Variant grabcut;
-  grabcut.perception.segmentation.source = MaskSource::grabcut_depth;
+  grabcut.perception.segmentation.source = "grabcut_depth";
   const auto shift_poses = [](Sequence& s) {
     for (auto& pose : *s.given_camera) pose.stamp_ns += 500'000'000'000;
   };
@@ -315,7 +315,7 @@ TEST(Estimate, ALidarOrAnImuThatIsEmptyOrOfAnotherTimeIsRefused) {
 TEST(CheckSequence, DepthImagesThatAreAskedForMustBeThereThoughThereIsALidar) {
   const TempFolder temp;
   Sequence sequence = write_box_sequence(temp.path(), 3, false);
-  const Segmenter segmenter;
+  const PromptedSegmenter segmenter;
   const std::map<std::int64_t, Pose> poses = {{sequence.frames[0].stamp_ns, Pose()}};
   check_sequence(sequence, segmenter, poses, false, true);
   for (int i = 1; i < 3; ++i) sequence.frames[i].depth.clear();

@@ -91,7 +91,7 @@ TEST(Robustness, MasksThatNoListNamesAreToldOf) {
   EXPECT_NE(said().find(warning), std::string::npos);
   fs::remove(list);
   Variant listed = windows();
-  listed.perception.segmentation.source = MaskSource::sequence;
+  listed.perception.segmentation.source = "sequence";
   const std::string refusal = input_error([&] { estimate(temp.path(), listed, {}, temp.path() / "out"); });
   EXPECT_EQ(refusal,
             list.string() + ": is not there or names no masks, which the variant's segmentation asks for");

@@ -12,6 +12,8 @@
 #include "drawn_world.h"
 #include "estimator/images/support_planes.h"
 #include "estimator/observation/outline.h"
+#include "estimator/segmentation/depth_parts.h"
+#include "estimator/segmentation/grabcut_depth.h"
 #include "estimator/segmentation/moving_parts.h"
 #include "tests/support/temp_folder.h"
 
@@ -21,7 +23,7 @@ namespace fs = std::filesystem;
 
 const Camera kCamera{320, 240, 260, 260, 159.5, 119.5, {}};
 
-SegmentationOptions from(MaskSource source) {
+SegmentationOptions from(const std::string& source) {
   SegmentationOptions options;
   options.source = source;
   return options;
@@ -135,7 +137,7 @@ TEST(Segmentation, PromptsSelectAmongTheSequencesMasks) {
   write_png(folder / sequence.frames[0].masks, masks);
   const auto ids = [&](const std::string& prompt) {
     write_text(folder / "prompt.txt", prompt);
-    const Segmenter segmenter =
+    const PromptedSegmenter segmenter =
         make_segmenter(sequence, {}, prompt.empty() ? fs::path() : folder / "prompt.txt");
     const cv::Mat found = segment(segmenter, sequence, sequence.frames[0], {}, 0);
     return std::pair(cv::countNonZero(found == 1) > 0, cv::countNonZero(found == 4) > 0);
@@ -170,16 +172,16 @@ TEST(Segmentation, PromptsWithoutAMaskAreNamed) {
   const int u = box.x + box.width / 2, v = box.y + box.height / 2;
   const std::string first = format_stamp(sequence.frames[0].stamp_ns),
                     second = format_stamp(sequence.frames[1].stamp_ns);
-  const auto faults = [&](MaskSource source, PromptKind kind, const std::string& prompts) {
+  const auto faults = [&](const std::string& source, PromptKind kind, const std::string& prompts) {
     write_text(file, prompts);
-    const Segmenter segmenter = make_segmenter(sequence, from(source), {kind, file});
+    const PromptedSegmenter segmenter = make_segmenter(sequence, from(source), {kind, file});
     for (const SequenceFrame& frame : sequence.frames)
       segment(segmenter, sequence, frame, read_depth(sequence, frame), 0);
     return segmenter.watch->faults();
   };
   using Lines = std::vector<std::string>;
   const std::string on = fmt::format("{} {} {}", first, u, v);
-  for (const MaskSource source : {MaskSource::sequence, MaskSource::depth_motion}) {
+  for (const char* const source : {"sequence", "depth_motion"}) {
     EXPECT_EQ(faults(source, PromptKind::points, on + "\n" + first + " 2 3\n"),
               Lines{file.string() + ": the point (2, 3) at " + first + " s gave no mask"});
     EXPECT_EQ(faults(source, PromptKind::points, on + " 1\n" + second + " 2 3 1\n"), Lines{});
@@ -190,11 +192,11 @@ TEST(Segmentation, PromptsWithoutAMaskAreNamed) {
   }
   const std::string boxes =
       fmt::format("{} {} {} {} {} 1\n{} 1 1 4 4 2\n", first, box.x, box.y, box.width, box.height, first);
-  EXPECT_EQ(faults(MaskSource::sequence, PromptKind::boxes, boxes),
+  EXPECT_EQ(faults("sequence", PromptKind::boxes, boxes),
             Lines{file.string() + ": object 2: the box (1, 1, 4, 4) at " + first + " s gave no mask"});
   std::string many = on + "\n";
   for (int i = 0; i < 7; ++i) many += fmt::format("{} {} 3\n", first, 2 + i);
-  const Lines lines = faults(MaskSource::sequence, PromptKind::points, many);
+  const Lines lines = faults("sequence", PromptKind::points, many);
   ASSERT_EQ(lines.size(), 6u);
   EXPECT_EQ(lines.back(), file.string() + ": 2 more prompts gave no mask");
 }
@@ -207,10 +209,10 @@ TEST(Segmentation, PointsOfTwoObjectsOnOneMaskAreSaid) {
   const cv::Mat masks = read_masks(sequence, sequence.frames[0]);
   const auto [id, box] = *id_boxes(masks).begin();
   const int u = box.x + box.width / 2, v = box.y + box.height / 2;
-  const auto said = [&](MaskSource source, const std::string& points) {
+  const auto said = [&](const std::string& source, const std::string& points) {
     write_text(folder / "points.txt", points);
     testing::internal::CaptureStderr();
-    const Segmenter segmenter =
+    const PromptedSegmenter segmenter =
         make_segmenter(sequence, from(source), {PromptKind::points, folder / "points.txt"});
     for (const SequenceFrame& frame : sequence.frames)
       segment(segmenter, sequence, frame, read_depth(sequence, frame), 0);
@@ -220,7 +222,7 @@ TEST(Segmentation, PointsOfTwoObjectsOnOneMaskAreSaid) {
   const auto line = [&](std::size_t frame, int du, const char* id_text) {
     return fmt::format("{} {} {}{}\n", format_stamp(sequence.frames[frame].stamp_ns), u + du, v, id_text);
   };
-  for (const MaskSource source : {MaskSource::sequence, MaskSource::depth_motion}) {
+  for (const char* const source : {"sequence", "depth_motion"}) {
     const std::string unnamed = said(source, line(0, 0, "") + line(0, 2, ""));
     EXPECT_NE(unnamed.find(fmt::format("points.txt: the points {} and ({}, {}) at", first, u + 2, v)),
               std::string::npos)
@@ -233,25 +235,24 @@ TEST(Segmentation, PointsOfTwoObjectsOnOneMaskAreSaid) {
     EXPECT_EQ(said(source, line(0, 0, "") + line(1, 0, "")), "");  // each frame's may be the same object
   }
   // over the frames too, where ids say who is who
-  EXPECT_NE(said(MaskSource::sequence, line(0, 0, " 7") + line(1, 2, " 9")).find("of object 9"),
-            std::string::npos);
+  EXPECT_NE(said("sequence", line(0, 0, " 7") + line(1, 2, " 9")).find("of object 9"), std::string::npos);
 }
 
 TEST(Segmentation, SourcesThatAreNotThereAreRefused) {
   const TempFolder temp;
   const fs::path& folder = temp.path();
   Sequence sequence = write_box_sequence(folder, 1, false);
-  EXPECT_THROW(make_segmenter(sequence, from(MaskSource::grabcut_depth), {}), InputError);  // no prompts
-  EXPECT_EQ(make_segmenter(sequence, {}, {}).source, MaskSource::sequence);
+  EXPECT_THROW(make_segmenter(sequence, from("grabcut_depth"), {}), InputError);  // no prompts
+  EXPECT_EQ(make_segmenter(sequence, {}, {}).source, "sequence");
   sequence.frames[0].masks.clear();
-  EXPECT_THROW(make_segmenter(sequence, from(MaskSource::sequence), {}), InputError);
-  EXPECT_THROW(make_segmenter(sequence, from(MaskSource::sam), {}), InputError);  // no networks
+  EXPECT_THROW(make_segmenter(sequence, from("sequence"), {}), InputError);
+  EXPECT_THROW(make_segmenter(sequence, from("sam"), {}), InputError);  // no networks
   write_text(folder / "points.txt", "1.0 20 15\n");
   const Prompts points(PromptKind::points, folder / "points.txt");
-  for (const MaskSource source : {MaskSource::grabcut_depth, MaskSource::detector})
+  for (const char* const source : {"grabcut_depth", "detector"})
     EXPECT_THROW(make_segmenter(sequence, from(source), points), InputError);
   write_text(folder / "boxes.txt", "1.0 20 15 30 30\n");
-  EXPECT_THROW(make_segmenter(sequence, from(MaskSource::depth_motion), folder / "boxes.txt"), InputError);
+  EXPECT_THROW(make_segmenter(sequence, from("depth_motion"), folder / "boxes.txt"), InputError);
 }
 
 TEST(Segmentation, WithoutMasksThePromptsSayWhatSegments) {
@@ -261,10 +262,9 @@ TEST(Segmentation, WithoutMasksThePromptsSayWhatSegments) {
   sequence.frames[0].masks.clear();
   write_text(folder / "points.txt", "1.0 20 15\n");
   write_text(folder / "boxes.txt", "1.0 20 15 30 30\n");
-  EXPECT_EQ(make_segmenter(sequence, {}, {}).source, MaskSource::depth_motion);
-  EXPECT_EQ(make_segmenter(sequence, {}, folder / "boxes.txt").source, MaskSource::grabcut_depth);
-  EXPECT_EQ(make_segmenter(sequence, {}, {PromptKind::points, folder / "points.txt"}).source,
-            MaskSource::depth_motion);
+  EXPECT_EQ(make_segmenter(sequence, {}, {}).source, "depth_motion");
+  EXPECT_EQ(make_segmenter(sequence, {}, folder / "boxes.txt").source, "grabcut_depth");
+  EXPECT_EQ(make_segmenter(sequence, {}, {PromptKind::points, folder / "points.txt"}).source, "depth_motion");
 }
 
 const Sprite kLeft{1, 41, {50, 60, 180}, {60, 60}, 2, [](std::int64_t) { return Eigen::Vector2d(60, 90); }};
@@ -372,8 +372,9 @@ TEST(Segmentation, BodiesThatAreTrackedArePromptsWhereNoneAreGiven) {
   const cv::Mat truth = read_masks(sequence, sequence.frames[2]);
   write_text(folder / "points.txt", "1.0 20 15\n");  // of the first frame alone, and beside the box
   SegmentationOptions options;
-  options.source = MaskSource::depth_motion;
-  const Segmenter segmenter = make_segmenter(sequence, options, {PromptKind::points, folder / "points.txt"});
+  options.source = "depth_motion";
+  const PromptedSegmenter segmenter =
+      make_segmenter(sequence, options, {PromptKind::points, folder / "points.txt"});
   const SequenceFrame& frame = sequence.frames[2];
   const cv::Mat rgb = read_rgb(sequence, frame), depth = read_depth(sequence, frame);
   EXPECT_EQ(cv::countNonZero(segment(segmenter, sequence, {frame, rgb, depth, {}}, 0)), 0);
