@@ -159,7 +159,7 @@ std::optional<BodyState> BodyEstimator::unseen(const PerceivedFrame& frame, cons
   const bool is_lost = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.lost_after_s ||
                        (!body && has_left(frame, world_from_body, sigmas.translation_m)) ||
                        (!body && options_.lifecycle.ends_unplaced && motion_.now() != ObjectMotion::at_rest &&
-                        !is_placed(predicted, shape_.shape()));
+                        sigmas.translation_m > shape_.shape().semi_axes_m.maxCoeff());
   if (is_lost && std::exchange(said_lost_, true)) return std::nullopt;
   auto center = body && is_stale(frame) ? shape_.center_of(frame, *body) : std::nullopt;
   const double reach_m = kReachSigmas * sigmas.translation_m + shape_.shape().semi_axes_m.maxCoeff();

@@ -27,8 +27,9 @@ struct LifecycleOptions {
   double angular_acceleration_radps2 = 1;         // the same
   static constexpr double search_after_s = 0.25;  // a prediction older than this is not trusted
   double lost_after_s = 3;                        // of prediction alone
-  bool ends_outside = true;    // or where that leaves the image: nobody says how it goes on there
-  bool ends_unplaced = true;   // or where nothing of it is seen and the prediction's sigma exceeds its size
+  bool ends_outside = true;  // or where that leaves the image: nobody says how it goes on there
+  bool ends_unplaced =
+      true;  // or where nothing of it is seen and the prediction's sigma exceeds its longest radius
   bool follows_points = true;  // without features it is sought where the middle of its points moved, too
 };
 

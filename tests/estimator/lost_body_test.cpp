@@ -145,11 +145,11 @@ int predicted_frames(const std::function<Pose(double)>& world_from_body, const B
   return predicted;
 }
 
-// The sigma of the prediction, a t^2 / 2 and that over one frame, exceeds the shortest semi-axis.
+// The sigma of the prediction, a t^2 / 2 and that over one frame, exceeds the longest semi-axis.
 TEST(BodyEstimator, APredictionLessSureThanTheBodyIsLargeIsGivenUp) {
   BodyOptions body;
-  const double shortest_m = kAxes.minCoeff(), of_a_frame_m = 0.02;
-  const double until_s = std::sqrt(2 * (shortest_m - of_a_frame_m) / body.lifecycle.acceleration_mps2);
+  const double longest_m = kAxes.maxCoeff(), of_a_frame_m = 0.02;
+  const double until_s = std::sqrt(2 * (longest_m - of_a_frame_m) / body.lifecycle.acceleration_mps2);
   EXPECT_NEAR(predicted_frames(tumbling, body), 30 * until_s, 1.5);
   body.lifecycle.ends_unplaced = false;
   EXPECT_GE(predicted_frames(tumbling, body), 43);
