@@ -81,14 +81,15 @@ TEST_F(Faults, AStageThatCrashesOrHangs) {
     const char *fault, *message;
   };
   // evaluate gives three files their names, then the folder, then its key.
-  for (const Case& c : {Case{"simulate crash 5", "simulate: uniquadric: a worker was ended by signal 11"},
-                        Case{"simulate hang 9", "simulate: ran longer than 2 s"},
-                        Case{"perceive kill 2", "perceive: killed by signal 9"},
-                        Case{"estimate crash 1", "estimate: killed by signal 11"},
-                        Case{"evaluate kill 3", "evaluate: killed by signal 9"},
-                        Case{"evaluate crash 4", "evaluate: killed by signal 11"},
-                        Case{"evaluate kill 5", "evaluate: killed by signal 9"},
-                        Case{"overlay hang 1", "overlay: ran longer than 2 s"}}) {
+  for (const Case& c :
+       {Case{"simulate crash 5", "simulate: uniquadric: internal error: a worker was ended by signal 11"},
+        Case{"simulate hang 9", "simulate: ran longer than 2 s"},
+        Case{"perceive kill 2", "perceive: killed by signal 9"},
+        Case{"estimate crash 1", "estimate: killed by signal 11"},
+        Case{"evaluate kill 3", "evaluate: killed by signal 9"},
+        Case{"evaluate crash 4", "evaluate: killed by signal 11"},
+        Case{"evaluate kill 5", "evaluate: killed by signal 9"},
+        Case{"overlay hang 1", "overlay: ran longer than 2 s"}}) {
     const bool hangs = std::string(c.fault).find("hang") != std::string::npos;
     const ProgramRun run = run_with_fault(c.fault, hangs ? with_limit : bench_, out);
     EXPECT_EQ(run.exit_code, 2) << c.fault << run.err;

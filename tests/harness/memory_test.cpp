@@ -55,7 +55,10 @@ TEST(Memory, EvaluateEndsByNoSignalWhateverIsLeft) {
     EXPECT_LT(code, 128) << limit_kb << " kB: " << read_text(temp.path() / "said");
     refused += code == 3;
     if (code == 3) {
-      EXPECT_EQ(read_text(temp.path() / "said"), "uniquadric: out of memory\n") << limit_kb;
+      const std::string said =
+          read_text(temp.path() / "said");  // Embree's own threads do not say what failed
+      EXPECT_TRUE(said == "uniquadric: out of memory\n" || said.find("Embree: error 1 ") != said.npos)
+          << limit_kb << " kB: " << said;
     }
   }
   EXPECT_GT(refused, 0);
