@@ -13,7 +13,7 @@ namespace uniquadric {
 
 void add_export(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "export", "a sequence -> another tool's format", common);
-  static std::string format, sequence, out, truth;
+  static std::string format, sequence, out, truth, estimate;
   static ExportOptions options;
   sub->add_option("FORMAT", format, fmt::format("{}", fmt::join(export_formats(), ", ")))
       ->required()
@@ -21,6 +21,7 @@ void add_export(CLI::App& app, Common& common) {
   sub->add_option("SEQUENCE", sequence, "sequence folder")->required();
   sub->add_option("OUT", out, "folder for the export")->required();
   sub->add_option("--truth", truth, "truth folder; default: the one beside the sequence");
+  sub->add_option("--estimate", estimate, "mcap: estimate folder, exported beside the truth");
   sub->add_option("--frame-stride", options.frame_stride, "ply: every which frame")
       ->check(whole_number(1, kMaxCount));
   sub->add_option("--pixel-stride", options.pixel_stride, "ply: every which pixel")
@@ -28,9 +29,10 @@ void add_export(CLI::App& app, Common& common) {
   add_force(sub, common);
   sub->callback([&common] {
     options.truth = truth;
+    options.estimate = estimate;
     options.quiet = common.quiet;
     options.force = common.force;
-    require_apart(out, {sequence, truth});
+    require_apart(out, {sequence, truth, estimate});
     export_sequence(format, sequence, out, options);
   });
 }

@@ -19,13 +19,10 @@ struct Format {
   void (*write)(const ExportSource& source, const ExportOptions& options, const fs::path& folder);
 };
 
-constexpr Format kFormats[] = {{"tum", write_tum_recording},
-                               {"kitti-tracking", write_kitti_tracking},
-                               {"bop", write_bop},
-                               {"euroc", write_euroc},
-                               {"rosbag", write_rosbag},
-                               {"ply", write_ply_clouds},
-                               {"vdo", write_vdo}};
+constexpr Format kFormats[] = {{"tum", write_tum_recording}, {"kitti-tracking", write_kitti_tracking},
+                               {"bop", write_bop},           {"euroc", write_euroc},
+                               {"rosbag", write_rosbag},     {"ply", write_ply_clouds},
+                               {"vdo", write_vdo},           {"mcap", write_mcap}};
 
 }  // namespace
 
@@ -42,6 +39,8 @@ void export_sequence(const std::string& format, const fs::path& sequence, const 
   if (found == std::end(kFormats))
     throw InputError(
         fmt::format("export format '{}' is none of {}", format, fmt::join(export_formats(), ", ")));
+  if (!options.estimate.empty() && format != "mcap")
+    throw InputError(fmt::format("export format '{}' has no place for an estimate; mcap has", format));
   const ExportSource source = open_export_source(sequence, options.truth);
   PendingFolder pending(out, "export", options.force);
   found->write(source, options, pending.path());

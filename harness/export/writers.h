@@ -18,6 +18,8 @@ void write_euroc(const ExportSource& source, const ExportOptions& options,
                  const std::filesystem::path& folder);
 void write_rosbag(const ExportSource& source, const ExportOptions& options,
                   const std::filesystem::path& folder);
+void write_mcap(const ExportSource& source, const ExportOptions& options,
+                const std::filesystem::path& folder);
 void write_vdo(const ExportSource& source, const ExportOptions& options, const std::filesystem::path& folder);
 void write_ply_clouds(const ExportSource& source, const ExportOptions& options,
                       const std::filesystem::path& folder);
