@@ -1,7 +1,8 @@
 #include "harness/mcap/ros2_messages.h"
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <utility>
 
 #include "harness/mcap/cdr.h"
 
