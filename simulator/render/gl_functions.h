@@ -11,7 +11,6 @@ namespace uniquadric {
 #define UNIQUADRIC_GL_FUNCTIONS(X)                                                                    \
   X(AttachShader, void, unsigned, unsigned)                                                           \
   X(BindFramebuffer, void, unsigned, unsigned)                                                        \
-  X(BindSampler, void, unsigned, unsigned)                                                            \
   X(BindTextureUnit, void, unsigned, unsigned)                                                        \
   X(BindVertexArray, void, unsigned)                                                                  \
   X(BlitNamedFramebuffer, void, unsigned, unsigned, int, int, int, int, int, int, int, int, unsigned, \
@@ -27,7 +26,6 @@ namespace uniquadric {
   X(CreateFramebuffers, void, int, unsigned*)                                                         \
   X(CreateProgram, unsigned)                                                                          \
   X(CreateRenderbuffers, void, int, unsigned*)                                                        \
-  X(CreateSamplers, void, int, unsigned*)                                                             \
   X(CreateShader, unsigned, unsigned)                                                                 \
   X(CreateTextures, void, unsigned, int, unsigned*)                                                   \
   X(CreateVertexArrays, void, int, unsigned*)                                                         \
@@ -54,7 +52,6 @@ namespace uniquadric {
   X(PolygonOffset, void, float, float)                                                                \
   X(ReadBuffer, void, unsigned)                                                                       \
   X(ReadPixels, void, int, int, int, int, unsigned, unsigned, void*)                                  \
-  X(SamplerParameteri, void, unsigned, unsigned, int)                                                 \
   X(Scissor, void, int, int, int, int)                                                                \
   X(ShaderSource, void, unsigned, int, const char* const*, const int*)                                \
   X(StencilFunc, void, unsigned, int, unsigned)                                                       \

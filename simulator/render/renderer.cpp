@@ -49,15 +49,6 @@ bool has_shine(const Scene& scene) {
   return any_mesh(scene, [](const Mesh& mesh) { return mesh.shine > 0; });
 }
 
-// In a mean over several exposures the nearest level of a texture does in place of two levels' mean, which
-// takes twice the lookups: a tenth of a frame's time at level `real`.
-void use_nearest_levels(const GlFunctions& gl) {
-  unsigned sampler = 0;
-  gl.CreateSamplers(1, &sampler);
-  gl.SamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
-  gl.BindSampler(0, sampler);
-}
-
 // Sums of `count` bytes each become their means. The product is exact: of sums below 2^16 and counts below
 // 257 it errs by less than one part of the divisor.
 UNIQUADRIC_VECTOR_CLONES
@@ -321,7 +312,6 @@ Renderer::Renderer(const Scene& scene, GlLibrary library) : state_(std::make_uni
   s.gl.DepthFunc(GL_GREATER);
   s.gl.FrontFace(GL_CW);  // rows run down here, up in OpenGL: what is counter-clockwise turns
   s.upload(scene);
-  if (scene.imaging.exposure_s > 0 && scene.imaging.exposure_steps > 1) use_nearest_levels(s.gl);
   s.gl.Viewport(0, 0, s.targets.width, s.targets.height);
   check_gl(s.gl, "preparing to draw");
 }
