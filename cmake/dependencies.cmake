@@ -19,6 +19,7 @@ if(NOT embree_FOUND)
   find_package(embree 3.13 REQUIRED CONFIG)
 endif()
 find_package(octomap 1.9 REQUIRED CONFIG)
+target_compile_definitions(octomap INTERFACE OCTOMAP_NODEBUGOUT)  # else it prints where assertions are on
 find_package(GTest REQUIRED CONFIG)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(OSMESA osmesa)  # for its header: it is not linked, but loaded on demand; Mesa has none after 25.0

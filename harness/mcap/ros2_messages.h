@@ -43,7 +43,7 @@ std::string transforms_message(const std::vector<Ros2Transform>& transforms);
 struct Ros2Solid {
   int id = 0;
   Pose pose;  ///< in the header's frame
-  Superellipsoid body;
+  Superellipsoid body{Eigen::Vector3d::Ones()};
 };
 /// Replaces what the topic showed before. `color`: red, green, blue, opacity, 0 to 1.
 std::string markers_message(const Ros2Header& header, const std::string& name,

@@ -81,7 +81,7 @@ TEST_F(Export, RefusesUnknownFormatsAndBrokenInput) {
     EXPECT_NE(refused(format, sequence_.folder, options).find("truncated"), std::string::npos) << format;
     ++formats;
   }
-  EXPECT_EQ(formats, 7);
+  EXPECT_EQ(formats, 8);
 }
 
 TEST_F(Export, EveryFormatIsTheSameBytesTwiceAndWorksWithoutTruth) {
@@ -103,7 +103,7 @@ TEST_F(Export, EveryFormatIsTheSameBytesTwiceAndWorksWithoutTruth) {
     fs::remove_all(folder() / "b");
     ++formats;
   }
-  EXPECT_EQ(formats, 7);
+  EXPECT_EQ(formats, 8);
   fs::remove_all(data() / "truth");
   for (const std::string& format : export_formats()) {
     export_sequence(format, sequence_.folder, folder() / "c" / format, options);
