@@ -153,14 +153,14 @@ BodyState BodyEstimator::found(const PerceivedFrame& frame, const BodyObservatio
 std::optional<BodyState> BodyEstimator::unseen(const PerceivedFrame& frame, const BodyObservation* body) {
   const PoseSigmas sigmas = prediction_sigmas_at(frame, sure_ns_);
   Pose world_from_body = predict(frame, body);
-  Matrix6d predicted = recent_.back().covariance;
-  predicted.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
-  predicted.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
   const bool is_lost = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.lost_after_s ||
                        (!body && has_left(frame, world_from_body, sigmas.translation_m)) ||
                        (!body && options_.lifecycle.ends_unplaced && motion_.now() != ObjectMotion::at_rest &&
                         sigmas.translation_m > shape_.shape().semi_axes_m.maxCoeff());
   if (is_lost && std::exchange(said_lost_, true)) return std::nullopt;
+  Matrix6d predicted = recent_.back().covariance;
+  predicted.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
+  predicted.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
   auto center = body && is_stale(frame) ? shape_.center_of(frame, *body) : std::nullopt;
   const double reach_m = kReachSigmas * sigmas.translation_m + shape_.shape().semi_axes_m.maxCoeff();
   if (center && !is_whole(*body->silhouette) && (*center - world_from_body * body_center()).norm() > reach_m)
