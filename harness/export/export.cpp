@@ -17,12 +17,13 @@ namespace fs = std::filesystem;
 struct Format {
   const char* name;
   void (*write)(const ExportSource& source, const ExportOptions& options, const fs::path& folder);
+  bool has_estimates = false;  // whether an estimate has a place in it
 };
 
 constexpr Format kFormats[] = {{"tum", write_tum_recording}, {"kitti-tracking", write_kitti_tracking},
                                {"bop", write_bop},           {"euroc", write_euroc},
                                {"rosbag", write_rosbag},     {"ply", write_ply_clouds},
-                               {"vdo", write_vdo},           {"mcap", write_mcap}};
+                               {"vdo", write_vdo},           {"mcap", write_mcap, true}};
 
 }  // namespace
 
@@ -39,7 +40,7 @@ void export_sequence(const std::string& format, const fs::path& sequence, const 
   if (found == std::end(kFormats))
     throw InputError(
         fmt::format("export format '{}' is none of {}", format, fmt::join(export_formats(), ", ")));
-  if (!options.estimate.empty() && format != "mcap")
+  if (!options.estimate.empty() && !found->has_estimates)
     throw InputError(fmt::format("export format '{}' has no place for an estimate; mcap has", format));
   const ExportSource source = open_export_source(sequence, options.truth);
   PendingFolder pending(out, "export", options.force);

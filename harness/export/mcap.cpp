@@ -2,15 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <opencv2/core.hpp>
 
-#include "core/base/progress.h"
 #include "core/sequence/object_body.h"
 #include "harness/export/export.h"
 #include "harness/export/export_source.h"
+#include "harness/export/sensor_log.h"
 #include "harness/export/writers.h"
 #include "harness/mcap/mcap_writer.h"
 #include "harness/mcap/ros2_messages.h"
@@ -18,7 +14,6 @@
 namespace uniquadric {
 namespace {
 
-constexpr std::int64_t kLeastStamp_ns = 1'000'000'000;  // ours: tf2 takes a time of 0 for "the latest"
 constexpr const char *kWorld = "world", *kEstimateWorld = "estimate_world", *kCameraFrame = "camera_optical";
 constexpr std::array<float, 4> kTruthColor = {0.1f, 0.7f, 0.2f, 0.5f}, kEstimateColor = {1, 0.5f, 0, 0.5f};
 
@@ -35,51 +30,29 @@ Superellipsoid body_of(const ObjectDescription& object) {
 class McapExport {
  public:
   McapExport(const ExportSource& source, const ExportOptions& options, const std::filesystem::path& path)
-      : source_(source), sequence_(source.sequence), file_(path) {
-    if (sequence_.imu) imu_ = read_imu_csv(sequence_.folder / "imu.csv");
+      : source_(source), sequence_(source.sequence), log_(source.sequence), file_(path) {
     if (!options.estimate.empty()) estimate_ = read_tracks(options.estimate);
-    add_events();
-    std::ranges::stable_sort(events_, {}, &Event::time_ns);
-    shift_ns_ = std::max<std::int64_t>(0, kLeastStamp_ns - events_.front().time_ns);
   }
 
   void write(bool quiet) {
-    write_static_transforms(events_.front().time_ns);
-    Progress progress("export mcap", std::ssize(events_), quiet);
-    for (const Event& event : events_) {
-      event.write();
-      progress.advance();
-    }
+    write_static_transforms(log_.first_ns());
+    const auto write_imu = [&](const ImuSample& sample) {
+      put("/imu", kImuSchema, sample.stamp_ns,
+          imu_message(header(sample.stamp_ns, "imu"), sample, *sequence_.imu));
+    };
+    log_.replay("export mcap", quiet,
+                {write_imu, [&](const SequenceFrame& frame) { write_frame(frame); },
+                 [&](const SequenceScan& scan, std::int64_t end_ns) { write_scan(scan, end_ns); }});
     file_.close();
   }
 
  private:
-  // What is written at one time.
-  struct Event {
-    std::int64_t time_ns = 0;
-    std::function<void()> write;
-  };
-
-  // Every sequence has frames or scans.
-  void add_events() {
-    for (const ImuSample& sample : imu_)
-      events_.push_back({sample.stamp_ns, [&] {
-                           put("/imu", kImuSchema, sample.stamp_ns,
-                               imu_message(header(sample.stamp_ns, "imu"), sample, *sequence_.imu));
-                         }});
-    for (const SequenceFrame& frame : sequence_.frames)
-      events_.push_back({frame.stamp_ns, [&] { write_frame(frame); }});
-    if (!sequence_.lidar) return;
-    const std::int64_t scan_ns = std::llround(1e9 / sequence_.lidar->rate_hz);
-    for (const SequenceScan& scan : sequence_.scans)  // a driver sends a scan when it is over
-      events_.push_back(
-          {scan.stamp_ns + scan_ns, [this, &scan, scan_ns] { write_scan(scan, scan.stamp_ns + scan_ns); }});
+  Ros2Header header(std::int64_t stamp_ns, const char* frame) const {
+    return {stamp_ns + log_.shift_ns(), frame};
   }
 
-  Ros2Header header(std::int64_t stamp_ns, const char* frame) const { return {stamp_ns + shift_ns_, frame}; }
-
   void put(const char* topic, const McapSchema& schema, std::int64_t time_ns, const std::string& message) {
-    file_.write(topic, schema, time_ns + shift_ns_, message);
+    file_.write(topic, schema, time_ns + log_.shift_ns(), message);
   }
 
   // The estimate's world lies where its camera and the true one agree at first.
@@ -110,9 +83,8 @@ class McapExport {
     put("/camera/rgb/image_raw", kImageSchema, stamp_ns, image_message(camera, read_rgb(sequence_, frame)));
     put("/camera/rgb/camera_info", kCameraInfoSchema, stamp_ns, info);
     if (!frame.depth.empty()) {
-      cv::Mat depth_m = read_depth(sequence_, frame);
-      depth_m.setTo(std::numeric_limits<float>::quiet_NaN(), depth_m == 0);  // REP 118: none
-      put("/camera/depth/image_raw", kImageSchema, stamp_ns, image_message(camera, depth_m));
+      put("/camera/depth/image_raw", kImageSchema, stamp_ns,
+          image_message(camera, ros_depth(sequence_, frame)));
       put("/camera/depth/camera_info", kCameraInfoSchema, stamp_ns, info);
     }
     std::vector<Ros2Transform> transforms;
@@ -163,10 +135,8 @@ class McapExport {
 
   const ExportSource& source_;
   const Sequence& sequence_;
+  SensorLog log_;
   Tracks estimate_;
-  std::vector<ImuSample> imu_;
-  std::vector<Event> events_;
-  std::int64_t shift_ns_ = 0;
   McapWriter file_;
 };
 

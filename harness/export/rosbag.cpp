@@ -2,80 +2,40 @@
 // docs/export.md.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <opencv2/core.hpp>
-
 #include "core/base/error.h"
-#include "core/base/progress.h"
 #include "harness/export/export.h"
 #include "harness/export/export_source.h"
+#include "harness/export/sensor_log.h"
 #include "harness/export/writers.h"
 #include "harness/rosbag/bag_writer.h"
 
 namespace uniquadric {
 namespace {
 
-constexpr std::int64_t kLeastStampNs = 1'000'000'000;  // ours: ROS takes a time of 0 for "no time"
 constexpr const char* kCameraFrame = "camera_optical";
-
-// What is written at one time.
-struct BagEvent {
-  std::int64_t record_ns = 0;
-  std::function<void()> write;
-};
 
 class BagExport {
  public:
   BagExport(const ExportSource& source, const std::filesystem::path& path)
-      : source_(source), sequence_(source.sequence), bag_(path) {
-    if (sequence_.imu) imu_ = read_imu_csv(sequence_.folder / "imu.csv");
-    const std::int64_t first_ns = first_stamp_ns();
-    shift_ns_ = std::max<std::int64_t>(0, kLeastStampNs - first_ns);
-    add_events();
-    write_static_transforms(first_ns + shift_ns_);
+      : source_(source), sequence_(source.sequence), log_(source.sequence), bag_(path) {
+    write_static_transforms(log_.first_ns() + log_.shift_ns());
   }
 
   void write(bool quiet) {
-    std::stable_sort(events_.begin(), events_.end(),
-                     [](const BagEvent& a, const BagEvent& b) { return a.record_ns < b.record_ns; });
-    Progress progress("export rosbag", std::ssize(events_), quiet);
-    for (const BagEvent& event : events_) {
-      event.write();
-      progress.advance();
-    }
+    const auto write_imu = [&](const ImuSample& sample) {
+      bag_.imu("/imu", header(sample.stamp_ns, "imu"), sample, *sequence_.imu);
+    };
+    log_.replay(
+        "export rosbag", quiet,
+        {write_imu, [&](const SequenceFrame& frame) { write_frame(frame); },
+         [&](const SequenceScan& scan, std::int64_t end_ns) { write_scan(scan, end_ns + log_.shift_ns()); }});
     bag_.close();
   }
 
  private:
-  // Of all sensors; every sequence has frames or scans.
-  std::int64_t first_stamp_ns() const {
-    std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();
-    const auto look = [&](const auto& list) {
-      if (!list.empty()) first_ns = std::min(first_ns, list.front().stamp_ns);
-    };
-    look(sequence_.frames);
-    look(sequence_.scans);
-    look(imu_);
-    return first_ns;
+  BagHeader header(std::int64_t stamp_ns, const char* frame) const {
+    return {stamp_ns + log_.shift_ns(), frame};
   }
-
-  void add_events() {
-    for (const ImuSample& sample : imu_)
-      events_.push_back({sample.stamp_ns,
-                         [&] { bag_.imu("/imu", header(sample.stamp_ns, "imu"), sample, *sequence_.imu); }});
-    for (const SequenceFrame& frame : sequence_.frames)
-      events_.push_back({frame.stamp_ns, [&] { write_frame(frame); }});
-    if (!sequence_.lidar) return;
-    const std::int64_t scan_ns = std::llround(1e9 / sequence_.lidar->rate_hz);
-    for (const SequenceScan& scan : sequence_.scans)  // a driver sends a scan when it is over
-      events_.push_back({scan.stamp_ns + scan_ns,
-                         [this, &scan, scan_ns] { write_scan(scan, scan.stamp_ns + scan_ns + shift_ns_); }});
-  }
-
-  BagHeader header(std::int64_t stamp_ns, const char* frame) const { return {stamp_ns + shift_ns_, frame}; }
 
   void write_static_transforms(std::int64_t stamp_ns) {
     std::vector<BagTransform> transforms;
@@ -89,9 +49,7 @@ class BagExport {
     bag_.image("/camera/rgb/image_raw", camera, read_rgb(sequence_, frame));
     bag_.camera_info("/camera/rgb/camera_info", camera, sequence_.camera);
     if (!frame.depth.empty()) {
-      cv::Mat depth_m = read_depth(sequence_, frame);
-      depth_m.setTo(std::numeric_limits<float>::quiet_NaN(), depth_m == 0);  // REP 118: none
-      bag_.image("/camera/depth/image_raw", camera, depth_m);
+      bag_.image("/camera/depth/image_raw", camera, ros_depth(sequence_, frame));
       bag_.camera_info("/camera/depth/camera_info", camera, sequence_.camera);
     }
     const auto pose = camera_pose(source_, frame);
@@ -108,9 +66,7 @@ class BagExport {
 
   const ExportSource& source_;
   const Sequence& sequence_;
-  std::vector<ImuSample> imu_;
-  std::vector<BagEvent> events_;
-  std::int64_t shift_ns_ = 0;
+  SensorLog log_;
   BagWriter bag_;
 };
 

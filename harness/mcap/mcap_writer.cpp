@@ -36,10 +36,15 @@ void text(std::string& bytes, std::string_view value) {
   bytes.append(value);
 }
 
+// What stands before a record's content.
+void begin_record(std::string& bytes, Opcode opcode, std::size_t size) {
+  bytes.push_back(static_cast<char>(opcode));
+  number(bytes, static_cast<std::uint64_t>(size));
+}
+
 std::string record(Opcode opcode, std::string_view content) {
   std::string bytes;
-  bytes.push_back(static_cast<char>(opcode));
-  number(bytes, static_cast<std::uint64_t>(content.size()));
+  begin_record(bytes, opcode, content.size());
   bytes.append(content);
   return bytes;
 }
@@ -95,16 +100,17 @@ void McapWriter::write(const std::string& topic, const McapSchema& schema, std::
                        const std::string& message) {
   Channel& channel = channel_of(topic, schema);
   const auto time = static_cast<std::uint64_t>(time_ns);
-  std::string content;
-  number(content, channel.id);
-  number(content, static_cast<std::uint32_t>(channel.messages));
-  number(content, time);
-  number(content, time);
-  content += message;
+  std::string head;
+  number(head, channel.id);
+  number(head, static_cast<std::uint32_t>(channel.messages));
+  number(head, time);
+  number(head, time);
   if (chunk_.index.empty()) chunk_.first_ns = time;
   chunk_.last_ns = time;
   chunk_.index[channel.id].emplace_back(time, chunk_.records.size());
-  chunk_.records += record(kMessage, content);
+  begin_record(chunk_.records, kMessage, head.size() + message.size());
+  chunk_.records += head;
+  chunk_.records += message;
   if (messages_ == 0) first_ns_ = time;
   last_ns_ = time;
   ++channel.messages;
@@ -115,14 +121,16 @@ void McapWriter::write(const std::string& topic, const McapSchema& schema, std::
 void McapWriter::end_chunk() {
   if (chunk_.index.empty()) return;
   const std::uint64_t begin = size_, length = chunk_.records.size();
-  std::string content;
-  number(content, chunk_.first_ns);
-  number(content, chunk_.last_ns);
-  number(content, length);
-  number(content, std::uint32_t{0});  // no checksum
-  text(content, "");                  // no compression
-  number(content, length);
-  put(record(kChunk, content + chunk_.records));
+  std::string head, begun;
+  number(head, chunk_.first_ns);
+  number(head, chunk_.last_ns);
+  number(head, length);
+  number(head, std::uint32_t{0});  // no checksum
+  text(head, "");                  // no compression
+  number(head, length);
+  begin_record(begun, kChunk, head.size() + length);
+  put(begun + head);
+  put(chunk_.records);
   const std::uint64_t chunk_length = size_ - begin;
   std::string places;
   for (const auto& [channel, messages] : chunk_.index) {

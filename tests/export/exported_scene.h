@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,7 @@ using Matrix34d = Eigen::Matrix<double, 3, 4>;
 /// frames 1, 2 and 3 are taken then, frame 0 before the first scan.
 class Export : public testing::Test {
  protected:
+  static constexpr std::uint64_t kRosShift_ns = 1'000'000'000;
   static constexpr int kFrames = 4, kBox = 1, kBall = 2;
 
   Export();
@@ -30,6 +33,10 @@ class Export : public testing::Test {
   /// The same for the sequence's images.
   cv::Mat sequence_image(const std::filesystem::path& file) const;
   const ObjectState& truth_of(int object, int frame) const;
+  /// A frame's stamp in the formats of ROS: the scene begins at 0 s, which ROS takes for no time.
+  std::uint64_t ros_stamp(std::size_t frame) const {
+    return static_cast<std::uint64_t>(sequence_.frames[frame].stamp_ns) + kRosShift_ns;
+  }
   void rewrite_index();  ///< after a change of `sequence`
 
   const std::filesystem::path& folder() const { return temp_.path(); }
@@ -40,6 +47,28 @@ class Export : public testing::Test {
   Tracks truth_;
   std::vector<std::vector<LidarPoint>> scans_;
 };
+
+/// How many messages each topic has; fails the test where they are not in order of `time_ns`.
+template <typename Message>
+std::map<std::string, int> topic_counts(const std::vector<Message>& messages,
+                                        std::uint64_t Message::*time_ns) {
+  std::map<std::string, int> counts;
+  std::uint64_t last_ns = 0;
+  for (const Message& message : messages) {
+    ++counts[message.topic];
+    EXPECT_GE(message.*time_ns, last_ns);
+    last_ns = message.*time_ns;
+  }
+  return counts;
+}
+
+template <typename Message>
+std::vector<Message> messages_of_topic(const std::vector<Message>& messages, const std::string& topic) {
+  std::vector<Message> found;
+  for (const Message& message : messages)
+    if (message.topic == topic) found.push_back(message);
+  return found;
+}
 
 /// Rows of a text file's fields, without those that begin with #.
 std::vector<std::vector<std::string>> table(const std::filesystem::path& path, char separator);

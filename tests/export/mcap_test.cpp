@@ -15,20 +15,8 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kShift_ns = 1'000'000'000;  // the scene begins at 0 s
-
 class McapExport : public Export {
  protected:
-  static std::vector<McapMessage> of_topic(const std::vector<McapMessage>& messages,
-                                           const std::string& topic) {
-    std::vector<McapMessage> found;
-    for (const McapMessage& message : messages)
-      if (message.topic == topic) found.push_back(message);
-    return found;
-  }
-  std::uint64_t stamp(std::size_t frame) const {
-    return static_cast<std::uint64_t>(sequence_.frames[frame].stamp_ns) + kShift_ns;
-  }
   static Pose pose_of(const McapMessage& message, const std::string& path, const char* place,
                       const char* turn) {
     const auto at = [&](const std::string& part) { return message.numbers.at(path + "." + part); };
@@ -49,13 +37,6 @@ class McapExport : public Export {
 };
 
 TEST_F(McapExport, HoldsEveryMessageInOrderOfTime) {
-  std::map<std::string, int> counts;
-  std::uint64_t last_ns = 0;
-  for (const McapMessage& message : read_mcap(run("mcap") / "small.mcap")) {
-    ++counts[message.topic];
-    EXPECT_GE(message.time_ns, last_ns);
-    last_ns = message.time_ns;
-  }
   const std::map<std::string, int> expected = {{"/camera/depth/camera_info", 4},
                                                {"/camera/depth/image_raw", 4},
                                                {"/camera/rgb/camera_info", 4},
@@ -65,16 +46,16 @@ TEST_F(McapExport, HoldsEveryMessageInOrderOfTime) {
                                                {"/tf", 4},
                                                {"/tf_static", 1},
                                                {"/truth/objects", 4}};
-  EXPECT_EQ(counts, expected);
+  EXPECT_EQ(topic_counts(read_mcap(run("mcap") / "small.mcap"), &McapMessage::time_ns), expected);
 }
 
 TEST_F(McapExport, ImagesHoldThePixels) {
   const auto messages = read_mcap(run("mcap") / "small.mcap");
-  const auto color = of_topic(messages, "/camera/rgb/image_raw"),
-             depth = of_topic(messages, "/camera/depth/image_raw");
+  const auto color = messages_of_topic(messages, "/camera/rgb/image_raw"),
+             depth = messages_of_topic(messages, "/camera/depth/image_raw");
   ASSERT_EQ(color.size(), 4u);
   for (std::size_t i = 0; i < color.size(); ++i) {
-    EXPECT_EQ(color[i].time_ns, stamp(i));
+    EXPECT_EQ(color[i].time_ns, ros_stamp(i));
     EXPECT_EQ(color[i].texts.at("header.frame_id"), "camera_optical");
     EXPECT_EQ(color[i].numbers.at("height"), 120);
     EXPECT_EQ(color[i].numbers.at("width"), 160);
@@ -97,10 +78,10 @@ TEST_F(McapExport, ImagesHoldThePixels) {
 
 TEST_F(McapExport, ScansImuAndTransformsAreTheSequences) {
   const auto messages = read_mcap(run("mcap") / "small.mcap");
-  const auto fixed = transforms_of(of_topic(messages, "/tf_static").at(0));
+  const auto fixed = transforms_of(messages_of_topic(messages, "/tf_static").at(0));
   EXPECT_TRUE(fixed.at("imu").matrix() == sequence_.imu->camera_from_imu.matrix());
   EXPECT_TRUE(fixed.at("lidar").matrix() == sequence_.lidar->camera_from_lidar.matrix());
-  const auto clouds = of_topic(messages, "/lidar/points");
+  const auto clouds = messages_of_topic(messages, "/lidar/points");
   for (std::size_t i = 0; i < clouds.size(); ++i) {
     const std::string& bytes = clouds[i].texts.at("data");
     ASSERT_EQ(bytes.size(), 24 * scans_[i].size());
@@ -109,9 +90,9 @@ TEST_F(McapExport, ScansImuAndTransformsAreTheSequences) {
     EXPECT_EQ(x, scans_[i][1].x);
     EXPECT_EQ(clouds[i].texts.at("fields[3].name"), "intensity");
   }
-  const McapMessage imu = of_topic(messages, "/imu").at(0);
+  const McapMessage imu = messages_of_topic(messages, "/imu").at(0);
   EXPECT_NEAR(imu.numbers.at("orientation_covariance[0]"), -1, 0);
-  const auto moving = of_topic(messages, "/tf");
+  const auto moving = messages_of_topic(messages, "/tf");
   for (int frame = 0; frame < kFrames; ++frame) {
     const auto poses = transforms_of(moving.at(static_cast<std::size_t>(frame)));
     for (const int id : {kBox, kBall})
@@ -135,8 +116,8 @@ TEST_F(McapExport, SolidsOfTruthAndEstimateAreMarkers) {
   ExportOptions options;
   options.estimate = folder() / "estimate";
   const auto messages = read_mcap(run("mcap", options) / "small.mcap");
-  const McapMessage truth = of_topic(messages, "/truth/objects").at(2),
-                    found = of_topic(messages, "/estimate/objects").at(2);
+  const McapMessage truth = messages_of_topic(messages, "/truth/objects").at(2),
+                    found = messages_of_topic(messages, "/estimate/objects").at(2);
   EXPECT_EQ(truth.numbers.at("markers.count"), 3);
   EXPECT_EQ(truth.numbers.at("markers[0].action"), 3);  // what was there before goes
   EXPECT_EQ(truth.numbers.at("markers[1].type"), 1);    // the box, a cube
@@ -144,7 +125,8 @@ TEST_F(McapExport, SolidsOfTruthAndEstimateAreMarkers) {
   const ObjectState& box = truth_of(kBox, 2);
   EXPECT_NEAR(truth.numbers.at("markers[1].scale.x"), 2 * box.ellipsoid.semi_axes_m.x(), 1e-12);
   EXPECT_EQ(found.numbers.at("markers[1].type"), 11);
-  const Pose world_from_estimate = transforms_of(of_topic(messages, "/tf_static").at(0)).at("estimate_world");
+  const Pose world_from_estimate =
+      transforms_of(messages_of_topic(messages, "/tf_static").at(0)).at("estimate_world");
   const Pose placed = world_from_estimate * pose_of(found, "markers[1].pose", "position", "orientation");
   EXPECT_TRUE(placed.matrix().isApprox(box.ellipsoid.world_from_object.matrix(), 1e-6));
   Eigen::Vector3d most = Eigen::Vector3d::Zero();  // the triangles reach to the semi-axes

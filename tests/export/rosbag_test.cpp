@@ -13,21 +13,14 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kShiftNs = 1'000'000'000;  // the scene begins at 0 s, which ROS takes for no time
-
 class RosbagExport : public Export {
  protected:
   std::vector<BagMessage> messages = read_bag(run("rosbag") / "small.bag");
 
   std::vector<BagMessage> of_topic(const std::string& topic, const std::string& type) const {
-    std::vector<BagMessage> found;
-    for (const BagMessage& message : messages)
-      if (message.topic == topic) found.push_back(message);
+    const std::vector<BagMessage> found = messages_of_topic(messages, topic);
     for (const BagMessage& message : found) EXPECT_EQ(message.type, type);
     return found;
-  }
-  std::uint64_t stamp(std::size_t frame) const {
-    return static_cast<std::uint64_t>(sequence_.frames[frame].stamp_ns) + kShiftNs;
   }
 };
 
@@ -41,13 +34,6 @@ TEST(BagWriter, OnAFullDiskThrowsAndDoesNotEndTheProgram) {
 }
 
 TEST_F(RosbagExport, HoldsEveryMessageInOrderOfTime) {
-  std::map<std::string, int> counts;
-  std::uint64_t last_ns = 0;
-  for (const BagMessage& message : messages) {
-    ++counts[message.topic];
-    EXPECT_GE(message.record_ns, last_ns);
-    last_ns = message.record_ns;
-  }
   const std::map<std::string, int> expected = {{"/camera/depth/camera_info", 4},
                                                {"/camera/depth/image_raw", 4},
                                                {"/camera/rgb/camera_info", 4},
@@ -59,7 +45,7 @@ TEST_F(RosbagExport, HoldsEveryMessageInOrderOfTime) {
                                                {"/truth/camera", 4},
                                                {"/truth/object_1", 4},
                                                {"/truth/object_2", 4}};
-  EXPECT_EQ(counts, expected);
+  EXPECT_EQ(topic_counts(messages, &BagMessage::record_ns), expected);
 }
 
 TEST_F(RosbagExport, ImagesHoldThePixels) {
@@ -71,7 +57,7 @@ TEST_F(RosbagExport, ImagesHoldThePixels) {
                   units = sequence_image(sequence_.frames[i].depth);
     std::string frame;
     MessageReader image(color[i].data);
-    EXPECT_EQ(image.header(frame), stamp(i));
+    EXPECT_EQ(image.header(frame), ros_stamp(i));
     EXPECT_EQ(frame, "camera_optical");
     EXPECT_EQ(image.next<std::uint32_t>(), 120u);
     EXPECT_EQ(image.next<std::uint32_t>(), 160u);
@@ -81,7 +67,7 @@ TEST_F(RosbagExport, ImagesHoldThePixels) {
     EXPECT_EQ(image.text(), std::string(reinterpret_cast<const char*>(bgr.data), 160 * 120 * 3));
     EXPECT_TRUE(image.at_end());
     MessageReader metres(depth[i].data);
-    EXPECT_EQ(metres.header(frame), stamp(i));
+    EXPECT_EQ(metres.header(frame), ros_stamp(i));
     EXPECT_EQ(metres.next<std::uint64_t>(), 120u + (160ull << 32));
     EXPECT_EQ(metres.text(), "32FC1");
     metres.next<std::uint8_t>();
@@ -131,9 +117,9 @@ TEST_F(RosbagExport, CameraInfoAndTransformsPutTheBallsPointsOnItsMask) {
   int on_mask = 0;
   for (std::size_t i = 0; i < clouds.size(); ++i) {
     MessageReader cloud(clouds[i].data);
-    EXPECT_EQ(cloud.header(frame), static_cast<std::uint64_t>(sequence_.scans[i].stamp_ns) + kShiftNs);
+    EXPECT_EQ(cloud.header(frame), static_cast<std::uint64_t>(sequence_.scans[i].stamp_ns) + kRosShift_ns);
     EXPECT_EQ(clouds[i].record_ns,
-              static_cast<std::uint64_t>(sequence_.scans[i].stamp_ns) + kShiftNs + 100'000'000);
+              static_cast<std::uint64_t>(sequence_.scans[i].stamp_ns) + kRosShift_ns + 100'000'000);
     EXPECT_EQ(frame, "lidar");
     EXPECT_EQ(cloud.next<std::uint32_t>(), 1u);
     ASSERT_EQ(cloud.next<std::uint32_t>(), scans_[i].size());
@@ -200,7 +186,7 @@ TEST_F(RosbagExport, ImuAndTruthReadBack) {
   for (std::size_t i = 0; i < imu.size(); ++i) {
     const auto row = numbers(rows[i + 1]);
     MessageReader message(imu[i].data);
-    EXPECT_EQ(message.header(frame), static_cast<std::uint64_t>(row[0]) + kShiftNs);
+    EXPECT_EQ(message.header(frame), static_cast<std::uint64_t>(row[0]) + kRosShift_ns);
     message.doubles(4);
     EXPECT_EQ(message.doubles(9)[0], -1);  // no orientation
     EXPECT_EQ(message.doubles(3), (std::vector<double>{row[1], row[2], row[3]}));
@@ -212,7 +198,7 @@ TEST_F(RosbagExport, ImuAndTruthReadBack) {
   const auto objects = of_topic("/truth/object_1", "geometry_msgs/PoseStamped");
   for (std::size_t i = 0; i < objects.size(); ++i) {
     MessageReader message(objects[i].data);
-    EXPECT_EQ(message.header(frame), stamp(i));
+    EXPECT_EQ(message.header(frame), ros_stamp(i));
     EXPECT_EQ(frame, "world");
     const auto v = message.doubles(7);
     const Pose pose{{v[6], v[3], v[4], v[5]}, {v[0], v[1], v[2]}};
