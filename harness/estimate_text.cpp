@@ -7,7 +7,7 @@
 
 #include "core/base/config.h"
 #include "core/sequence/tracks.h"
-#include "evaluation/report/markup.h"
+#include "evaluation/results/markup.h"
 
 namespace uniquadric {
 namespace {

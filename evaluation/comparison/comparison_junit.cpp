@@ -4,7 +4,7 @@
 
 #include "evaluation/comparison/comparison_table.h"
 #include "evaluation/comparison/score_comparison.h"
-#include "evaluation/report/markup.h"
+#include "evaluation/results/markup.h"
 
 namespace uniquadric {
 namespace {

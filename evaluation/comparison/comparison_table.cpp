@@ -10,7 +10,7 @@
 
 #include "evaluation/comparison/provable.h"
 #include "evaluation/comparison/verdict.h"
-#include "evaluation/report/summary.h"
+#include "evaluation/results/summary.h"
 
 namespace uniquadric {
 namespace {

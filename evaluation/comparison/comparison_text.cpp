@@ -3,7 +3,7 @@
 
 #include "core/base/version.h"
 #include "evaluation/comparison/comparison_table.h"
-#include "evaluation/report/markup.h"
+#include "evaluation/results/markup.h"
 
 namespace uniquadric {
 namespace {

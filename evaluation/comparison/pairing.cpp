@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "evaluation/comparison/change.h"
-#include "evaluation/report/metrics.h"
+#include "evaluation/results/metrics.h"
 
 namespace uniquadric {
 namespace {

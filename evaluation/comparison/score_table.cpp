@@ -10,8 +10,8 @@
 
 #include "core/base/error.h"
 #include "core/base/text.h"
-#include "evaluation/report/metrics.h"
-#include "evaluation/report/results.h"
+#include "evaluation/results/metrics.h"
+#include "evaluation/results/results.h"
 
 namespace uniquadric {
 namespace {
@@ -175,6 +175,26 @@ ScoreTable read_score_table(const fs::path& path, const ScoreSelection& selectio
   note_runs(table);
   select(table, selection);
   return table;
+}
+
+std::vector<std::pair<std::string, ScoreTable>> score_tables(const Results& results) {
+  std::vector<std::pair<std::string, ScoreTable>> tables;
+  std::map<std::string, std::size_t> index;
+  const auto table_of = [&](const std::string& variant) -> ScoreTable& {
+    const auto [at, is_new] = index.emplace(variant, tables.size());
+    if (is_new) tables.emplace_back(variant, ScoreTable{results.folder / "scores.csv", {}, {}});
+    return tables[at->second].second;
+  };
+  for (const Cell& cell : results.cells)
+    if (ScoreTable& table = table_of(cell.variant); cell.status == CellStatus::missing)
+      table.not_run.insert({cell.variant, cell.scene, cell.seed});
+  for (const Score& s : scores(results)) {
+    ScoreTable& table = table_of(s.variant);
+    table.lower_is_better.emplace(s.metric->name, s.metric->lower_is_better);
+    table.cells.emplace(ScoreKey{{s.variant, s.sequence, s.seed}, s.object, s.metric->name}, s.value);
+  }
+  for (auto& [variant, table] : tables) note_runs(table);
+  return tables;
 }
 
 }  // namespace uniquadric

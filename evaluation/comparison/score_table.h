@@ -7,7 +7,10 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "evaluation/results/scores.h"
 
 namespace uniquadric {
 
@@ -49,5 +52,9 @@ struct ScoreSelection {
 /// failed or does not fit the value, a cell that stands twice; no rows; a variant or metric of the selection
 /// that is not there.
 ScoreTable read_score_table(const std::filesystem::path& path, const ScoreSelection& selection = {});
+
+/// The same of results in memory, one table a variant, in the order of their cells. `file` is the folder's
+/// scores.csv, which need not be there.
+std::vector<std::pair<std::string, ScoreTable>> score_tables(const Results& results);
 
 }  // namespace uniquadric

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "evaluation/report/summary.h"
+#include "evaluation/results/summary.h"
 
 namespace uniquadric {
 namespace {

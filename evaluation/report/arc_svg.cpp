@@ -5,8 +5,9 @@
 #include <cmath>
 
 #include "evaluation/report/arc_curves.h"
-#include "evaluation/report/markup.h"
 #include "evaluation/report/svg_colours.h"
+#include "evaluation/results/markup.h"
+#include "evaluation/results/summary.h"
 #include "evaluation/view_arc.h"
 
 namespace uniquadric {
@@ -137,9 +138,16 @@ Legend legend(const std::vector<std::string>& variants, double width) {
 std::vector<std::string> all_variants(const Results& results) {
   std::vector<std::string> variants;
   for (const Cell& cell : results.cells)
-    if (std::find(variants.begin(), variants.end(), cell.variant) == variants.end())
+    if (cell.output.empty() && std::find(variants.begin(), variants.end(), cell.variant) == variants.end())
       variants.push_back(cell.variant);
   return variants;
+}
+
+// Of what was known at each frame: a later output's curve says less, one of the end nothing.
+std::vector<ArcCurve> drawn_curves(const Results& results) {
+  std::vector<ArcCurve> curves = arc_curves(results, edges());
+  std::erase_if(curves, [](const ArcCurve& curve) { return !output_of(curve.variant).empty(); });
+  return curves;
 }
 
 std::string svg_start(const char* attributes, double width, double height, const char* label) {
@@ -166,7 +174,7 @@ std::vector<std::span<const ArcCurve>> panels_of(const std::vector<ArcCurve>& cu
 }  // namespace
 
 std::string arc_svg(const Results& results) {
-  const std::vector<ArcCurve> curves = arc_curves(results, edges());
+  const std::vector<ArcCurve> curves = drawn_curves(results);
   if (curves.empty()) return "";
   const auto panels = panels_of(curves);
   const std::vector<std::string> variants = all_variants(results);
@@ -187,7 +195,7 @@ std::string arc_svg(const Results& results) {
 }
 
 std::string arc_html(const Results& results) {
-  const std::vector<ArcCurve> curves = arc_curves(results, edges());
+  const std::vector<ArcCurve> curves = drawn_curves(results);
   if (curves.empty()) return "";
   const std::vector<std::string> variants = all_variants(results);
   std::string text = svg_style(kRules, colour_rules) + "<p class=\"arc-legend\">";

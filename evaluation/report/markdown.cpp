@@ -3,10 +3,10 @@
 
 #include "core/base/version.h"
 #include "evaluation/report/arc_curves.h"
-#include "evaluation/report/markup.h"
-#include "evaluation/report/metrics.h"
 #include "evaluation/report/page.h"
-#include "evaluation/report/paper_ratios.h"
+#include "evaluation/results/markup.h"
+#include "evaluation/results/metrics.h"
+#include "evaluation/results/paper_ratios.h"
 
 namespace uniquadric {
 namespace {

@@ -4,8 +4,8 @@
 #include <cassert>
 
 #include "evaluation/report/arc_curves.h"
-#include "evaluation/report/markup.h"
 #include "evaluation/report/page_assets.h"
+#include "evaluation/results/markup.h"
 
 namespace uniquadric {
 namespace {
@@ -41,8 +41,7 @@ std::string arc_section(const std::string& plots) {
          "object "
          "to the camera so far, in the true object's own frame; each seed's frames are averaged over 5 "
          "degrees. "
-         "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees. An estimate "
-         "written as of the end (@final) has one shape at every arc.</p>\n    " +
+         "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees.</p>\n    " +
          plots + "\n  </section>";
 }
 
@@ -52,8 +51,8 @@ std::string page_html(const Results& results, const std::vector<SummaryRow>& sum
                       const PageOptions& options) {
   std::string scripts;
   for (const char* name :
-       {"data.js", "table.js", "ratios.js", "ablation.js", "charts.js", "lidar.js", "times.js", "frames.js",
-        "space.js", "paint3d.js", "view3d.js", "orbit.js", "main.js"})
+       {"data.js", "verdict.js", "table.js", "ratios.js", "ablation.js", "charts.js", "lidar.js", "times.js",
+        "frames.js", "space.js", "paint3d.js", "view3d.js", "orbit.js", "main.js"})
     scripts += page_asset(name);
   const std::string arcs = arc_section(arc_html(results));
   return fill(page_asset("page.html"),

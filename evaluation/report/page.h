@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/report/results.h"
-#include "evaluation/report/summary.h"
+#include "evaluation/results/results.h"
+#include "evaluation/results/summary.h"
 
 namespace uniquadric {
 

@@ -6,9 +6,10 @@
 
 #include "core/base/text.h"
 #include "core/base/version.h"
-#include "evaluation/report/metrics.h"
+#include "evaluation/comparison/variant_verdicts.h"
 #include "evaluation/report/page.h"
-#include "evaluation/report/paper_ratios.h"
+#include "evaluation/results/metrics.h"
+#include "evaluation/results/paper_ratios.h"
 
 namespace uniquadric {
 namespace {
@@ -158,6 +159,29 @@ json cell_json(const Cell& cell, int digits) {
           {"series", series}};
 }
 
+json change_json(const MetricChange& change, int digits) {
+  return {{"metric", change.metric},
+          {"subjects", change.subjects},
+          {"a", rounded(change.a, digits)},
+          {"b", rounded(change.b, digits)},
+          {"loss", rounded(change.loss, digits)},
+          {"pairs", change.pairs},
+          {"p_worse", rounded(change.p_worse, digits)},
+          {"p_better", rounded(change.p_better, digits)},
+          {"verdict", to_string(change.verdict)}};
+}
+
+json verdict_json(const VariantVerdict& verdict, int digits) {
+  json objects = json::array(), metrics = json::array();
+  for (const ObjectChange& o : verdict.objects)
+    objects.push_back({{"scene", o.scene}, {"object", o.object}, {"verdict", to_string(o.verdict)}});
+  for (const MetricChange& change : verdict.metrics) metrics.push_back(change_json(change, digits));
+  return {{"baseline", verdict.baseline},
+          {"variant", verdict.variant},
+          {"objects", objects},
+          {"metrics", metrics}};
+}
+
 json optional_json(const std::optional<double>& value) {
   return value ? json(*value) : json(nullptr);
 }
@@ -194,7 +218,10 @@ json lidar_json(const LidarRoutes& r) {
 
 std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options) {
-  json rows = json::array(), paper = json::array(), cells = json::array(), lidar = json::array();
+  json rows = json::array(), paper = json::array(), cells = json::array(), lidar = json::array(),
+       verdicts = json::array();
+  for (const VariantVerdict& verdict : variant_verdicts(results))
+    verdicts.push_back(verdict_json(verdict, options.series_digits));
   for (const SummaryRow& row : summary) rows.push_back(row_json(row, options.series_digits));
   for (const PaperRow& row : paper_rows()) paper.push_back(paper_json(row));
   for (const Cell& cell : results.cells) cells.push_back(cell_json(cell, options.series_digits));
@@ -216,6 +243,8 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
                      {"paper", paper},
                      {"ratios", ratios_json(summary)},
                      {"ratio_note", kRatioNote},
+                     {"verdicts", verdicts},
+                     {"descriptions", results.descriptions},
                      {"lidar", lidar},
                      {"cells", cells}};
   return data.dump(-1, ' ', false, json::error_handler_t::replace);  // messages may hold any bytes

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include "evaluation/report/markup.h"
 #include "evaluation/report/picture.h"
 #include "evaluation/report/svg_colours.h"
+#include "evaluation/results/markup.h"
 
 namespace uniquadric {
 namespace {

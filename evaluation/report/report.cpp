@@ -4,7 +4,7 @@
 #include "core/base/files.h"
 #include "evaluation/report/arc_curves.h"
 #include "evaluation/report/page.h"
-#include "evaluation/report/scores.h"
+#include "evaluation/results/scores.h"
 
 namespace uniquadric {
 

@@ -3,9 +3,9 @@
 
 #include "evaluation/comparison/score_table.h"
 #include "evaluation/metric.h"
-#include "evaluation/report/lidar_routes.h"
 #include "evaluation/report/poses.h"
-#include "evaluation/report/results.h"
+#include "evaluation/results/lidar_routes.h"
+#include "evaluation/results/results.h"
 #include "evaluation/run_record.h"
 #include "fuzz/target.h"
 

@@ -1,8 +1,10 @@
 #include "harness/bench/results_index.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <sstream>
 #include <thread>
 
 #include "core/base/files.h"
@@ -65,6 +67,24 @@ std::string inputs_csv(const BenchPlan& plan) {
   return text;
 }
 
+// The comment that a variant's file begins with, in one line, and what the bench sets in it.
+std::string description_of(const BenchVariant& variant) {
+  std::istringstream file(read_text(variant.path));
+  std::vector<std::string> parts;
+  for (std::string line; std::getline(file, line) && line.starts_with('#');)
+    if (const std::size_t first = line.find_first_not_of("# \t"); first != std::string::npos)
+      parts.push_back(line.substr(first));
+  for (const ConfigOverride& value : variant.set) parts.push_back(value.key + " = " + value.value);
+  return fmt::format("{}", fmt::join(parts, " "));
+}
+
+std::string variants_csv(const BenchPlan& plan) {
+  std::string text = "name,description\n";
+  for (const BenchVariant& variant : plan.config.variants)
+    text += fmt::format("{},{}\n", variant.name, csv_quoted(description_of(variant)));
+  return text;
+}
+
 // Of a call that wanted some.
 void remove_overlays(const BenchPlan& plan) {
   for (const BenchSimulation& simulation : plan.simulations)
@@ -105,6 +125,7 @@ void write_results(const BenchPlan& plan, const std::string& command) {
   write_text(plan.out / "hardware.txt", hardware());
   write_text(plan.out / "program.txt", fmt::format("{}, {}\n", kProgram, program_source()));
   write_text(plan.out / "inputs.csv", inputs_csv(plan));
+  write_text(plan.out / "variants.csv", variants_csv(plan));
   write_report(plan.out);
 }
 

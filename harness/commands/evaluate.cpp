@@ -5,8 +5,8 @@
 
 #include "core/base/apart.h"
 #include "evaluation/evaluate.h"
-#include "evaluation/report/results.h"
-#include "evaluation/report/summary.h"
+#include "evaluation/results/results.h"
+#include "evaluation/results/summary.h"
 #include "harness/commands/options.h"
 
 namespace uniquadric {

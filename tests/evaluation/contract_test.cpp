@@ -6,8 +6,8 @@
 
 #include "core/base/resource_usage.h"
 #include "core/sequence/ply.h"
-#include "evaluation/report/metrics.h"
-#include "evaluation/report/results.h"
+#include "evaluation/results/metrics.h"
+#include "evaluation/results/results.h"
 #include "tests/evaluation/evaluate_fixture.h"
 #include "tests/evaluation/visibility_fixture.h"
 

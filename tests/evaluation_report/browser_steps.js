@@ -53,9 +53,21 @@
   draw_table();
 
   const rows_of = (table) => [...by_id(table).rows].map((row) => [...row.cells].map((cell) => cell.textContent));
-  by_id("all-metrics").click();
+  const choose = (id, value) => {
+    by_id(id).value = value;
+    by_id(id).dispatchEvent(new Event("change"));
+  };
+  choose("filter-metric", kEvery);
   seen.all_metrics = rows_of("summary-table").slice(0, 2);
-  by_id("all-metrics").click();
+  choose("filter-metric", kAll);
+  choose("filter-scene", scenes[1]);
+  choose("filter-object", "ball");
+  choose("filter-baseline", "single_frame_obb");
+  choose("filter-metric", "ape_translation_rmse_m");
+  seen.filtered = rows_of("summary-table");
+  for (const id of ["filter-scene", "filter-object", "filter-baseline", "filter-metric"]) choose(id, kAll);
+  seen.verdict = { head: by_id("verdict").innerText, more: by_id("verdict-more").innerText, compared: by_id("compared").textContent,
+    variants: [...by_id("variant-lines").querySelectorAll("dd")].map((dd) => dd.textContent), film: by_id("film").querySelector("img").alt };
   seen.times = rows_of("times-table");
   seen.ratios = by_id("ratios").hidden ? [] : rows_of("ratio-table");
   seen.without_poses = { section: !by_id("motion-scene").hidden, view: !by_id("space-view").hidden, note: by_id("space-absent").hidden ? "" : by_id("space-absent").textContent };

@@ -162,6 +162,9 @@ void fabricate_results(const fs::path& folder, const FabricatedOptions& options)
   write(folder / "command.txt", "uniquadric bench configs/bench/fabricated.yaml out\n");
   write(folder / "hardware.txt", "Test processor, 2 threads\n");
   write(folder / "program.txt", "uniquadric 0.1.0, commit 0123abcd, changed since\n");
+  write(
+      folder / "variants.csv",
+      "name,description\nsingle_frame_obb,Boxes\nrotbbox,\"Rotated rectangles, \"\"quoted\"\" & <kept>.\"\n");
   write(folder / "inputs.csv", "kind,name,hash\nbench,fabricated,00112233\nscene,cube_cuboid,44556677\n");
 }
 

@@ -2,7 +2,7 @@
 
 #include "core/base/files.h"
 #include "evaluation/report/report.h"
-#include "evaluation/report/results.h"
+#include "evaluation/results/results.h"
 #include "tests/evaluation_report/small_results.h"
 #include "tests/support/temp_folder.h"
 

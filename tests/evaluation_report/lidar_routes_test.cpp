@@ -1,4 +1,4 @@
-#include "evaluation/report/lidar_routes.h"
+#include "evaluation/results/lidar_routes.h"
 
 #include <nlohmann/json.hpp>
 

@@ -112,7 +112,7 @@ TEST(Page, TextOfTheResultsCannotLeaveItsScript) {
   write_report(folder.path());
   const std::string html = read_text(folder.path() / "report.html");
   EXPECT_EQ(html.find("alert(1)</script>"), std::string::npos);
-  EXPECT_NE(html.find("<h1>&lt;b&gt;{{style}}&lt;/b&gt;</h1>"), std::string::npos);
+  EXPECT_NE(html.find("<p class=\"kicker\">&lt;b&gt;{{style}}&lt;/b&gt;</p>"), std::string::npos);
   const std::string message = script_json(html, "data").at("cells")[0].at("message");
   EXPECT_EQ(message,
             "</script><script>alert(1)</script><!-- {{data}} \xef\xbf\xbd");  // U+FFFD for the stray byte

@@ -1,4 +1,4 @@
-#include "evaluation/report/scores.h"
+#include "evaluation/results/scores.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 
 #include "core/base/files.h"
 #include "core/base/text.h"
-#include "evaluation/report/metrics.h"
 #include "evaluation/report/report.h"
+#include "evaluation/results/metrics.h"
 #include "tests/evaluation_report/fabricated_results.h"
 #include "tests/evaluation_report/small_results.h"
 #include "tests/support/temp_folder.h"

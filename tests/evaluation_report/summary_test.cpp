@@ -1,4 +1,4 @@
-#include "evaluation/report/summary.h"
+#include "evaluation/results/summary.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "core/base/files.h"
 #include "core/base/text.h"
-#include "evaluation/report/results.h"
+#include "evaluation/results/results.h"
 #include "harness/external/sandbox.h"
 #include "tests/harness/program.h"
 #include "tests/support/temp_folder.h"

@@ -7,7 +7,7 @@
 
 #include "core/base/files.h"
 #include "core/sequence/sequence.h"
-#include "evaluation/report/results.h"
+#include "evaluation/results/results.h"
 #include "tests/harness/program.h"
 #include "tests/support/temp_folder.h"
 

@@ -12,7 +12,7 @@
 #include "core/base/files.h"
 #include "core/base/text.h"
 #include "core/sequence/sequence.h"
-#include "evaluation/report/results.h"
+#include "evaluation/results/results.h"
 #include "harness/bench/process.h"
 #include "harness/estimate_text.h"
 #include "simulator/render/renderer.h"

@@ -43,7 +43,7 @@ function datasets(plot, all, start_ns) {
   const sets = shown.filter((s) => has_values(s.columns[plot.column])).map((s) => {
     const fade = data.seeds.length > 1 ? Math.max(0x70, 0xff - 0x40 * data.seeds.indexOf(s.cell.seed)) : 0xff;
     return line(`${s.cell.variant} · seed ${s.cell.seed}`, points(s, plot.column, start_ns),
-      variant_color(s.cell.variant) + fade.toString(16), 1.6);
+      variant_color(s.cell.variant) + fade.toString(16), 1.6, { borderDash: output_dash(s.cell.variant) });
   });
   const longest = all.filter((s) => plot.truth && has_values(s.columns[plot.truth]))
     .sort((a, b) => b.stamps_ns.length - a.stamps_ns.length)[0];

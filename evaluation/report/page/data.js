@@ -40,10 +40,15 @@ const kColors = {
 };
 const dark_mode = window.matchMedia("(prefers-color-scheme: dark)");
 const variants = distinct(data.cells.map((cell) => cell.variant));
+const output_of = (variant) => variant.split("@")[1] ?? "";
+const own_name = (variant) => variant.split("@")[0];
+const own_names = distinct(variants.map(own_name));
 function variant_color(variant) {
   const colors = dark_mode.matches ? kColors.dark : kColors.light;
-  return colors[variants.indexOf(variant) % colors.length];
+  return colors[own_names.indexOf(own_name(variant)) % colors.length];
 }
+// Later outputs of a variant have its colour, and dashes.
+const output_dash = (variant) => ({ fixed_lag: [7, 3], final: [2, 3] })[output_of(variant)] ?? [];
 
 // A row of buttons of which one (with `many` any number) is pressed; `change` gets the pressed values.
 function chips(parent, label, values, pressed, { many = false, text = String, color = null, change }) {

@@ -6,14 +6,6 @@ const subjects = scenes.flatMap((scene) => distinct(data.cells.filter((cell) => 
 
 const object_hash = (scene, object) => `#object/${encodeURIComponent(scene)}/${encodeURIComponent(object)}`;
 
-function draw_facts() {
-  const good = runs.filter((cell) => cell.status === "ok").length;
-  const all = runs.filter((cell) => cell.status !== "not applicable").length;
-  const fact = (name, value, bad) => el("div", { class: bad ? "bad" : null }, el("dt", {}, name), el("dd", {}, value));
-  by_id("facts").replaceChildren(fact("runs with a result", `${good} / ${all}`, good < all),
-    fact("scenes", scenes.length), fact("objects", subjects.length), fact("variants", variants.filter((v) => !v.includes("@")).length), fact("seeds", data.seeds.length));
-}
-
 function failure(cell) {
   return cell.status === "failed" ? cell.message : "not run";
 }
@@ -103,9 +95,10 @@ function follow_address() {
 }
 
 function start() {
-  draw_facts();
+  draw_verdict();
+  start_film(ranked_variants()[0]);
   draw_failures();
-  draw_table();
+  start_table();
   draw_ratios();
   start_ablation();
   draw_definitions();
@@ -113,9 +106,6 @@ function start() {
   draw_sizes();
   draw_lidar();
   draw_times();
-  by_id("all-metrics").addEventListener("change", (e) => { summary_state.all = e.target.checked; draw_table(); });
-  by_id("paper-rows").addEventListener("change", (e) => { summary_state.paper = e.target.checked; draw_table(); });
-  by_id("original-order").addEventListener("click", () => { summary_state.sort = null; draw_table(); });
   by_id("log-errors").addEventListener("change", (e) => { chart_state.log = e.target.checked; draw_charts(); });
   by_id("frames").hidden = galleries.length === 0;
   by_id("objects").hidden = subjects.length === 0;
@@ -125,6 +115,8 @@ function start() {
   if (subjects.length > 0) show_object(subjects[0]);
   else if (galleries.length > 0) show_scene(galleries[0].scene);
   dark_mode.addEventListener("change", () => {
+    draw_verdict();
+    draw_table();
     draw_lidar();
     draw_ablation();
     if (subjects.length === 0) return;

@@ -8,9 +8,9 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/text.h"
-#include "evaluation/report/metrics.h"
-#include "evaluation/report/results.h"
-#include "evaluation/report/series.h"
+#include "evaluation/results/metrics.h"
+#include "evaluation/results/results.h"
+#include "evaluation/results/series.h"
 #include "evaluation/run_record.h"
 #include "evaluation/strict_json_parts.h"
 

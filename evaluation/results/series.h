@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/report/results.h"
+#include "evaluation/results/results.h"
 
 namespace uniquadric {
 

@@ -1,4 +1,4 @@
-#include "evaluation/report/metrics.h"
+#include "evaluation/results/metrics.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "evaluation/report/lidar_routes.h"
+#include "evaluation/results/lidar_routes.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text.h"
-#include "evaluation/report/summary.h"
+#include "evaluation/results/summary.h"
 
 namespace uniquadric {
 namespace {

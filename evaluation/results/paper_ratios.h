@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/report/summary.h"
+#include "evaluation/results/summary.h"
 
 namespace uniquadric {
 

@@ -1,4 +1,4 @@
-#include "evaluation/report/markup.h"
+#include "evaluation/results/markup.h"
 
 #include <fmt/format.h>
 

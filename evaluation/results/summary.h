@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "evaluation/report/metrics.h"
-#include "evaluation/report/paper_table.h"
-#include "evaluation/report/results.h"
+#include "evaluation/results/metrics.h"
+#include "evaluation/results/paper_table.h"
+#include "evaluation/results/results.h"
 
 namespace uniquadric {
 

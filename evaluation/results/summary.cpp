@@ -1,4 +1,4 @@
-#include "evaluation/report/summary.h"
+#include "evaluation/results/summary.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-#include "evaluation/report/markup.h"
+#include "evaluation/results/markup.h"
 #include "evaluation/statistics/statistics.h"
 
 namespace uniquadric {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/report/lidar_routes.h"
+#include "evaluation/results/lidar_routes.h"
 #include "evaluation/size_steadiness.h"
 
 namespace uniquadric {
@@ -59,9 +59,10 @@ struct Results {
   std::string config, command, hardware;  ///< bench.yaml, command.txt, hardware.txt; empty where absent
   std::string program;                    ///< program.txt: version and commit; empty where absent
   std::vector<std::string> inputs;        ///< inputs.csv: "scene cube_cuboid 0123456789abcdef"
-  std::vector<Cell> cells;                ///< in order of cells.csv, later outputs behind their own
-  std::vector<Cell> not_applicable;       ///< the same of variants that cannot run on their sequence
-  std::vector<LidarRoutes> lidar;  ///< of scenes whose LiDAR took the paper's way, a (scene, seed) each
+  std::map<std::string, std::string> descriptions;  ///< variants.csv: what a variant is, by its name
+  std::vector<Cell> cells;                          ///< in order of cells.csv, later outputs behind their own
+  std::vector<Cell> not_applicable;  ///< the same of variants that cannot run on their sequence
+  std::vector<LidarRoutes> lidar;    ///< of scenes whose LiDAR took the paper's way, a (scene, seed) each
 };
 
 /// Reads a results folder with all its evaluations. Throws InputError: not a results folder, a line of

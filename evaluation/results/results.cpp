@@ -1,4 +1,4 @@
-#include "evaluation/report/results.h"
+#include "evaluation/results/results.h"
 
 #include <fmt/format.h>
 
@@ -18,6 +18,14 @@ namespace fs = std::filesystem;
 
 const char* const kCellsHeader = "scene,variant,seed,status,folder,message";
 const char* const kInputsHeader = "kind,name,hash";
+
+const char* const kVariantsHeader = "name,description";
+
+// From a column to the line's end: the last column's commas are its own.
+std::string_view last_column(const std::vector<std::string_view>& fields, std::size_t column) {
+  const char* const end = fields.back().data() + fields.back().size();
+  return {fields[column].data(), static_cast<std::size_t>(end - fields[column].data())};
+}
 
 CellStatus parse_cell_status(const fs::path& file, int line, std::string_view text) {
   if (text == "ok") return CellStatus::ok;
@@ -44,9 +52,7 @@ Cell parse_cell(const fs::path& file, int line, const std::vector<std::string_vi
   if (!is_plain_name(cell.scene) || !is_plain_name(cell.variant))
     throw InputError(file, line, "scene or variant is no plain name");
   if (cell.folder.is_absolute()) throw InputError(file, line, "folder is not relative to the results folder");
-  const char* const message = fields[5].data();  // the last column: commas in it are its own
-  const char* const end = fields.back().data() + fields.back().size();
-  cell.message = csv_unquoted({message, static_cast<std::size_t>(end - message)});
+  cell.message = csv_unquoted(last_column(fields, 5));
   return cell;
 }
 
@@ -72,6 +78,22 @@ std::vector<std::string> read_inputs(const fs::path& file) {
       },
       ',');
   return inputs;
+}
+
+std::map<std::string, std::string> read_descriptions(const fs::path& file) {
+  std::map<std::string, std::string> descriptions;
+  if (!fs::exists(file)) return descriptions;
+  bool header = true;
+  for_each_line(
+      file,
+      [&](int line, const std::vector<std::string_view>& fields) {
+        const bool is_header = std::exchange(header, false);
+        if (fields.size() < 2 || (is_header && fields != split(kVariantsHeader, ',')))
+          throw InputError(file, line, fmt::format("expected the columns {}", kVariantsHeader));
+        if (!is_header) descriptions.emplace(fields[0], csv_unquoted(last_column(fields, 1)));
+      },
+      ',');
+  return descriptions;
 }
 
 void add_distinct(std::vector<std::string>& list, const std::string& value) {
@@ -154,6 +176,7 @@ Results read_results(const fs::path& folder) {
   results.hardware = read_optional(folder / "hardware.txt");
   results.program = read_optional(folder / "program.txt");
   results.inputs = read_inputs(folder / "inputs.csv");
+  results.descriptions = read_descriptions(folder / "variants.csv");
   results.name = "bench";
   if (!results.config.empty())
     results.name = ConfigNode::parse(results.config, folder / "bench.yaml").get<std::string>("name", "bench");

@@ -1,4 +1,4 @@
-#include "evaluation/report/paper_table.h"
+#include "evaluation/results/paper_table.h"
 
 namespace uniquadric {
 namespace {

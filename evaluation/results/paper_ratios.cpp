@@ -1,4 +1,4 @@
-#include "evaluation/report/paper_ratios.h"
+#include "evaluation/results/paper_ratios.h"
 
 #include <algorithm>
 #include <span>

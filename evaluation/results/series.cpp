@@ -1,4 +1,4 @@
-#include "evaluation/report/series.h"
+#include "evaluation/results/series.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "evaluation/report/metrics.h"
+#include "evaluation/results/metrics.h"
 
 namespace uniquadric {
 

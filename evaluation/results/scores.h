@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/report/metrics.h"
-#include "evaluation/report/results.h"
+#include "evaluation/results/metrics.h"
+#include "evaluation/results/results.h"
 
 namespace uniquadric {
 

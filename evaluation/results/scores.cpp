@@ -1,4 +1,4 @@
-#include "evaluation/report/scores.h"
+#include "evaluation/results/scores.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,109 @@
+// The first screen: which variant wins, how sure that is, and what was compared on what.
+const causal_variants = variants.filter((v) => !v.includes("@"));
+const has_any = (verdict, names) => names.includes(verdict);
+
+// How a variant fares against a baseline, by objects; null where the two were not compared.
+function duel(baseline, variant) {
+  const found = data.verdicts.find((v) => v.baseline === baseline && v.variant === variant);
+  if (!found || found.objects.length === 0) return null;
+  const of = (...names) => found.objects.filter((o) => has_any(o.verdict, names));
+  return { ...found, better: of("better", "mended"), worse: of("worse", "lost"), mixed: of("mixed"), alike: of("alike") };
+}
+
+// The best first: by the number of others that it beats on more objects than it loses, then by how many more.
+function ranked_variants() {
+  const score = (variant) => causal_variants.map((other) => duel(other, variant)).filter(Boolean)
+    .reduce(([wins, lead], d) => [wins + (d.better.length > d.worse.length), lead + d.better.length - d.worse.length], [0, 0]);
+  return causal_variants.map((variant, i) => ({ variant, i, score: score(variant) }))
+    .sort((a, b) => b.score[0] - a.score[0] || b.score[1] - a.score[1] || a.i - b.i).map(({ variant }) => variant);
+}
+
+const count_of = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
+
+// "cube, ball and skateboard", or how many where there are more than three.
+function names_of(objects) {
+  if (objects.length > 3) return count_of(objects.length, "object");
+  const repeated = (o) => subjects.filter((s) => s.object === o.object).length > 1;
+  const names = objects.map((o) => (repeated(o) ? `${o.object} (${o.scene})` : o.object));
+  return names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`;
+}
+
+const variant_name = (variant) => el("span", { class: "variant", style: `--color:${variant_color(variant)}` }, el("i", {}), ...breakable(variant));
+
+// Who is ahead and, unless it is short, on what it is not.
+function duel_sentence({ baseline, variant, objects, better, worse, mixed, alike }, short) {
+  const lead = Math.sign(better.length - worse.length), of = ` of ${count_of(objects.length, "object")}`;
+  const names = [variant_name(variant), [" is worse than ", " is level with ", " is better than "][lead + 1], variant_name(baseline)];
+  const part = (text, list) => (list.length ? [`${text} on ${names_of(list)}`] : []);
+  const rest = [...(lead <= 0 ? part("better", better) : []), ...(lead >= 0 ? part("worse", worse) : []), ...part("undecided", mixed), ...part("alike", alike)].join("; ");
+  return [...names, lead ? ` on ${(lead > 0 ? better : worse).length}${of}` : ` over ${count_of(objects.length, "object")}`, short || !rest ? "." : `; ${rest}.`];
+}
+
+// What the paired test says of all objects together.
+function proof_sentence(d) {
+  const label = (c) => `${metric_of.get(c.metric).label} ${format_figure(c.a)} → ${format_figure(c.b)}`;
+  const of = (verdict, p) => d.metrics.filter((c) => c.subjects === "objects" && c.verdict === verdict && c[p] !== null).map((c) => `${label(c)} (p ${format_short(c[p])})`);
+  const gains = of("better", "p_better"), losses = d.metrics.filter((c) => c.subjects === "objects" && c.verdict === "worse").map(label);
+  const pairs = Math.max(0, ...d.metrics.map((c) => c.pairs)), few = d.metrics.every((c) => c.verdict === "not judged");
+  if (few) return `${count_of(pairs, "pair")} of runs are too few for a proof over all objects.`;
+  return [gains.length ? `Proven over all objects, in ${count_of(pairs, "pair")} of runs: ${gains.join(", ")}.` : `No gain is proven over all objects, in ${count_of(pairs, "pair")} of runs.`,
+    losses.length ? ` Worse: ${losses.join(", ")}.` : ""].join("");
+}
+
+// The 3D IoU of an object's row: of the solid where there is one.
+const iou_of = (row) => (row.spread.iou3d_solid_mean ?? row.spread.iou3d_ellipsoid_mean)?.median;
+const object_rows = (variant) => data.summary.filter((row) => row.variant === variant && row.object !== "camera" && row.object !== "all");
+
+// Of a bench with one variant: how many objects it follows.
+function alone_sentence(variant) {
+  const rows = object_rows(variant), good = rows.map((row) => ({ row, iou: iou_of(row) })).filter(({ iou }) => iou !== undefined);
+  if (good.length === 0) return [variant_name(variant), rows.length ? " followed no object." : " was run on scenes without true objects."];
+  const worst = good.reduce((a, b) => (b.iou < a.iou ? b : a));
+  return [variant_name(variant), ` follows ${good.length} of ${count_of(rows.length, "object")}, with a median 3D IoU of ${format_figure(median_of(good.map(({ iou }) => iou)))}`,
+    good.length > 1 ? `; the worst is ${worst.row.object} in ${worst.row.scene}, ${format_figure(worst.iou)}.` : "."];
+}
+
+function draw_compared() {
+  const good = runs.filter((cell) => cell.status === "ok").length, all = runs.filter((cell) => cell.status !== "not applicable").length;
+  const failed = all - good, n = causal_variants.length;
+  by_id("compared").replaceChildren(`${count_of(n, "variant")} on ${count_of(scenes.length, "scene")} with ${count_of(subjects.length, "object")}, ${count_of(data.seeds.length, "seed")}: `,
+    failed ? el("b", { class: "bad" }, `${failed} of ${all} runs have no result`) : `all ${all} runs have a result`, ".");
+}
+
+function draw_variant_lines() {
+  by_id("variant-lines").replaceChildren(...ranked_variants().flatMap((variant) => {
+    const rows = object_rows(variant), ious = rows.map(iou_of).filter((v) => v !== undefined);
+    return [el("dt", {}, variant_name(variant), el("small", {}, ious.length ? `3D IoU ${format_figure(median_of(ious))}` : "no result")),
+      el("dd", {}, data.descriptions[variant] || "No description: the variant's file begins with no comment.")];
+  }));
+}
+
+// The pictures of the variant's hardest scene, one after the other; a click opens it over time.
+function start_film(variant) {
+  const rows = object_rows(variant), with_pictures = galleries.filter((g) => g.variant === variant && g.frames.length > 0);
+  const iou_in = (scene) => median_of(rows.filter((row) => row.scene === scene).map((row) => iou_of(row) ?? 0)) || 0;
+  if (with_pictures.length === 0) return;
+  const gallery = with_pictures.reduce((a, b) => (iou_in(b.scene) < iou_in(a.scene) ? b : a));
+  const image = by_id("film").querySelector("img"), still = window.matchMedia("(prefers-reduced-motion: reduce)");
+  let index = 0;
+  const show = () => Object.assign(image, { src: source_of(gallery.frames[index]), alt: `${gallery.scene}, ${variant}: frame ${gallery.frames[index].frame} with outlines` });
+  by_id("film").hidden = false;
+  by_id("film").querySelector("figcaption").replaceChildren(scenes.length > 1 ? `The hardest scene, ${gallery.scene}: ` : `${gallery.scene}: `, el("b", { class: "true" }, "the truth"), " and ", el("b", { class: "estimated" }, "the estimate"), ` of ${variant}. Click to look at it over time.`);
+  by_id("film-open").addEventListener("click", () => {
+    const subject = subjects.find((s) => s.scene === gallery.scene);
+    if (subject) show_object(subject);
+    by_id(subject ? "objects" : "frames").scrollIntoView();
+  });
+  show();
+  setInterval(() => { if (!still.matches) { index = (index + 1) % gallery.frames.length; show(); } }, 600);
+}
+
+function draw_verdict() {
+  const [winner, ...others] = ranked_variants();
+  const duels = others.map((other) => duel(other, winner)).filter(Boolean);
+  by_id("verdict").replaceChildren(...(duels.length ? duel_sentence(duels[0], true) : alone_sentence(winner)));
+  by_id("verdict-more").replaceChildren(...(duels.length ? [el("p", {}, proof_sentence(duels[0])),
+    ...duels.map((d) => el("p", {}, ...duel_sentence(d, false)))].slice(0, 4) : []));
+  draw_compared();
+  draw_variant_lines();
+}
