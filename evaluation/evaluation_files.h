@@ -44,12 +44,16 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluateOptions&
 std::string frames_csv(const std::vector<ObjectEvaluation>& objects);
 
 inline constexpr std::array kPosesColumns = {
-    "source", "subject", "id", "timestamp_ns", "x_m",           "y_m",           "z_m",
-    "qx",     "qy",      "qz", "qw",           "semi_axis_x_m", "semi_axis_y_m", "semi_axis_z_m"};
+    "source",  "subject", "id",    "timestamp_ns", "x_m",           "y_m",           "z_m",
+    "qx",      "qy",      "qz",    "qw",           "semi_axis_x_m", "semi_axis_y_m", "semi_axis_z_m",
+    "outline", "upper",   "lower", "profile_axis", "sigma_x_m",     "sigma_y_m",     "sigma_z_m"};
+/// Earlier versions wrote so many of them: without the solid's exponents and the centre's sigmas.
+inline constexpr std::size_t kFewPosesColumns = 14;
 
 /// poses.csv: what was compared, a row a pose of `truth` and of `estimate`, both in the truth's world: the
 /// cameras (world_from_camera, no semi-axes) and the objects. A track that was matched stands under the true
-/// object's id; the others, `unmatched`, under their own. Nine digits.
+/// object's id; the others, `unmatched`, under their own. Nine digits. Sigmas are of the centre, in the frame
+/// that covariance_diagonal has; empty where not estimated.
 std::string poses_csv(const Tracks& truth, const Tracks& estimate, const Evaluation& evaluation);
 
 }  // namespace uniquadric

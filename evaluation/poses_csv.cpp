@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
+
 #include "evaluation/evaluation_files.h"
 
 namespace uniquadric {
@@ -15,14 +17,25 @@ std::string pose_cells(const Pose& pose) {
 
 void add_camera(const char* source, const Trajectory& camera, std::string& text) {
   for (const StampedPose& stamped : camera)
-    text += fmt::format("{},camera,0,{},{},,,\n", source, stamped.stamp_ns, pose_cells(stamped.pose));
+    text += fmt::format("{},camera,0,{},{},,,,,,,,,,\n", source, stamped.stamp_ns, pose_cells(stamped.pose));
+}
+
+std::string solid_cells(const ObjectState& state) {
+  std::string text = fmt::format("{:.9g},{:.9g},{:.9g},{}", state.exponents.outline, state.exponents.upper,
+                                 state.exponents.lower, state.profile_axis);
+  for (int i = 0; i < 3; ++i) {
+    const double variance = state.covariance_diagonal[3 + i];
+    text += variance >= 0 ? fmt::format(",{:.9g}", std::sqrt(variance)) : ",";
+  }
+  return text;
 }
 
 void add_track(const char* source, const char* subject, int id, const ObjectTrack& track, std::string& text) {
   for (const ObjectState& state : track.states) {
     const Eigen::Vector3d& axes_m = state.ellipsoid.semi_axes_m;
-    text += fmt::format("{},{},{},{},{},{:.9g},{:.9g},{:.9g}\n", source, subject, id, state.stamp_ns,
-                        pose_cells(state.ellipsoid.world_from_object), axes_m.x(), axes_m.y(), axes_m.z());
+    text += fmt::format("{},{},{},{},{},{:.9g},{:.9g},{:.9g},{}\n", source, subject, id, state.stamp_ns,
+                        pose_cells(state.ellipsoid.world_from_object), axes_m.x(), axes_m.y(), axes_m.z(),
+                        solid_cells(state));
   }
 }
 

@@ -15,7 +15,6 @@ namespace uniquadric {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr int kJpegQuality = 85;  // ours: 60 kB a frame, no visible blocks
 constexpr int kTileWidth_px = 480, kGap_px = 4, kMaxColumns = 4;
 
 std::vector<fs::path> frame_files(const fs::path& folder) {
@@ -31,8 +30,8 @@ std::vector<fs::path> frame_files(const fs::path& folder) {
 
 }  // namespace
 
-void write_jpeg(const fs::path& path, const cv::Mat& image) {
-  write_text(path, encode_image(".jpg", image, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}, path));
+void write_jpeg(const fs::path& path, const cv::Mat& image, int quality) {
+  write_text(path, encode_image(".jpg", image, {cv::IMWRITE_JPEG_QUALITY, quality}, path));
 }
 
 void write_contact_sheet(const fs::path& overlays, const fs::path& picture) {

@@ -52,7 +52,7 @@ std::string page_html(const Results& results, const std::vector<SummaryRow>& sum
   std::string scripts;
   for (const char* name :
        {"data.js", "verdict.js", "table.js", "ratios.js", "ablation.js", "charts.js", "lidar.js", "times.js",
-        "frames.js", "space.js", "paint3d.js", "view3d.js", "orbit.js", "main.js"})
+        "frames.js", "space.js", "solids.js", "film.js", "paint3d.js", "view3d.js", "orbit.js", "main.js"})
     scripts += page_asset(name);
   const std::string arcs = arc_section(arc_html(results));
   return fill(page_asset("page.html"),
@@ -63,6 +63,8 @@ std::string page_html(const Results& results, const std::vector<SummaryRow>& sum
                {"data", inside_script(page_data(results, summary, options))},
                {"images", inside_script(page_images(results, options))},
                {"motion", inside_script(page_motion(results, options))},
+               {"scenery", inside_script(page_scenery(results, options))},
+               {"three_js", std::string(page_asset("three.min.js"))},
                {"chart_js", std::string(page_asset("chart.min.js"))},
                {"script", scripts}});
 }

@@ -10,8 +10,8 @@
 namespace uniquadric {
 
 struct PageOptions {
-  std::size_t image_bytes =
-      9'000'000;  ///< ours: of all pictures together; a third more in base64, under 15 MB a page
+  std::size_t image_bytes = 2'000'000;  ///< ours: of all frames with overlays; a third more in base64
+  std::size_t film_bytes = 2'500'000;   ///< ours: of all films together: with all else 8 MB a page
   std::size_t motion_frames =
       150;                ///< ours: of a run in the 3D view; 10 kB an object, and no path looks angular
   int series_digits = 4;  ///< ours: finer than a pixel of a plot, half the page of full doubles
@@ -30,6 +30,12 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
 /// "jpeg" (base64)}]}], for each scene and variant those of its first good seed. When they exceed
 /// `options.image_bytes`, every run keeps the same smaller number of evenly spaced frames.
 std::string page_images(const Results& results, const PageOptions& options);
+
+/// What scenery.json (scenery.h) of each scene has, with its frames, as JSON text: {SCENE: {..., "frames":
+/// [{"frame", "stamp_ns", "jpeg" (base64)}]}}. When all frames exceed `options.film_bytes`, every scene keeps
+/// the same smaller number of evenly spaced ones; scenes beyond the first 40 are left out, clouds beyond the
+/// first 8. Throws InputError for a scenery.json that is none.
+std::string page_scenery(const Results& results, const PageOptions& options);
 
 /// Trajectories and ellipsoids for the 3D view as JSON text, all in the truth's world, for each scene and
 /// variant those of its first good seed that has poses.csv, `options.motion_frames` evenly spaced times each:

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/base/error.h"
 #include "core/base/read_file.h"
 #include "core/base/text.h"
 #include "evaluation/report/page.h"
@@ -70,6 +71,37 @@ std::vector<Gallery> read_galleries(const Results& results) {
   return galleries;
 }
 
+// Frames that are kept of each of these, so that all fit.
+std::size_t count_that_fits(const std::vector<Gallery>& galleries, std::size_t most_bytes) {
+  std::size_t count = 0;
+  for (const Gallery& gallery : galleries) count = std::max(count, gallery.pictures.size());
+  while (count > 0 && size_of(galleries, count) > most_bytes) --count;
+  return count;
+}
+
+constexpr std::size_t kMostScenery = 40;  // ours: more would leave no frame to each
+constexpr std::size_t kMostClouds = 8;    // ours: a cloud is 150 kB
+
+json read_scenery(const fs::path& file) {
+  json scenery = json::parse(read_file(file, kTextFile), nullptr, false);
+  const auto has = [&](const char* key) { return scenery.is_object() && scenery.contains(key); };
+  if (!has("camera") || !has("frames") || !has("meshes") || !has("cloud") || !scenery["frames"].is_array())
+    throw InputError(file, "is no scenery: expected camera, frames, meshes and cloud");
+  return scenery;
+}
+
+// The frames that scenery.json lists and that are kept, with their pictures.
+json kept_frames(const json& listed, const Gallery& film, std::size_t count) {
+  json frames = json::array();
+  for (const std::size_t i : evenly_spaced(film.pictures.size(), std::min(count, film.pictures.size())))
+    for (const json& frame : listed)
+      if (frame.value("frame", -1ll) == film.pictures[i].frame)
+        frames.push_back({{"frame", film.pictures[i].frame},
+                          {"stamp_ns", frame.value("stamp_ns", 0ll)},
+                          {"jpeg", base64(film.pictures[i].jpeg)}});
+  return frames;
+}
+
 }  // namespace
 
 std::vector<std::size_t> evenly_spaced(std::size_t total, std::size_t count) {
@@ -82,9 +114,7 @@ std::vector<std::size_t> evenly_spaced(std::size_t total, std::size_t count) {
 
 std::string page_images(const Results& results, const PageOptions& options) {
   const std::vector<Gallery> galleries = read_galleries(results);
-  std::size_t count = 0;
-  for (const Gallery& gallery : galleries) count = std::max(count, gallery.pictures.size());
-  while (count > 0 && size_of(galleries, count) > options.image_bytes) --count;
+  const std::size_t count = count_that_fits(galleries, options.image_bytes);
   json list = json::array();
   for (const Gallery& gallery : galleries) {
     json frames = json::array();
@@ -98,6 +128,26 @@ std::string page_images(const Results& results, const PageOptions& options) {
                     {"frames", frames}});
   }
   return list.dump();
+}
+
+std::string page_scenery(const Results& results, const PageOptions& options) {
+  json sceneries = json::object();
+  std::vector<Gallery> films;
+  std::vector<std::string> names;
+  for (const std::string& scene : scenes_of(results)) {
+    const fs::path folder = results.folder / "scenery" / scene;
+    if (names.size() == kMostScenery || !fs::exists(folder / "scenery.json")) continue;
+    json& scenery = sceneries[scene] = read_scenery(folder / "scenery.json");
+    if (names.size() >= kMostClouds) scenery["cloud"] = nullptr;
+    films.push_back({nullptr, read_pictures(folder / "frames")});
+    names.push_back(scene);
+  }
+  const std::size_t count = count_that_fits(films, options.film_bytes);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    json& frames = sceneries[names[i]]["frames"];
+    frames = kept_frames(frames, films[i], count);
+  }
+  return sceneries.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 }  // namespace uniquadric

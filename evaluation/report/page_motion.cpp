@@ -52,22 +52,53 @@ json camera_json(const Trajectory& camera, const std::vector<std::int64_t>& stam
   return list;
 }
 
+// A value a time, or one alone where all are the same.
+json constant_or_all(json values) {
+  const bool constant =
+      std::all_of(values.begin(), values.end(), [&](const json& v) { return v == values.front(); });
+  if (constant && !values.empty()) values.erase(values.begin() + 1, values.end());
+  return values;
+}
+
+json axes_json(const ObjectState& state) {
+  json axes = json::array();
+  for (const double axis_m : state.ellipsoid.semi_axes_m) axes.push_back(rounded(axis_m, kLengthsPerM));
+  return axes;
+}
+
+// [outline, upper, lower, profile axis]
+json solid_json(const ObjectState& state) {
+  const SuperExponents& q = state.exponents;
+  return {rounded(q.outline, 100), rounded(q.upper, 100), rounded(q.lower, 100), state.profile_axis};
+}
+
+// Null where not estimated.
+json sigma_json(const ObjectState& state) {
+  json sigmas = json::array();
+  for (int i = 3; i < 6; ++i) {
+    const double variance = state.covariance_diagonal[i];
+    if (!(variance >= 0)) return nullptr;
+    sigmas.push_back(rounded(std::sqrt(variance), 1e4));
+  }
+  return sigmas;
+}
+
 json track_json(const ObjectTrack& track, const std::string& name,
                 const std::vector<std::int64_t>& stamps_ns) {
-  json poses = json::array(), axes = json::array();
+  json poses = json::array(), axes = json::array(), solids = json::array(), sigmas = json::array();
   for (const std::int64_t stamp_ns : stamps_ns) {
     const ObjectState* state = at_time(track.states, stamp_ns);
     poses.push_back(state ? pose_json(state->ellipsoid.world_from_object) : json(nullptr));
-    axes.push_back(nullptr);
-    if (!state) continue;
-    axes.back() = json::array();
-    for (const double axis_m : state->ellipsoid.semi_axes_m)
-      axes.back().push_back(rounded(axis_m, kLengthsPerM));
+    axes.push_back(state ? axes_json(*state) : json(nullptr));
+    solids.push_back(state ? solid_json(*state) : json(nullptr));
+    sigmas.push_back(state ? sigma_json(*state) : json(nullptr));
   }
-  const bool constant =
-      std::all_of(axes.begin(), axes.end(), [&](const json& a) { return a == axes.front(); });
-  if (constant && !axes.empty()) axes.erase(axes.begin() + 1, axes.end());
-  return {{"object", name}, {"poses", poses}, {"semi_axes_m", axes}};
+  return {{"object", name},
+          {"id", track.id},
+          {"poses", poses},
+          {"semi_axes_m", constant_or_all(std::move(axes))},
+          {"solids", constant_or_all(std::move(solids))},
+          {"sigmas_m", constant_or_all(std::move(sigmas))}};
 }
 
 std::string name_of(const Cell& cell, int id) {

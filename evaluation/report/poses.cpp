@@ -42,9 +42,11 @@ struct Line {
   }
 };
 
-void check_header(const fs::path& file, int number, const std::vector<std::string_view>& fields) {
-  if (!std::equal(fields.begin(), fields.end(), std::begin(kPosesColumns), std::end(kPosesColumns)))
+std::size_t check_header(const fs::path& file, int number, const std::vector<std::string_view>& fields) {
+  const bool is_known = fields.size() == kPosesColumns.size() || fields.size() == kFewPosesColumns;
+  if (!is_known || !std::equal(fields.begin(), fields.end(), kPosesColumns.begin()))
     throw InputError(file, number, "expected the header source,subject,id,timestamp_ns,...");
+  return fields.size();
 }
 
 ObjectTrack& track_of(Tracks& tracks, int id) {
@@ -64,6 +66,20 @@ void add_camera(const Line& line, Trajectory& camera) {
   camera.push_back({stamp_ns, line.pose()});
 }
 
+void add_solid(const Line& line, ObjectState& state) {
+  state.exponents = {line.real(14), line.real(15), line.real(16)};
+  for (std::size_t i = 14; i < 17; ++i)
+    if (!(line.real(i) >= 1)) line.fail(i, "below 1");
+  const std::int64_t axis = line.integer(17);
+  if (axis < 0 || axis > 2) line.fail(17, "none of 0, 1, 2");
+  state.profile_axis = static_cast<int>(axis);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!line.fields[18 + i].empty()) {
+      const double sigma_m = line.real(18 + i);
+      state.covariance_diagonal[static_cast<Eigen::Index>(3 + i)] = sigma_m * sigma_m;
+    }
+}
+
 void add_state(const Line& line, Tracks& tracks) {
   ObjectTrack& track = track_of(tracks, static_cast<int>(line.integer(2)));
   ObjectState state;
@@ -72,13 +88,14 @@ void add_state(const Line& line, Tracks& tracks) {
               state.stamp_ns);
   state.ellipsoid = {line.pose(), {line.real(11), line.real(12), line.real(13)}};
   if (!(state.ellipsoid.semi_axes_m.minCoeff() > 0)) line.fail(11, "of semi-axes that are not positive");
+  if (line.fields.size() > kFewPosesColumns) add_solid(line, state);
   track.states.push_back(state);
 }
 
-void add_row(const Line& line, ComparedPoses& poses) {
-  if (line.fields.size() != kPosesColumns.size())
+void add_row(const Line& line, std::size_t columns, ComparedPoses& poses) {
+  if (line.fields.size() != columns)
     throw InputError(line.file, line.number,
-                     fmt::format("expected {} columns, found {}", kPosesColumns.size(), line.fields.size()));
+                     fmt::format("expected {} columns, found {}", columns, line.fields.size()));
   const std::string_view source = line.fields[0], subject = line.fields[1];
   if (source != "truth" && source != "estimate") line.fail(0, "neither truth nor estimate");
   Tracks& tracks = source == "truth" ? poses.truth : poses.estimate;
@@ -96,15 +113,15 @@ void add_row(const Line& line, ComparedPoses& poses) {
 
 ComparedPoses read_poses(const fs::path& file) {
   ComparedPoses poses;
-  bool has_header = false;
+  std::size_t columns = 0;
   for_each_line(
       file,
       [&](int number, const std::vector<std::string_view>& fields) {
-        has_header ? add_row({file, number, fields}, poses) : check_header(file, number, fields);
-        has_header = true;
+        if (columns > 0) return add_row({file, number, fields}, columns, poses);
+        columns = check_header(file, number, fields);
       },
       ',');
-  if (!has_header) throw InputError(file, "is empty, expected a header");
+  if (columns == 0) throw InputError(file, "is empty, expected a header");
   return poses;
 }
 

@@ -111,6 +111,15 @@ ProcessResult simulate(const Run& run, const BenchSimulation& simulation, bool i
   return run_stage(run, *stage);
 }
 
+// The report can do without it.
+void keep_scenery(const Run& run, const BenchSimulation& simulation) {
+  const auto stage = run.plan.scenery(simulation);
+  if (!stage || is_current(stage->folder, stage->key)) return;
+  fs::remove(stage->log);
+  if (const ProcessResult result = run_stage(run, *stage); !result.ok)
+    run.progress.note("no scenery: " + result.message);
+}
+
 void run_simulation(const Run& run, BenchSimulation& simulation) {
   std::vector<BenchCell*> waiting;
   for (BenchCell& cell : simulation.cells)
@@ -118,6 +127,7 @@ void run_simulation(const Run& run, BenchSimulation& simulation) {
   run.progress.advance(std::ssize(simulation.cells) - std::ssize(waiting));
   const ProcessResult result = simulate(run, simulation, !waiting.empty());
   if (waiting.empty()) return release(run, simulation);
+  if (result.ok) keep_scenery(run, simulation);
   const auto work = std::make_shared<Work>(simulation);
   work->unfinished = static_cast<int>(waiting.size());
   std::map<std::optional<std::size_t>, std::vector<BenchCell*>> by_perception;

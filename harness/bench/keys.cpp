@@ -56,6 +56,10 @@ std::string evaluation_key(const std::string& estimate_key, const std::vector<st
   return hash.hex();
 }
 
+std::string scenery_key(const std::string& simulation_key) {
+  return stage("scenery", kevaluation_sources).add(simulation_key).hex();
+}
+
 std::string overlay_key(const std::string& estimate_key, int count) {
   return stage("overlay", kevaluation_sources).add(estimate_key).add(static_cast<std::uint64_t>(count)).hex();
 }

@@ -19,6 +19,7 @@ std::string perception_key(const std::string& simulation_key, const std::string&
 std::string estimate_key(const std::string& simulation_key, const std::string& variant_yaml,
                          std::uint64_t seed);
 std::string evaluation_key(const std::string& estimate_key, const std::vector<std::string>& options);
+std::string scenery_key(const std::string& simulation_key);
 std::string overlay_key(const std::string& estimate_key, int count);
 
 /// Whether `folder` holds the result of the stage with this key, whole: FOLDER.key beside it has the key and

@@ -235,6 +235,16 @@ BenchStage BenchPlan::estimate(const BenchSimulation& simulation, const BenchCel
                folder / "log.txt");
 }
 
+std::optional<BenchStage> BenchPlan::scenery(const BenchSimulation& simulation) const {
+  const BenchScene& scene = config.scenes[simulation.scene];
+  if (config.overlays == 0 || simulation.seed != scene.seeds.front()) return std::nullopt;
+  const fs::path folder = out / "scenery" / scene.name;
+  std::vector<std::string> command = {"scenery", simulation.sequence, folder};
+  if (!simulation.truth.empty()) command.insert(command.end(), {"--truth", simulation.truth});
+  return stage(folder, scenery_key(simulation.key), std::move(command), made_data(*this, simulation),
+               with_suffix(folder, ".log"));
+}
+
 BenchStage BenchPlan::overlay(const BenchSimulation& simulation, const BenchCell& cell) const {
   const fs::path folder = out / cell_folder(simulation, cell), estimate = folder / "estimate";
   std::vector<std::string> command = {"overlay", simulation.sequence, estimate, folder / "overlays"};
@@ -311,6 +321,7 @@ void print_plan(const BenchPlan& plan, const fs::path& bench_file, std::ostream&
     if (const auto stage = plan.simulate(simulation)) print(*stage, plan.config.keep_sequences);
     for (std::size_t i = 0; i < simulation.perceptions.size(); ++i)
       print(plan.perceive(simulation, i), plan.config.keep_sequences);
+    if (const auto stage = plan.scenery(simulation)) print(*stage, true);
     for (const BenchCell& cell : simulation.cells)
       for (const BenchStage& stage : plan.stages(simulation, cell)) print(stage, true);
   }

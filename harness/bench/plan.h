@@ -72,6 +72,8 @@ struct BenchPlan {
   std::optional<BenchStage> simulate(const BenchSimulation& simulation) const;
   BenchStage perceive(const BenchSimulation& simulation, std::size_t perception) const;
   BenchStage estimate(const BenchSimulation& simulation, const BenchCell& cell) const;
+  /// What the report shows of a scene, of its first seed alone; nothing where it shows no pictures.
+  std::optional<BenchStage> scenery(const BenchSimulation& simulation) const;
   BenchStage overlay(const BenchSimulation& simulation, const BenchCell& cell) const;
   /// One after the other: estimate, evaluate, and overlay where the configuration wants some; none of a cell
   /// that is not applicable.

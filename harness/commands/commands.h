@@ -20,6 +20,7 @@ void add_bench(CLI::App& app, Common& common);
 void add_report(CLI::App& app, Common& common);
 void add_compare(CLI::App& app, Common& common);
 void add_overlay(CLI::App& app, Common& common);
+void add_scenery(CLI::App& app, Common& common);
 void add_info(CLI::App& app, Common& common);
 void add_metric(CLI::App& app, Common& common);
 void add_trajectory(CLI::App& app, Common& common);

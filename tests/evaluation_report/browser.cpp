@@ -29,7 +29,8 @@ BrowserRun run_in_browser(const fs::path& chromium, const fs::path& page, int wi
   // No sandbox: it needs rights that a container seldom gives, and the page is ours. No service of the
   // browser's own may ask the network.
   const std::string command = fmt::format(
-      "timeout 120 '{}' --headless=new --no-sandbox --disable-gpu --disable-quic --no-first-run "
+      "timeout 120 '{}' --headless=new --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader "
+      "--disable-quic --no-first-run "
       "--disable-background-networking --disable-component-update --disable-sync "
       "--user-data-dir='{}/profile' "
       "--window-size={},{} --blink-settings=preferredColorScheme={} --virtual-time-budget=10000 "

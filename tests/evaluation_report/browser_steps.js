@@ -10,7 +10,27 @@
   const painted = () => ({ index: motion_state.index, orbit: structuredClone(motion_state.orbit),
     width: motion_canvas.clientWidth, height: motion_canvas.clientHeight, picture: motion_canvas.toDataURL(),
     figures: by_id("space-figures").tBodies[0].textContent,
-    bodies: motion_state.drawn.map(({ object, label, outline }) => ({ object, label, outline })) });
+    film: film_canvas.toDataURL(), frame: by_id("film-note").textContent, film_width: film_image.clientWidth,
+    in_film: film_state.drawn.map(({ object, label, outline }) => ({ object, label, outline: outline.points })),
+    bodies: motion_state.drawn.map(({ object, label, outline }) => ({ object, label, outline: outline.points })) });
+  const middle_of = ({ outline }) => outline.points.reduce((sum, p) => v_add(sum, [...p, 0]), [0, 0, 0]).map((v) => v / outline.points.length);
+
+  // What WebGL draws of one body alone: its pixels' number and box.
+  const pixels_of = (body) => {
+    const { clientWidth: width, clientHeight: height } = motion_canvas, view = orbit_view(motion_state.orbit, width, height);
+    painter.paint(view, { ...motion_look(), width, height, paths: [], cameras: [], sigmas: [], cloud: null, bodies: [body], floor: { x: [0, -1], y: [0, -1], z: 0, step: 1 } });
+    const copy = el("canvas", { width, height }).getContext("2d", { willReadFrequently: true });
+    copy.drawImage(motion_canvas, 0, 0, width, height);
+    const { data: rgba } = copy.getImageData(0, 0, width, height), box = { count: 0, left: width, right: 0, top: height, bottom: 0 };
+    for (let i = 3; i < rgba.length; i += 4) {
+      if (rgba[i] < 40) continue;
+      const x = (i >> 2) % width, y = Math.floor((i >> 2) / width);
+      ++box.count;
+      Object.assign(box, { left: Math.min(box.left, x), right: Math.max(box.right, x + 1), top: Math.min(box.top, y), bottom: Math.max(box.bottom, y + 1) });
+    }
+    draw_motion();
+    return box;
+  };
   const slide = (index) => {
     by_id("space-time").value = String(index);
     by_id("space-time").dispatchEvent(new Event("input"));
@@ -70,9 +90,9 @@
     variants: [...by_id("variant-lines").querySelectorAll("dd")].map((dd) => dd.textContent), film: by_id("film").querySelector("img").alt };
   seen.times = rows_of("times-table");
   seen.ratios = by_id("ratios").hidden ? [] : rows_of("ratio-table");
-  seen.without_poses = { section: !by_id("motion-scene").hidden, view: !by_id("space-view").hidden, note: by_id("space-absent").hidden ? "" : by_id("space-absent").textContent };
+  seen.without_poses = { section: !by_id("objects").hidden, view: !by_id("space-view").hidden, note: by_id("space-absent").hidden ? "" : by_id("space-absent").textContent };
   const send = () => parent.postMessage(JSON.stringify(seen), "*");
-  if (!motion_state.scene) return send();
+  if (!motion_state.scene || location.hash === "#tables") return send();
 
   by_id("ablation-metrics").querySelector("button").click(); // APE.t
   const percent = (node, side) => Number.parseFloat(node.style[side]);
@@ -93,6 +113,7 @@
     return [percent(bar, "left"), percent(bar, "left") + percent(bar, "width")]; }) };
 
   seen.space = { start: painted(), early: slide(5), late: slide(125), mark_s: chart_state.time };
+  seen.space.solids = motion_state.drawn.filter((body) => !body.truth).map((body) => ({ object: body.object, label: body.label, pixels: pixels_of(body) }));
   document.querySelector('#space-variants button[aria-pressed="false"]').click();
   seen.space.both = painted();
   by_id("space-follow").value = "object cube";
@@ -106,10 +127,11 @@
   pointer("pointermove", x + 50, y + 25);
   pointer("pointerup", x + 50, y + 25);
   seen.space.dragged = painted();
-  const aim = motion_state.drawn[0].outline; // what is pointed at stays under the pointer
+  const [aim_x, aim_y] = middle_of(motion_state.drawn[0]), aim = { x: aim_x, y: aim_y }; // what is pointed at stays under the pointer
   const wheel = new WheelEvent("wheel", { deltaY: -100, cancelable: true, clientX: box.left + aim.x, clientY: box.top + aim.y });
   motion_canvas.dispatchEvent(wheel);
-  seen.space.wheeled = { ...painted(), stays: wheel.defaultPrevented, aim };
+  const [aimed_x, aimed_y] = middle_of(motion_state.drawn[0]);
+  seen.space.wheeled = { ...painted(), stays: wheel.defaultPrevented, aim, aimed: { x: aimed_x, y: aimed_y } };
   pointer("pointerdown", x, y, 1);
   pointer("pointerdown", x + 100, y, 2);
   pointer("pointermove", x + 200, y, 2); // twice as far apart
@@ -119,13 +141,22 @@
 
   slide(0);
   by_id("space-play").click();
-  for (let wait = 0; wait < 50 && motion_state.index < 3; ++wait) await sleep(100); // frames come as the machine can
+  for (let wait = 0; wait < 50 && motion_state.index < 3; ++wait) await new Promise(requestAnimationFrame); // frames come as the machine can
   by_id("space-play").click();
   seen.space.played = motion_state.index;
   await sleep(500);
   seen.space.paused = motion_state.index;
   show_motion_time(motion_state.scene, motion_time(70)); // as a pointer on a plot does
   seen.space.pointed = motion_state.index;
+  document.activeElement?.blur();
+  document.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
+  seen.space.stepped = motion_state.index;
+  await sleep(600);
+  seen.space.address = location.hash;
+  slide(3);
+  location.hash = "#scene=skateboard_ball&object=ball&t=2&show=rotbbox";
+  await sleep(300);
+  seen.space.linked = { scene: motion_state.scene, object: chart_state.object, index: motion_state.index, variants: [...motion_state.variants] };
 
   send();
 })();

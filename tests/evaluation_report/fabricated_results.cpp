@@ -96,18 +96,21 @@ std::string pose_row(const char* source, const char* subject, int id, int frame,
 // Objects on two lines, estimated `error_m` to the side and as much too large; the camera behind them.
 std::string poses_csv(double error_m, int frames) {
   std::string text =
-      "source,subject,id,timestamp_ns,x_m,y_m,z_m,qx,qy,qz,qw,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m\n";
+      "source,subject,id,timestamp_ns,x_m,y_m,z_m,qx,qy,qz,qw,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m,"
+      "outline,upper,lower,profile_axis,sigma_x_m,sigma_y_m,sigma_z_m\n";
   for (int frame = 0; frame < frames; ++frame)
     for (const char* source : {"truth", "estimate"}) {
       const bool estimated = source[0] == 'e';
       const double off_m = estimated ? error_m : 0;
-      text += fmt::format("{},camera,0,{},{},-2,0.8,-0.7071067811865476,0,0,0.7071067811865476,,,\n", source,
-                          1'000'000'000 + frame * 33'333'333LL, 0.001 * frame);
+      text += fmt::format("{},camera,0,{},{},-2,0.8,-0.7071067811865476,0,0,0.7071067811865476,,,,,,,,,,\n",
+                          source, 1'000'000'000 + frame * 33'333'333LL, 0.001 * frame);
       for (int id = 1; id <= 2; ++id)
         if (!estimated || id == 2 || frame < 120 || frame >= 130)
           text += pose_row(source, "object", id, frame, 0.01 * frame - 1, 0.8 * id + off_m, 0.01 * frame,
-                           fmt::format("{},0.15,0.1", 0.2 + off_m));
-      if (estimated && frame < 10) text += pose_row(source, "unmatched", 7, frame, 1, 1, 0, "0.1,0.1,0.1");
+                           fmt::format("{},0.15,0.1,{}", 0.2 + off_m,
+                                       id == 1 ? "1.5,2,1.2,0,0.01,0.02,0.03" : "1,1,1,2,,,"));
+      if (estimated && frame < 10)
+        text += pose_row(source, "unmatched", 7, frame, 1, 1, 0, "0.1,0.1,0.1,2,2,2,2,,,");
     }
   return text;
 }
@@ -119,6 +122,23 @@ void write_picture(const fs::path& path, int frame, int width) {
   cv::ellipse(image, center + cv::Point(width / 60, 2), {width / 6, width / 9}, frame, 0, 360, {0, 140, 255},
               2, cv::LINE_AA);
   cv::imwrite(path.string(), image);
+}
+
+// A camera of 640 x 480, of which pictures are as wide as the options say.
+void write_scenery(const fs::path& folder, const FabricatedOptions& options) {
+  fs::create_directories(folder / "frames");
+  json frames = json::array();
+  for (int frame = 0; frame < options.frames; frame += 10) {
+    write_picture(folder / fmt::format("frames/{:06}.jpg", frame), frame, options.image_width_px);
+    frames.push_back({{"frame", frame}, {"stamp_ns", 1'000'000'000 + frame * 33'333'333LL}});
+  }
+  const json camera = {{"width", 640}, {"height", 480}, {"fx", 525}, {"fy", 520}, {"cx", 320.5}, {"cy", 238}};
+  const json cloud = {{"positions_mm", {0, 0, 0, 500, 0, 500}}, {"colors", {0xff0000, 0x00ff00}}};
+  const json tetrahedron = {{"id", 1},
+                            {"positions_mm", {200, 0, 0, -200, 150, 0, -200, -150, 0, 0, 0, 100}},
+                            {"triangles", {0, 1, 3, 1, 2, 3, 2, 0, 3, 0, 2, 1}}};
+  write(folder / "scenery.json",
+        json{{"camera", camera}, {"frames", frames}, {"meshes", {tetrahedron}}, {"cloud", cloud}}.dump());
 }
 
 void write_cell(const fs::path& folder, const FabricatedScene& scene, double error_m, std::uint64_t seed,
@@ -157,6 +177,7 @@ void fabricate_results(const fs::path& folder, const FabricatedOptions& options)
         const double error_m = (variant == kVariants[0] ? 0.5 : 0.01) * seed;
         if (!failed) write_cell(folder / cell, scene, error_m, static_cast<std::uint64_t>(seed), options);
       }
+  for (const FabricatedScene& scene : kScenes) write_scenery(folder / "scenery" / scene.name, options);
   write(folder / "cells.csv", cells);
   write(folder / "bench.yaml", "name: fabricated\nscenes: [cube_cuboid, skateboard_ball]\nseeds: [1, 2]\n");
   write(folder / "command.txt", "uniquadric bench configs/bench/fabricated.yaml out\n");

@@ -61,7 +61,8 @@ TEST_F(BenchPlanCommand, RunsNothingAndNamesInputsFirst) {
   }
   // Two seeds, two variants, of which both look at the images with the same options.
   const std::map<std::string, int> expected = {{"simulate", 2}, {"perceive", 2}, {"estimate", 4},
-                                               {"evaluate", 4}, {"overlay", 4},  {"report", 1}};
+                                               {"evaluate", 4}, {"overlay", 4},  {"scenery", 1},
+                                               {"report", 1}};
   EXPECT_EQ(count, expected);
   EXPECT_EQ(stages.back()["stage"], "report");
 }

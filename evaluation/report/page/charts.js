@@ -11,7 +11,7 @@ const kPlots = [
   { title: "RPE rotation", unit: "rad", column: "rpe_rotation_rad", error: true },
   { title: "Share of the silhouette that is seen", unit: "", column: "visible_fraction", range: [0, 1] },
 ];
-const chart_state = { scene: null, object: null, variants: new Set(variants), seeds: new Set(data.seeds), log: false, time: null };
+const chart_state = { scene: null, object: null, variants: new Set(variants.filter((v) => output_of(v) === "")), seeds: new Set(data.seeds), log: false, time: null };
 let charts = [];
 
 function series_of(scene, object) {
@@ -99,7 +99,7 @@ function chart_options(plot) {
         title: (items) => (items.length ? `frame ${items[0].raw.frame} · ${items[0].parsed.x.toFixed(2)} s` : ""),
         label: (item) => `${item.dataset.label}: ${format_figure(item.parsed.y)} ${plot.unit}`,
       } } },
-    onClick: (event, items, chart) => show_nearest(chart_state.scene, chart.scales.x.getValueForPixel(event.x)),
+    onClick: (event, items, chart) => jump_to(chart_state.scene, chart.scales.x.getValueForPixel(event.x)),
   };
 }
 

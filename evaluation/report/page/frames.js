@@ -30,18 +30,6 @@ function show_frame(gallery, index) {
   if (!viewer.open) viewer.showModal();
 }
 
-// The picture nearest to a time [s from the scene's start], of the first variant that is shown in the plots.
-function show_nearest(scene, time) {
-  const gallery = galleries.find((g) => g.scene === scene && chart_state.variants.has(g.variant));
-  const series = series_of(scene, chart_state.object)[0];
-  if (!gallery || !series) return;
-  const start_ns = scene_start_ns(scene);
-  const distance = (i) => Math.abs((series.stamps_ns[i] - start_ns) / 1e9 - time);
-  const nearest = series.frames.reduce((best, _, i) => (distance(i) < distance(best) ? i : best), 0);
-  const off = (i) => Math.abs(gallery.frames[i].frame - series.frames[nearest]);
-  show_frame(gallery, gallery.frames.reduce((best, _, i) => (off(i) < off(best) ? i : best), 0));
-}
-
 function start_viewer() {
   const viewer = by_id("viewer");
   const step = (by) => show_frame(viewer_state.gallery, viewer_state.index + by);

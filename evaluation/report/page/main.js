@@ -85,13 +85,35 @@ function show_scene(scene) {
   draw_galleries(scene);
 }
 
-// The object that the address names, #object/SCENE/OBJECT.
+// The view as an address: #scene=NAME&object=NAME&t=SECONDS&show=VARIANT,VARIANT.
+let address_timer = null;
+function note_address() {
+  clearTimeout(address_timer); // browsers allow so many changes a second
+  address_timer = setTimeout(() => {
+    if (!motion_state.scene || !motion_state.moved) return;
+    const parts = new URLSearchParams({ scene: chart_state.scene, object: chart_state.object, t: motion_time(motion_state.index).toFixed(2), show: [...motion_state.variants].join(",") });
+    history.replaceState(null, "", `#${parts}`);
+  }, 300);
+}
+
+// The view that the address names, or the object of #object/SCENE/OBJECT.
 function follow_address() {
-  const [kind, scene, object] = location.hash.slice(1).split("/").map(decodeURIComponent);
-  const found = kind === "object" && subjects.find((s) => s.scene === scene && s.object === object);
+  const text = location.hash.slice(1), [kind, ...names] = text.split("/").map((part) => { try { return decodeURIComponent(part); } catch { return ""; } });
+  const parts = new URLSearchParams(text), [scene, object] = kind === "object" ? names : [parts.get("scene"), parts.get("object")];
+  const found = subjects.find((s) => s.scene === scene && (s.object === object || object === null));
   if (!found) return;
   show_object(found);
+  const shown = (parts.get("show") ?? "").split(",").filter((v) => variants.includes(v)), time = Number(parts.get("t") ?? NaN);
+  if (motion_state.scene && shown.length) (motion_state.variants = new Set(shown), draw_motion_chips());
+  if (motion_state.scene && Number.isFinite(time)) show_motion_time(motion_state.scene, time);
   by_id("objects").scrollIntoView();
+}
+
+// A click on a plot: there the time stays.
+function jump_to(scene, time) {
+  pause_motion();
+  show_motion_time(scene, time);
+  by_id("space-view").scrollIntoView({ block: "nearest" });
 }
 
 function start() {
@@ -109,7 +131,6 @@ function start() {
   by_id("log-errors").addEventListener("change", (e) => { chart_state.log = e.target.checked; draw_charts(); });
   by_id("frames").hidden = galleries.length === 0;
   by_id("objects").hidden = subjects.length === 0;
-  document.querySelector('nav a[href="#motion-scene"]').hidden = motion.runs.length + motion.absent.length === 0;
   start_viewer();
   start_motion();
   if (subjects.length > 0) show_object(subjects[0]);

@@ -42,7 +42,7 @@ function drag(pointers, event) {
   draw_motion();
 }
 
-// The ellipsoid pointed at, by its name; the nearest where several are.
+// The body pointed at, by its name; the nearest where several are.
 function name_under(event) {
   const body = motion_state.drawn.findLast((b) => outline_holds(b.outline, event.offsetX, event.offsetY));
   const note = by_id("space-note");
@@ -62,6 +62,16 @@ function on_key(event) {
   event.preventDefault();
   motion_state.touched = true;
   draw_motion();
+}
+
+// Arrows and the blank bar move the time, unless something else has the keys.
+function on_time_key(event) {
+  const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key], at = document.activeElement;
+  if (!motion_state.scene || by_id("viewer").open || event.ctrlKey || event.metaKey || event.altKey || (at && at !== document.body && at !== by_id("space-play"))) return;
+  if (step) (pause_motion(), show_motion_index(motion_state.index + step));
+  else if (event.key === " " && at !== by_id("space-play")) motion_state.playing ? pause_motion() : play_motion();
+  else return;
+  event.preventDefault();
 }
 
 function start_orbit() {
@@ -99,12 +109,18 @@ function follow(name) {
 
 function draw_motion_chips() {
   const scene = motion_state.scene, shown = distinct(motion.runs.filter((run) => run.scene === scene).map((run) => run.variant));
-  chips(by_id("space-scenes"), "", distinct(motion.runs.map((run) => run.scene)), [scene], { change: ([chosen]) => show_motion(chosen) });
-  chips(by_id("space-variants"), "estimates", shown, motion_state.variants, { many: true, color: variant_color,
+  chips(by_id("space-variants"), "in image and 3D", shown, motion_state.variants, { many: true, color: variant_color,
     change: (chosen) => { motion_state.variants = new Set(chosen); draw_motion(); draw_readout(); } });
 }
 
 function start_motion() {
+  painter = make_painter(motion_canvas);
+  by_id("space-no-webgl").hidden = painter !== null;
+  for (const [id, state] of [["space-cloud", "cloud"], ["space-errors", "by_error"], ["space-sigmas", "sigmas"]])
+    by_id(id).addEventListener("change", (event) => { motion_state[state] = event.target.checked; draw_motion(); });
+  by_id("space-top").addEventListener("click", () => { Object.assign(motion_state.orbit, { pitch: kMaxPitch }); motion_state.touched = true; draw_motion(); });
+  film_image.addEventListener("load", () => draw_motion());
+  document.addEventListener("keydown", on_time_key);
   start_orbit();
   by_id("space-time").addEventListener("input", (event) => { pause_motion(); show_motion_index(Number(event.target.value)); });
   by_id("space-play").addEventListener("click", () => (motion_state.playing ? pause_motion() : play_motion()));
@@ -114,5 +130,5 @@ function start_motion() {
     if (!motion_state.scene) return;
     if (!motion_state.touched && motion_state.follow === "") reset_orbit();
     draw_motion();
-  }).observe(motion_canvas);
+  }).observe(motion_canvas.parentElement);
 }

@@ -1,14 +1,148 @@
-// Paints the 3D view: `look` says what to paint and in which colours, `view` from where (space.js).
-function path3d(context, view, points3d) {
-  let last = null; // a segment goes on from the one before, or dashes would start anew
-  context.beginPath();
-  for (let i = 1; i < points3d.length; ++i) {
-    const ends = points3d[i - 1] && points3d[i] && segment_on_canvas(view, points3d[i - 1], points3d[i]);
-    if (!ends) continue;
-    if (!last || last[0] !== ends[0][0] || last[1] !== ends[0][1]) context.moveTo(...ends[0]);
-    context.lineTo(...(last = ends[1]));
+// Paints the 3D view with three.js: `look` says what and in which colours, `view` from where (space.js). Without
+// WebGL there is no painter.
+const kFloorAlpha = 0.6, kCloudPixels = 2;
+
+function make_painter(canvas) {
+  try {
+    return new Painter(canvas);
+  } catch {
+    return null; // three.js throws where the browser has no WebGL
   }
-  context.stroke();
+}
+
+class Painter {
+  constructor(canvas) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.camera = new THREE.PerspectiveCamera();
+    this.camera.matrixAutoUpdate = false;
+    this.geometries = new Map(); // of shapes, by what they are
+    this.clouds = new Map(); // by scene
+  }
+
+  paint(view, look) {
+    const scene = new THREE.Scene(), ratio = window.devicePixelRatio || 1;
+    this.once = []; // what lives for this picture
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(look.width, look.height, false);
+    this.aim(view, look);
+    scene.add(new THREE.HemisphereLight(0xffffff, 0x888888, 0.75), this.sun(view));
+    scene.add(this.floor(look.floor, look.colors.line));
+    if (look.cloud) scene.add(this.cloud(look.cloud));
+    for (const path of look.paths) scene.add(...this.path(path, look.index));
+    for (const camera of look.cameras) scene.add(...this.frustum(camera));
+    for (const body of look.bodies) scene.add(...this.body(body));
+    for (const ball of look.sigmas) scene.add(this.sigma(ball));
+    this.renderer.render(scene, this.camera);
+    for (const thing of this.once) thing.dispose();
+  }
+
+  // A pinhole with its middle in the canvas' middle; OpenGL's camera looks along -z, y up.
+  aim(view, { width, height, size }) {
+    const { eye, right, down, forward } = view, far = 100 * size, t = (view.near * height) / 2 / view.focal, r = (view.near * width) / 2 / view.focal;
+    this.camera.projectionMatrix.makePerspective(-r, r, t, -t, view.near, far);
+    this.camera.projectionMatrixInverse.getInverse(this.camera.projectionMatrix);
+    this.camera.matrix.set(right[0], -down[0], -forward[0], eye[0], right[1], -down[1], -forward[1], eye[1], right[2], -down[2], -forward[2], eye[2], 0, 0, 0, 1);
+    this.camera.updateMatrixWorld(true);
+  }
+
+  sun(view) {
+    const light = new THREE.DirectionalLight(0xffffff, 0.45); // over the eye's shoulder
+    light.position.set(...v_sub(v_add(view.eye, v_scale(view.right, -1)), v_scale(view.down, 2)));
+    light.target.position.set(...v_add(view.eye, view.forward));
+    light.target.updateMatrixWorld();
+    return light;
+  }
+
+  keep(thing) {
+    this.once.push(thing);
+    return thing;
+  }
+
+  lines(points, color, { dash, opacity = 1, colors } = {}) {
+    const geometry = this.keep(new THREE.BufferGeometry());
+    geometry.setAttribute("position", new THREE.Float32BufferAttribute(points.flat(), 3));
+    if (colors) geometry.setAttribute("color", new THREE.Float32BufferAttribute(colors.flat(), 3));
+    const options = { color: colors ? 0xffffff : color, opacity, transparent: opacity < 1, vertexColors: colors ? THREE.VertexColors : THREE.NoColors };
+    const material = this.keep(dash ? new THREE.LineDashedMaterial({ ...options, dashSize: dash, gapSize: dash * 0.7 }) : new THREE.LineBasicMaterial(options));
+    const segments = new THREE.LineSegments(geometry, material);
+    if (dash) segments.computeLineDistances();
+    return segments;
+  }
+
+  floor({ x, y, z, step }, color) {
+    const points = [];
+    for (let at = x[0]; at <= x[1] + step / 2; at += step) points.push([at, y[0], z], [at, y[1], z]);
+    for (let at = y[0]; at <= y[1] + step / 2; at += step) points.push([x[0], at, z], [x[1], at, z]);
+    return this.lines(points, color, { opacity: kFloorAlpha });
+  }
+
+  cloud({ scene, positions_mm, colors }) {
+    if (!this.clouds.has(scene)) {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions_mm.map((mm) => mm / 1000), 3));
+      geometry.setAttribute("color", new THREE.Float32BufferAttribute(colors.flatMap((c) => [(c >> 16) / 255, ((c >> 8) & 255) / 255, (c & 255) / 255]), 3));
+      this.clouds.set(scene, new THREE.Points(geometry, new THREE.PointsMaterial({ size: kCloudPixels, sizeAttenuation: false, vertexColors: THREE.VertexColors, transparent: true, opacity: 0.7 })));
+    }
+    return this.clouds.get(scene);
+  }
+
+  // A trajectory: strong up to now, faint after.
+  path({ points, color, dash, colors }, index) {
+    const segments = (from, to) => {
+      const ends = [];
+      for (let i = Math.max(1, from); i <= Math.min(to, points.length - 1); ++i) if (points[i - 1] && points[i]) ends.push(i - 1, i);
+      return ends;
+    };
+    return [[segments(1, index), 1], [segments(index + 1, points.length), 0.3]].filter(([ends]) => ends.length > 0)
+      .map(([ends, opacity]) => this.lines(ends.map((i) => points[i]), color, { opacity, dash, colors: colors && ends.map((i) => colors[i]) }));
+  }
+
+  // A camera as a pyramid along its z axis, with its image in the base.
+  frustum({ pose, color, dash, depth, half_width, half_height, image }) {
+    const [right, down, forward] = pose_axes(pose), eye = pose.slice(0, 3);
+    const corner = (x, y) => v_add(eye, v_add(v_scale(forward, depth), v_add(v_scale(right, x * half_width * depth), v_scale(down, y * half_height * depth))));
+    const corners = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+    const edges = corners.flatMap((c, i) => [c, corners[(i + 1) % 4], eye, c]);
+    return [this.lines(edges, color, { dash: dash && depth / 8 }), ...(image && image.complete && image.naturalWidth ? [this.picture(corners, image)] : [])];
+  }
+
+  picture(corners, image) {
+    const geometry = this.keep(new THREE.BufferGeometry()), texture = this.keep(new THREE.Texture(image));
+    geometry.setAttribute("position", new THREE.Float32BufferAttribute([0, 3, 2, 0, 2, 1].flatMap((i) => corners[i]), 3));
+    geometry.setAttribute("uv", new THREE.Float32BufferAttribute([0, 1, 0, 0, 1, 0, 0, 1, 1, 0, 1, 1], 2));
+    Object.assign(texture, { needsUpdate: true, generateMipmaps: false, minFilter: THREE.LinearFilter });
+    return new THREE.Mesh(geometry, this.keep(new THREE.MeshBasicMaterial({ map: texture, side: THREE.DoubleSide, transparent: true, opacity: 0.9 })));
+  }
+
+  // The surface, its normals and its sharp edges, made once a shape.
+  geometry({ mesh, key }) {
+    if (!this.geometries.has(key)) {
+      const surface = new THREE.BufferGeometry();
+      surface.setAttribute("position", new THREE.Float32BufferAttribute(mesh.triangles.flatMap((i) => mesh.points[i]), 3));
+      surface.computeVertexNormals(); // flat: true meshes have corners
+      this.geometries.set(key, { surface, edges: new THREE.EdgesGeometry(surface, 30) });
+    }
+    return this.geometries.get(key);
+  }
+
+  // The estimate solid with edges, the truth faint with strong edges.
+  body(body) {
+    const { surface, edges } = this.geometry(body), [x, y, z] = pose_axes(body.pose), [a, b, c] = body.scale, p = body.pose, matrix = new THREE.Matrix4();
+    matrix.set(x[0] * a, y[0] * b, z[0] * c, p[0], x[1] * a, y[1] * b, z[1] * c, p[1], x[2] * a, y[2] * b, z[2] * c, p[2], 0, 0, 0, 1);
+    const material = this.keep(new THREE.MeshLambertMaterial({ color: body.color, transparent: true, opacity: body.truth ? 0.16 : 0.5, side: THREE.DoubleSide, depthWrite: false }));
+    const lines = new THREE.LineSegments(edges, this.keep(new THREE.LineBasicMaterial({ color: body.color, transparent: true, opacity: body.truth ? 0.9 : 0.8 })));
+    const parts = [new THREE.Mesh(surface, material), lines];
+    for (const part of parts) Object.assign(part, { matrixAutoUpdate: false, frustumCulled: false }).matrix.copy(matrix);
+    return parts;
+  }
+
+  sigma({ center, sigmas_m, color }) {
+    this.ball ??= new THREE.SphereBufferGeometry(1, 24, 16);
+    const mesh = new THREE.Mesh(this.ball, this.keep(new THREE.MeshBasicMaterial({ color, wireframe: true, transparent: true, opacity: 0.6 })));
+    mesh.position.set(...center);
+    mesh.scale.set(...sigmas_m);
+    return mesh;
+  }
 }
 
 function with_style(context, style, paint) {
@@ -17,59 +151,6 @@ function with_style(context, style, paint) {
   Object.assign(context, { lineCap: "round", lineJoin: "round", ...style.set });
   paint();
   context.restore();
-}
-
-function paint_floor(context, view, { floor, color }) {
-  with_style(context, { set: { strokeStyle: color, lineWidth: 1 } }, () => {
-    const { x, y, z, step } = floor;
-    for (let at = x[0]; at <= x[1] + step / 2; at += step) path3d(context, view, [[at, y[0], z], [at, y[1], z]]);
-    for (let at = y[0]; at <= y[1] + step / 2; at += step) path3d(context, view, [[x[0], at, z], [x[1], at, z]]);
-  });
-}
-
-function paint_shadow(context, view, body, z, color) {
-  const shape = footprint_of(body, z).map((p) => in_view(view, p));
-  if (shape.some((p) => p[2] < view.near)) return;
-  with_style(context, { set: { fillStyle: color, globalAlpha: 0.12 } }, () => {
-    context.beginPath();
-    for (const p of shape) context.lineTo(...on_canvas(view, p));
-    context.fill();
-  });
-}
-
-// A trajectory: strong up to now, faint after.
-function paint_path(context, view, { points: list, color, dash, width }, index) {
-  for (const [part, alpha] of [[list.slice(0, index + 1), 0.95], [list.slice(index), 0.3]])
-    with_style(context, { dash, set: { strokeStyle: color, lineWidth: width, globalAlpha: alpha } }, () => path3d(context, view, part));
-}
-
-function paint_outline(context, { outline: { x, y, a, b, angle }, color, dash }, fill) {
-  with_style(context, { dash, set: { strokeStyle: color, fillStyle: color, lineWidth: 1.8, globalAlpha: fill ?? 1 } }, () => {
-    context.beginPath();
-    context.ellipse(x, y, a, b, angle, 0, 2 * Math.PI);
-    fill ? context.fill() : context.stroke();
-  });
-}
-
-// Lightly filled, with the rings where the surface faces the eye; the others shine through.
-function paint_ellipsoid(context, view, { ellipsoid, color, fill, ...body }) {
-  paint_outline(context, { color, ...body }, fill);
-  const rings = rings_of(view, ellipsoid);
-  for (const [front, alpha] of [[false, 0.16], [true, 0.65]])
-    with_style(context, { set: { strokeStyle: color, lineWidth: 1, globalAlpha: alpha } }, () => {
-      for (const ring of rings.filter((r) => r.front === front)) path3d(context, view, [ring.from, ring.to]);
-    });
-}
-
-// A camera as a pyramid along its z axis; `size` is how deep.
-function paint_camera(context, view, { pose, color, dash, size }) {
-  const [right, down, forward] = pose_axes(pose), eye = pose.slice(0, 3);
-  const corner = (x, y) => v_add(eye, v_add(v_scale(forward, size), v_add(v_scale(right, 0.7 * x * size), v_scale(down, 0.5 * y * size))));
-  const corners = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
-  with_style(context, { dash, set: { strokeStyle: color, lineWidth: 1.5 } }, () => {
-    path3d(context, view, [...corners, corners[0]]);
-    for (const c of corners) path3d(context, view, [eye, c]);
-  });
 }
 
 function paint_text(context, text, x, y, color, paper) {
@@ -95,19 +176,12 @@ function paint_compass(context, view, height, color, paper) {
   });
 }
 
-// Everything; gives back the ellipsoids with their outlines, far ones first.
-function paint_scene(context, view, look) {
+// Names of the true bodies, over the picture.
+function paint_names(context, view, bodies, look) {
   context.clearRect(0, 0, look.width, look.height);
-  paint_floor(context, view, { floor: look.floor, color: look.colors.line });
-  const bodies = look.bodies.map((body) => ({ ...body, outline: outline_of(view, body.ellipsoid) }))
-    .filter((body) => body.outline).sort((a, b) => b.outline.depth - a.outline.depth);
-  for (const body of bodies) paint_shadow(context, view, body.ellipsoid, look.floor.z, body.color);
-  for (const path of look.paths) paint_path(context, view, path, look.index);
-  for (const camera of look.cameras) paint_camera(context, view, camera);
-  for (const body of bodies) paint_ellipsoid(context, view, body);
-  for (const truth of [false, true]) for (const body of bodies.filter((b) => b.truth === truth)) paint_outline(context, body);
-  for (const body of bodies.filter((b) => b.truth))
-    paint_text(context, body.object, body.outline.x, body.outline.y - body.outline.a - 8, look.colors.ink, look.colors.paper);
+  for (const body of bodies.filter((b) => b.truth)) {
+    const top = body.outline.points.reduce((a, b) => (b[1] < a[1] ? b : a));
+    paint_text(context, body.object, top[0], top[1] - 8, look.colors.ink, look.colors.paper);
+  }
   paint_compass(context, view, look.height, look.colors.soft, look.colors.paper);
-  return bodies;
 }

@@ -1,7 +1,9 @@
-// The 3D view: trajectories, ellipsoids at the slider's time, an orbit by dragging, a zoom by wheel or pinch.
+// One time for image, 3D view and plots: what is shown of which runs, and the slider.
 const motion = JSON.parse(document.getElementById("motion").textContent);
-const motion_state = { scene: null, variants: new Set(), index: 0, follow: "", orbit: null, touched: false, playing: null, drawn: [] };
-const motion_canvas = by_id("space");
+const motion_state = { scene: null, variants: new Set(), index: 0, follow: "", orbit: null, touched: false, playing: null, drawn: [],
+  cloud: true, by_error: false, sigmas: false };
+const motion_canvas = by_id("space"), motion_names = by_id("space-names");
+let painter = null;
 
 const motion_runs = () => motion.runs.filter((run) => run.scene === motion_state.scene && motion_state.variants.has(run.variant));
 const motion_truths = () => distinct(motion.runs.filter((run) => run.scene === motion_state.scene).map((run) => run.truth)).map((i) => motion.truths[i]);
@@ -10,23 +12,52 @@ const motion_time = (index) => (motion_stamps()[index] - scene_start_ns(motion_s
 const axes_at = (track, index) => track.semi_axes_m[track.semi_axes_m.length === 1 ? 0 : index];
 const places = (poses) => poses.map((pose) => pose && pose.slice(0, 3));
 
-// What is painted of one truth or run. `label` is empty for the truth.
-function tracks_look(tracks, color, label) {
-  const truth = label === "", dash = truth ? [5, 4] : undefined, index = motion_state.index;
-  const all = [...tracks.objects, ...(tracks.unmatched ?? [])];
+const kBox = [1, 1, 1, 2]; // a true body without a mesh is its tight box
+
+// Bodies at the slider's time, the truth's first: what they are, where, and how large.
+function track_body(track, color, variant) {
+  const truth = variant === "", pose = track.poses[motion_state.index], axes = axes_at(track, motion_state.index);
+  if (!pose) return [];
+  const mesh = truth && true_mesh(motion_state.scene, track.id), solid = truth ? kBox : track.solids[track.solids.length === 1 ? 0 : motion_state.index];
+  return [{ object: track.object, label: variant, truth, color, pose, sigmas_m: track.sigmas_m[track.sigmas_m.length === 1 ? 0 : motion_state.index],
+    ...(mesh ? { mesh, key: `${motion_state.scene} ${track.id}`, scale: [1, 1, 1] } : { mesh: unit_solid(solid), key: solid.join(), scale: axes }) }];
+}
+
+const tracks_of = (tracks) => [...tracks.objects, ...(tracks.unmatched ?? [])];
+const motion_bodies = () => [...motion_truths().flatMap((truth) => tracks_of(truth).flatMap((t) => track_body(t, css("--ink"), ""))),
+  ...motion_runs().flatMap((run) => tracks_of(run).flatMap((t) => track_body(t, variant_color(run.variant), run.variant)))];
+
+// From the variant's colour to red: half of the object's 90th percentile of APE.t is in the middle.
+function error_colors(run, track) {
+  const series = data.cells.find((c) => c.scene === run.scene && c.variant === run.variant && c.seed === run.seed)?.series.find((s) => s.object === track.object);
+  const values = series?.columns.ape_translation_m;
+  if (!values) return null;
+  const known = values.filter((v) => v !== null).sort((a, b) => a - b), most = known[Math.floor(0.9 * (known.length - 1))] || 1;
+  const from = new THREE.Color(variant_color(run.variant)), to = new THREE.Color(css("--bad"));
+  return motion_stamps().map((stamp) => {
+    const at = series.stamps_ns.reduce((best, s, i) => (Math.abs(s - stamp) < Math.abs(series.stamps_ns[best] - stamp) ? i : best), 0);
+    return from.clone().lerp(to, Math.min(1, (values[at] ?? 0) / most)).toArray();
+  });
+}
+
+// What is painted of one truth or run.
+function tracks_look(tracks, color, variant) {
+  const truth = variant === "", dash = truth ? motion_state.size / 120 : undefined, pose = tracks.camera[motion_state.index], size = scenery[motion_state.scene]?.camera;
+  const half = size ? { half_width: size.width / size.fx / 2, half_height: size.height / size.fy / 2 } : { half_width: 0.7, half_height: 0.5 };
   return {
-    paths: [{ points: places(tracks.camera), color, dash, width: 1.2 }, ...all.map((t) => ({ points: places(t.poses), color, dash, width: 2 }))],
-    cameras: tracks.camera[index] ? [{ pose: tracks.camera[index], color, dash, size: motion_state.size / 16 }] : [],
-    bodies: all.filter((t) => t.poses[index]).map((t) => ({ object: t.object, label, truth, color, dash, fill: truth ? 0.1 : 0.16,
-      ellipsoid: ellipsoid_of(t.poses[index], axes_at(t, index)) })),
+    paths: [{ points: places(tracks.camera), color, dash }, ...tracks_of(tracks).map((t) => ({ points: places(t.poses), color, dash,
+      colors: motion_state.by_error && !truth ? error_colors(tracks, t) : null }))],
+    cameras: pose ? [{ pose, color, dash, ...half, depth: motion_state.size / 14, image: truth ? film_image : null }] : [],
   };
 }
 
 function motion_look() {
   const parts = [...motion_runs().map((run) => tracks_look(run, variant_color(run.variant), run.variant)),
     ...motion_truths().map((truth) => tracks_look(truth, css("--ink"), ""))]; // dashed over what lies along it
-  const all = (name) => parts.flatMap((part) => part[name]);
-  return { paths: all("paths"), cameras: all("cameras"), bodies: all("bodies"), floor: motion_state.floor, index: motion_state.index,
+  const all = (name) => parts.flatMap((part) => part[name]), bodies = motion_bodies(), cloud = scenery[motion_state.scene]?.cloud;
+  return { paths: all("paths"), cameras: all("cameras"), bodies, floor: motion_state.floor, index: motion_state.index, size: motion_state.size,
+    cloud: cloud && motion_state.cloud ? { scene: motion_state.scene, ...cloud } : null,
+    sigmas: motion_state.sigmas ? bodies.filter((b) => b.sigmas_m).map((b) => ({ center: b.pose.slice(0, 3), sigmas_m: b.sigmas_m.map((s) => 3 * s), color: b.color })) : [],
     colors: { ink: css("--ink"), soft: css("--soft"), line: css("--line"), paper: css("--raised") } };
 }
 
@@ -71,14 +102,18 @@ function follow_target() {
 
 function draw_motion() {
   if (!motion_state.scene || motion_canvas.clientWidth === 0) return;
+  draw_film();
   const ratio = window.devicePixelRatio || 1, { clientWidth: width, clientHeight: height } = motion_canvas;
-  if (motion_canvas.width !== Math.round(width * ratio) || motion_canvas.height !== Math.round(height * ratio))
-    Object.assign(motion_canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
+  Object.assign(motion_names, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
   const target = follow_target();
   if (target) motion_state.orbit.target = target;
-  const context = motion_canvas.getContext("2d"), view = orbit_view(motion_state.orbit, width, height);
+  const view = orbit_view(motion_state.orbit, width, height), look = { ...motion_look(), width, height };
+  motion_state.drawn = look.bodies.map((body) => ({ ...body, outline: outline_of(view, body) }))
+    .filter((body) => body.outline).sort((a, b) => b.outline.depth - a.outline.depth); // far ones first
+  painter?.paint(view, look);
+  const context = motion_names.getContext("2d");
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  motion_state.drawn = paint_scene(context, view, { ...motion_look(), width, height });
+  paint_names(context, view, motion_state.drawn, look);
 }
 
 // The figures of frames.csv at a time of a run: from its series, by the nearest stamp.
@@ -104,6 +139,7 @@ function draw_readout() {
 
 // Shows one of the kept times, and marks it in the plots.
 function show_motion_index(index, mark = true) {
+  motion_state.moved ||= index !== motion_state.index;
   motion_state.index = Math.max(0, Math.min(motion_stamps().length - 1, index));
   const time = motion_time(motion_state.index), slider = by_id("space-time");
   slider.value = String(motion_state.index);
@@ -111,6 +147,7 @@ function show_motion_index(index, mark = true) {
   by_id("space-clock").textContent = `${time.toFixed(2)} s`;
   draw_motion();
   draw_readout();
+  note_address();
   if (!mark || chart_state.scene !== motion_state.scene) return;
   chart_state.time = time;
   for (const chart of charts) chart.draw();
@@ -129,15 +166,16 @@ function pause_motion() {
   Object.assign(by_id("space-play"), { textContent: "▶", ariaLabel: "Play" });
 }
 
+const kLongestStep_s = 0.2; // what takes longer to paint is played slower, not left out
+
 // In the time of the recording; from the start when it is at its end.
 function play_motion() {
   const last = motion_stamps().length - 1;
   if (motion_state.index === last) show_motion_index(0);
-  const begin_s = motion_time(motion_state.index);
-  let begin_ms = null;
+  let time = motion_time(motion_state.index), before_ms = null;
   const step = (now_ms) => {
-    begin_ms ??= now_ms;
-    const time = begin_s + (now_ms - begin_ms) / 1000;
+    time += Math.min((now_ms - (before_ms ?? now_ms)) / 1000, kLongestStep_s);
+    before_ms = now_ms;
     let index = motion_state.index;
     while (index < last && motion_time(index + 1) <= time) ++index;
     if (index !== motion_state.index) show_motion_index(index);
@@ -148,12 +186,8 @@ function play_motion() {
   motion_state.playing = requestAnimationFrame(step);
 }
 
-// The variant that is the best in most of the scene's figures.
-function leading_variant(scene, shown) {
-  const marks = (variant) => data.summary.filter((row) => row.scene === scene && row.variant === variant)
-    .reduce((sum, row) => sum + Object.values(row.spread).filter((s) => s.best).length, 0);
-  return shown.reduce((best, variant) => (marks(variant) > marks(best) ? variant : best));
-}
+// The best of those shown, as known at each frame where there is one.
+const leading_variant = (shown) => ranked_variants().find((v) => shown.includes(v)) ?? shown[0];
 
 // Results made before `evaluate` wrote poses have nothing to show here: which, and what helps.
 function say_what_is_absent(scene) {
@@ -166,12 +200,11 @@ function say_what_is_absent(scene) {
 function show_motion(scene) {
   const shown = distinct(motion.runs.filter((run) => run.scene === scene).map((run) => run.variant));
   say_what_is_absent(scene);
-  by_id("motion-scene").hidden = shown.length === 0 && by_id("space-absent").hidden;
   by_id("space-view").hidden = shown.length === 0;
   if (shown.length > 0 && scene === motion_state.scene) return;
   pause_motion();
   if (shown.length === 0) return (motion_state.scene = null);
-  Object.assign(motion_state, { scene, variants: new Set([leading_variant(scene, shown)]), index: 0, follow: "" });
+  Object.assign(motion_state, { scene, variants: new Set([leading_variant(shown)]), moved: false, index: 0, follow: "" });
   draw_motion_chips();
   const names = motion_truths()[0].objects.map((o) => o.object);
   by_id("space-follow").replaceChildren(el("option", { value: "" }, "the whole scene"),
@@ -180,5 +213,6 @@ function show_motion(scene) {
   measure_scene();
   by_id("space-scale").textContent = `squares of ${Number(motion_state.floor.step.toPrecision(1))} m`;
   reset_orbit();
-  show_motion_index(Math.floor(motion_stamps().length / 2), false); // where most is seen
+  motion_state.index = Math.floor(motion_stamps().length / 2); // where most is seen
+  show_motion_index(motion_state.index, false);
 }

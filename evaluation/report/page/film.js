@@ -1,0 +1,46 @@
+// The camera's image at the slider's time, with the outlines of the true and estimated bodies drawn on it.
+const scenery = JSON.parse(document.getElementById("scenery").textContent);
+const film_canvas = by_id("film-canvas"), film_image = by_id("film-image");
+
+const film_frames = (scene) => scenery[scene]?.frames ?? [];
+
+function nearest_frame(scene, stamp_ns) {
+  return film_frames(scene).reduce((best, frame) => (!best || Math.abs(frame.stamp_ns - stamp_ns) < Math.abs(best.stamp_ns - stamp_ns) ? frame : best), null);
+}
+
+// The camera's own view, as wide as the canvas; pixel centres lie at whole numbers.
+function camera_view(scene, pose, width) {
+  const { camera } = scenery[scene], [right, down, forward] = pose_axes(pose), scale = width / camera.width;
+  return { eye: pose.slice(0, 3), right, down, forward, focal: camera.fx * scale, focal_y: camera.fy * scale,
+    cx: (camera.cx + 0.5) * scale, cy: (camera.cy + 0.5) * scale, near: 0.01 };
+}
+
+// A dashed line of the truth is light on dark, so that it shows on any image.
+function stroke_outline(context, outline, color, truth) {
+  for (const [style, width, dash] of truth ? [["rgb(0 0 0 / 70%)", 4, []], ["#fff", 2, [6, 4]]] : [["rgb(0 0 0 / 45%)", 4, []], [color, 2.2, []]])
+    with_style(context, { dash, set: { strokeStyle: style, lineWidth: width } }, () => {
+      context.beginPath();
+      for (const p of outline.points) context.lineTo(...p);
+      context.closePath();
+      context.stroke();
+    });
+}
+
+function draw_film() {
+  const { scene } = motion_state, stamp_ns = motion_stamps()[motion_state.index], frame = nearest_frame(scene, stamp_ns);
+  by_id("film-view").hidden = !frame;
+  if (!frame) return;
+  const source = source_of(frame), camera = motion_truths()[0].camera[motion_state.index];
+  if (film_image.src !== source) film_image.src = source;
+  film_image.alt = `${scene}: frame ${frame.frame}`;
+  const ratio = window.devicePixelRatio || 1, width = film_image.clientWidth, height = (width * scenery[scene].camera.height) / scenery[scene].camera.width;
+  Object.assign(film_canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
+  by_id("film-note").textContent = `frame ${frame.frame}`;
+  if (!camera || width === 0) return;
+  const context = film_canvas.getContext("2d"), view = camera_view(scene, camera, width);
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  film_state.drawn = motion_bodies().map((body) => ({ ...body, outline: outline_of(view, body) })).filter((body) => body.outline);
+  for (const truth of [true, false])
+    for (const body of film_state.drawn.filter((b) => b.truth === truth)) stroke_outline(context, body.outline, body.color, truth);
+}
+const film_state = { drawn: [] };
