@@ -27,10 +27,11 @@ std::string room_scene(RandomStream& random, const FamilyOptions& options) {
     text += fmt::format("      - {{time_s: {}, position_m: {}, look_at_m: {}}}\n",
                         yaml_number(share * duration_s, 2), yaml_vector(at), yaml_vector(ahead));
   }
+  const std::uint32_t seed = random.below(100'000), furniture = 4 + random.below(9);
   text += fmt::format(
       "world:\n  - {{name: room, primitive: room, size_m: [{}, {}, 3], furniture: {}, material: {{seed: "
       "{}}}}}\n",
-      yaml_number(width_m), yaml_number(depth_m), 4 + random.below(9), random.below(100'000));
+      yaml_number(width_m), yaml_number(depth_m), furniture, seed);
   return text;
 }
 

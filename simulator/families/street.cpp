@@ -109,7 +109,8 @@ double stop_and_go(RandomStream& random, Drive& drive, double& speed_mps) {
 // To another line of the same lane, by as much steering to one side as to the other.
 double swerve(RandomStream& random, Drive& drive, double speed_mps) {
   constexpr double kMostTurn_rad = 0.25;
-  const double aside_m = random.uniform(0.4, 1.2) * (random.below(2) ? 1 : -1);
+  const double width_m = random.uniform(0.4, 1.2), side = random.below(2) ? 1 : -1;
+  const double aside_m = side * width_m;
   const double turns_s = std::max(random.uniform(0.8, 1.5), std::abs(aside_m) / (kMostTurn_rad * speed_mps));
   const double curvature = aside_m / std::pow(speed_mps * turns_s, 2);
   const double steer_rad = std::atan(DriveOptions{}.wheelbase_m * curvature);
