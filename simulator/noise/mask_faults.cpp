@@ -81,7 +81,7 @@ void merge(cv::Mat& ids, const Faults& faults, double probability) {
     }
 }
 
-void split(cv::Mat& ids, int id, RandomStream random, int part_id) {
+void split(cv::Mat& ids, int id, RandomStream& random, int part_id) {
   const cv::Mat mask = ids == id;
   const cv::Moments moments = cv::moments(mask, true);
   const double angle = 2 * std::numbers::pi * random.uniform();

@@ -151,6 +151,23 @@ TEST(MaskFaults, OutagesTakeTheirShareOfTheTime) {
   EXPECT_NEAR(missing, 10 * 60, 10);
 }
 
+// One random number for both let none of the lower parts leak.
+TEST(MaskFaults, LeaksDoNotDependOnWhichWayASplitGoes) {
+  SegmenterNoise noise;
+  noise.split_probability = 1;
+  noise.leak_probability = 0.5;
+  int lower = 0, leaks = 0;
+  for (int k = 0; k < kPeriods; ++k) {
+    const cv::Mat ids = mask_faults(three_boxes(), noise, 4, 0.5 * k + 0.1, kObjects);
+    const cv::Mat kept = ids(cv::Rect(220, 60, 50, 80)) == 3;
+    if (2 * cv::countNonZero(kept.rowRange(40, 80)) < cv::countNonZero(kept)) continue;
+    ++lower;
+    leaks += area(ids, 3) > cv::countNonZero(kept);
+  }
+  EXPECT_GT(lower, kPeriods / 3);
+  EXPECT_NEAR(leaks / static_cast<double>(lower), 0.5, kSigmas * 0.5 / std::sqrt(lower));
+}
+
 TEST(MaskFaults, LatencyVariesAndIsNeverNegative) {
   SegmenterNoise noise;
   noise.latency_s = 0.1;
