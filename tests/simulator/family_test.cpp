@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <map>
 
 #include "core/base/config.h"
 #include "core/base/files.h"
 #include "core/sequence/calibration.h"
+#include "simulator/scene/body_reader.h"
 #include "simulator/scene/scene.h"
 #include "tests/support/temp_folder.h"
 
@@ -180,6 +183,50 @@ TEST(Street, WhoCrossesComesFromBeyondTheKerbAndTheParkedStandAtIt) {
   }
   EXPECT_GT(crossing, 3);
   EXPECT_GT(parked, 3);
+}
+
+std::string actor_of(const Body& body) {
+  for (const char* name : {"cyclist", "pedestrian"})
+    if (body.name.starts_with(name)) return name;
+  const Pose first = body.motion.at(0);
+  const double y_m = first.translation.y();
+  if (std::abs((first.rotation * Eigen::Vector3d::UnitX()).x()) < 0.5) return "crossing";
+  if (std::abs(y_m) > 8) return "parked";
+  return y_m > 3.3 ? "oncoming" : y_m > 0 ? "overtaking" : "leading";
+}
+
+void expect_shares(const std::map<std::string, int>& counts, const std::map<std::string, double>& shares) {
+  constexpr double kSigmas = 3;
+  double all = 0;
+  for (const auto& [kind, count] : counts) all += count;
+  EXPECT_GT(all, 180) << "too few to tell";
+  for (const auto& [kind, share] : shares)
+    EXPECT_NEAR(counts.at(kind) / all, share, kSigmas * std::sqrt(share * (1 - share) / all))
+        << kind << " of " << all;
+}
+
+// The shares that scenes/families.md says, in scenes so short that some kinds seldom come into view.
+TEST(Street, ActorsHaveTheirShares) {
+  std::map<std::string, int> actors, vehicles;
+  for (std::uint64_t seed = 0; seed < 90; ++seed) {
+    const std::string text = generate_scene({"street", seed, {{"frames", "30"}}});
+    std::vector<std::filesystem::path> files;
+    for (const ConfigNode& object : ConfigNode::parse(text, "street").at("objects").items()) {
+      const Body body = read_object(object, {.is_painted = false}, files);
+      const std::string actor = actor_of(body);
+      ++actors[actor];
+      if (actor != "cyclist" && actor != "pedestrian" && actor != "crossing")
+        ++vehicles[body.name.substr(0, body.name.find('_'))];
+    }
+  }
+  expect_shares(actors, {{"leading", 0.22},
+                         {"overtaking", 0.2},
+                         {"oncoming", 0.18},
+                         {"parked", 0.12},
+                         {"crossing", 0.08},
+                         {"cyclist", 0.1},
+                         {"pedestrian", 0.1}});
+  expect_shares(vehicles, {{"car", 0.65}, {"van", 0.23}, {"truck", 0.12}});
 }
 
 TEST(Street, NobodyDrivesIntoTheHousesAtItsEnds) {
