@@ -295,6 +295,26 @@ TEST(Families, TheHarderTheFaster) {
   EXPECT_GT(largest_step_m(1), 2 * largest_step_m(0));
 }
 
+TEST(Families, TheHarderTheLessTextureAndTheLargerARoomIs) {
+  double before_marks = 100, before_contrast = 1;
+  for (const char* difficulty : {"0", "0.5", "1"}) {
+    double marks = 0, contrast = 0, largest_m = 0;
+    constexpr int kRooms = 40;
+    for (std::uint64_t seed = 0; seed < kRooms; ++seed) {
+      const std::string text = generate_scene({"room", seed, {{"difficulty", difficulty}, {"frames", "30"}}});
+      const ConfigNode room = ConfigNode::parse(text, "room").at("world").items().front();
+      marks += room.at("material").get<double>("marks", 0) / kRooms;
+      contrast += room.at("material").get<double>("contrast", 0) / kRooms;
+      largest_m = std::max(largest_m, room.at("size_m").items().front().as<double>());
+    }
+    EXPECT_LT(marks, before_marks - 5);
+    EXPECT_LT(contrast, before_contrast - 0.15);
+    EXPECT_NEAR(largest_m, 5.5 + 1.5 * std::stod(difficulty), 0.3);
+    before_marks = marks;
+    before_contrast = contrast;
+  }
+}
+
 TEST(Families, RefuseWhatTheyDoNotHave) {
   const auto refusal = [](const FamilyRequest& request) {
     return input_error([&] { generate_scene(request); });
