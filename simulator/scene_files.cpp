@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/version.h"
 #include "core/sequence/calibration.h"
@@ -47,6 +49,18 @@ SequenceFrame list_frame(const Scene& scene, std::uint64_t seed, std::int64_t fr
   return listed;
 }
 
+// A segmenter gives its results in the order of the frames: who is slow holds up those behind.
+std::vector<SequenceFrame> list_frames(const Scene& scene, std::uint64_t seed, std::int64_t frames) {
+  std::vector<SequenceFrame> listed;
+  std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
+  for (std::int64_t frame = 0; frame < frames; ++frame) {
+    listed.push_back(list_frame(scene, seed, frame));
+    if (listed.back().masks.empty()) continue;
+    last_ns = listed.back().masks_arrival_ns = std::max(last_ns, listed.back().masks_arrival_ns);
+  }
+  return listed;
+}
+
 }  // namespace
 
 double frame_time_s(const Scene& scene, std::int64_t frame) {
@@ -64,8 +78,7 @@ void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t f
   sequence.rate_hz = scene.rate_hz;
   sequence.rolling_shutter_s = scene.imaging.rolling_shutter_s;
   sequence.depth_units_per_m = depth_units_per_m(scene.depth_noise);
-  for (std::int64_t frame = 0; frame < frames; ++frame)
-    sequence.frames.push_back(list_frame(scene, seed, frame));
+  sequence.frames = list_frames(scene, seed, frames);
   if (scene.imu) sequence.imu = scene.imu->calibration;
   if (scene.imu) sequence.imu->camera_from_imu = sequence.imu->camera_from_imu * scene.imu->mounting_error;
   if (const auto rig = lidar_of(scene)) {

@@ -13,7 +13,7 @@ namespace uniquadric {
 /// What the scenes of all families have of their own.
 struct FamilyOptions {
   std::string family;
-  double difficulty = 0.5;  ///< 0 to 1: of speed, number, occlusion, distance and texture
+  double difficulty = 0.5;  ///< 0 to 1: of what scenes/families.md says of each family
   std::int64_t frames = 300;
   int count = 0;       ///< of objects; 0: drawn
   std::string meshes;  ///< a folder of scanned things to draw from; empty: primitives

@@ -28,13 +28,15 @@ std::string held_by_hand(RandomStream& random, const Thing& thing, const std::st
 // The limb behind another one along its y, which bends at the joint between them.
 std::string bends_behind(RandomStream& random, const Thing& behind, const Thing& before,
                          const std::string& motion) {
+  const double phase_deg = random.uniform(0, 360), period_s = random.uniform(0.8, 2);
+  const double amplitude_deg = random.uniform(5, 20), bend_deg = random.uniform(60, 100);
   return motion + fmt::format(
                       "        - {{kind: static, position_m: [0, {}, 0], rpy_deg: [{}, 0, 0]}}\n"
                       "        - {{kind: swing, pivot_m: [0, 0, 0], length_m: {}, amplitude_deg: {}, "
                       "period_s: {}, phase_deg: {}}}\n",
-                      yaml_number(0.45 * before.size_m.y()), yaml_number(random.uniform(60, 100), 1),
-                      yaml_number(0.45 * behind.size_m.z()), yaml_number(random.uniform(5, 20), 1),
-                      yaml_number(random.uniform(0.8, 2), 2), yaml_number(random.uniform(0, 360), 1));
+                      yaml_number(0.45 * before.size_m.y()), yaml_number(bend_deg, 1),
+                      yaml_number(0.45 * behind.size_m.z()), yaml_number(amplitude_deg, 1),
+                      yaml_number(period_s, 2), yaml_number(phase_deg, 1));
 }
 
 std::string carried(RandomStream& random, const std::string& waypoints, const FamilyOptions& options) {

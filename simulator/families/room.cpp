@@ -9,7 +9,8 @@ namespace uniquadric {
 
 // A walk around the middle of a furnished room that looks at its walls: nothing in it moves.
 std::string room_scene(RandomStream& random, const FamilyOptions& options) {
-  const double width_m = random.uniform(4, 7), depth_m = random.uniform(4, 7);
+  const double widest_m = graded(options.difficulty, 5.5, 7);
+  const double width_m = random.uniform(4, widest_m), depth_m = random.uniform(4, widest_m);
   const double duration_s = options.camera_s();
   const double turn_deg = graded(options.difficulty, 8, 45) * duration_s * (random.below(2) ? 1 : -1);
   const double begin_deg = random.uniform(-180, 180);
@@ -27,10 +28,14 @@ std::string room_scene(RandomStream& random, const FamilyOptions& options) {
     text += fmt::format("      - {{time_s: {}, position_m: {}, look_at_m: {}}}\n",
                         yaml_number(share * duration_s, 2), yaml_vector(at), yaml_vector(ahead));
   }
+  const std::uint32_t seed = random.below(100'000), furniture = 4 + random.below(9);
+  const double contrast = graded(options.difficulty, 0.6, 0.1) * random.uniform(0.7, 1.3);
+  const double marks = graded(options.difficulty, 24, 6) * random.uniform(0.7, 1.3);
   text += fmt::format(
-      "world:\n  - {{name: room, primitive: room, size_m: [{}, {}, 3], furniture: {}, material: {{seed: "
-      "{}}}}}\n",
-      yaml_number(width_m), yaml_number(depth_m), 4 + random.below(9), random.below(100'000));
+      "world:\n  - {{name: room, primitive: room, size_m: [{}, {}, 3], furniture: {}, material: {{seed: {}, "
+      "contrast: {}, marks: {}}}}}\n",
+      yaml_number(width_m), yaml_number(depth_m), furniture, seed, yaml_number(contrast, 2),
+      std::lround(marks));
   return text;
 }
 

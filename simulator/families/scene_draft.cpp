@@ -161,11 +161,10 @@ bool SceneDraft::add(const Thing& thing, const std::string& motion) {
   return true;
 }
 
-std::optional<std::string> SceneDraft::add_drawn(const Thing& thing,
-                                                 const std::function<std::string()>& draw_motion) {
-  constexpr int kMostTries = 40;
-  for (int i = 0; i < kMostTries; ++i)
-    if (const std::string motion = draw_motion(); add(thing, motion)) return motion;
+std::optional<std::string> SceneDraft::add_drawn(
+    const Thing& thing, const std::function<std::optional<std::string>()>& draw_motion, int most) {
+  for (int i = 0; i < most; ++i)
+    if (const auto motion = draw_motion(); motion && add(thing, *motion)) return motion;
   return std::nullopt;
 }
 

@@ -41,9 +41,11 @@ class SceneDraft {
   void keep_within(double half_m) { half_m_ = half_m; }
   /// `motion` as YAML lines indented by six. Whether it was added.
   bool add(const Thing& thing, const std::string& motion);
-  /// Draws motions, forty at most, until the thing can be added with one: that one, or nothing where there is
-  /// no place left.
-  std::optional<std::string> add_drawn(const Thing& thing, const std::function<std::string()>& draw_motion);
+  /// Draws motions, `most` of them, until the thing can be added with one: that one, or nothing where there
+  /// is no place left. A draw may be nothing, too.
+  std::optional<std::string> add_drawn(const Thing& thing,
+                                       const std::function<std::optional<std::string>()>& draw_motion,
+                                       int most = 40);
   /// Adds what is seen and not scored: the others do not have to keep clear of it.
   void add_unscored(const Thing& thing, const std::string& motion);
 

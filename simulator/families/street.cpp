@@ -26,6 +26,7 @@ constexpr double kFromKerb_m = 0.3;  // of what is parked
 constexpr double kCameraHeight_m = 1.65, kClear_m = 0.4, kBehind_m = 25;
 constexpr double kHouses_m = 10;    // before each end of the street
 constexpr double kCarShare = 0.65;  // of vehicles
+constexpr int kMostTries = 60;      // to find a place for an actor
 const Vector3d kEgoSize_m(4.5, 1.9, 1.6);
 
 // What a scene's actors are drawn about.
@@ -109,7 +110,8 @@ double stop_and_go(RandomStream& random, Drive& drive, double& speed_mps) {
 // To another line of the same lane, by as much steering to one side as to the other.
 double swerve(RandomStream& random, Drive& drive, double speed_mps) {
   constexpr double kMostTurn_rad = 0.25;
-  const double aside_m = random.uniform(0.4, 1.2) * (random.below(2) ? 1 : -1);
+  const double width_m = random.uniform(0.4, 1.2), side = random.below(2) ? 1 : -1;
+  const double aside_m = side * width_m;
   const double turns_s = std::max(random.uniform(0.8, 1.5), std::abs(aside_m) / (kMostTurn_rad * speed_mps));
   const double curvature = aside_m / std::pow(speed_mps * turns_s, 2);
   const double steer_rad = std::atan(DriveOptions{}.wheelbase_m * curvature);
@@ -231,39 +233,42 @@ std::string across(RandomStream& random, const Street& street, const Thing& thin
   return text;
 }
 
-bool add_actor(RandomStream& random, const Street& street, SceneDraft& draft) {
-  const auto add = [&](const Thing& thing, const std::optional<std::string>& motion) {
-    return motion && draft.add(thing, *motion);
-  };
+// One of a kind that is drawn once, however often its place is: else the kinds that soon find a place would
+// be more than their share.
+void add_actor(RandomStream& random, const Street& street, SceneDraft& draft) {
   const double way_m = street.speed_mps * street.duration_s;
   const double farthest_m = std::min(2 * way_m + 20, street.length_m - kBehind_m - kHouses_m);
+  const double ahead_m = 30;  // of who drives the same way
+  const auto add_along = [&](const Thing& thing, double lane_m, double heading_deg, double relative_speed,
+                             double from_m, double to_m) {
+    draft.add_drawn(
+        thing,
+        [&] { return along_lane(random, street, thing, lane_m, heading_deg, relative_speed, from_m, to_m); },
+        kMostTries);
+  };
+  const auto add_across = [&](const Thing& thing, const Crossing& crossing, double speed_mps) {
+    draft.add_drawn(
+        thing, [&] { return across(random, street, thing, crossing, speed_mps); }, kMostTries);
+  };
   const double kind = random.uniform();
   if (kind < 0.22) {
+    add_along(vehicle(random, street), kEgoLane_m, 0, 1, 9, ahead_m);
+  } else if (kind < 0.42) {
+    add_along(vehicle(random, street), kFastLane_m, 0, 1.3, -16, 15);
+  } else if (kind < 0.6) {
+    add_along(vehicle(random, street), kOncomingLane_m, 180, 1, 20, farthest_m);
+  } else if (kind < 0.72) {
     const Thing thing = vehicle(random, street);
-    return add(thing, along_lane(random, street, thing, kEgoLane_m, 0, 1, 9, 30));
+    draft.add_drawn(
+        thing, [&] { return standing(random, street, thing, way_m); }, kMostTries);
+  } else if (kind < 0.8) {
+    const Thing car = vehicle(random, street, Vehicles::cars);
+    add_across(car, by_car(car), 6);
+  } else if (kind < 0.9) {
+    add_along(walker(random, true), kCycleLane_m, 0, 0.5, 5, ahead_m);
+  } else {
+    add_across(walker(random, false), kOnFoot, 1.4);
   }
-  if (kind < 0.42) {
-    const Thing thing = vehicle(random, street);
-    return add(thing, along_lane(random, street, thing, kFastLane_m, 0, 1.3, -16, 15));
-  }
-  if (kind < 0.6) {
-    const Thing thing = vehicle(random, street);
-    return add(thing, along_lane(random, street, thing, kOncomingLane_m, 180, 1, 20, farthest_m));
-  }
-  if (kind < 0.72) {
-    const Thing thing = vehicle(random, street);
-    return draft.add(thing, standing(random, street, thing, way_m));
-  }
-  if (kind < 0.8) {
-    const Thing thing = vehicle(random, street, Vehicles::cars);
-    return draft.add(thing, across(random, street, thing, by_car(thing), 6));
-  }
-  if (kind < 0.9) {
-    const Thing thing = walker(random, true);
-    return add(thing, along_lane(random, street, thing, kCycleLane_m, 0, 0.5, 5, 30));
-  }
-  const Thing thing = walker(random, false);
-  return draft.add(thing, across(random, street, thing, kOnFoot, 1.4));
 }
 
 std::string sensors(RandomStream& random, const FamilyOptions& options) {
@@ -281,7 +286,6 @@ std::string sensors(RandomStream& random, const FamilyOptions& options) {
 }  // namespace
 
 std::string street_scene(RandomStream& random, const FamilyOptions& options) {
-  constexpr int kLeastTries = 60, kTriesEach = 6;
   Street street{static_cast<double>(options.frames) / 30, graded(options.difficulty, 3, 12), 0, 0,
                 options.difficulty};
   const double way_m = street.speed_mps * street.duration_s;
@@ -304,8 +308,8 @@ std::string street_scene(RandomStream& random, const FamilyOptions& options) {
                   yaml_number(street.length_m, 1), yaml_number(kWidth_m, 1), random.below(100'000)));
   const int drawn = 1 + static_cast<int>(graded(options.difficulty, 3, 9.99) * random.uniform());
   const int count = options.count > 0 ? options.count : drawn;
-  const int tries = std::max(kLeastTries, kTriesEach * count);
-  for (int i = 0; i < tries && draft.count() < count; ++i) add_actor(random, street, draft);
+  // who finds no place is left out, unless nobody else does
+  for (int i = 0; i < count || (draft.count() == 0 && i < kMostTries); ++i) add_actor(random, street, draft);
   return sensors(random, options) + draft.text();
 }
 

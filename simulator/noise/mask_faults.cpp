@@ -81,7 +81,7 @@ void merge(cv::Mat& ids, const Faults& faults, double probability) {
     }
 }
 
-void split(cv::Mat& ids, int id, RandomStream random, int part_id) {
+void split(cv::Mat& ids, int id, RandomStream& random, int part_id) {
   const cv::Mat mask = ids == id;
   const cv::Moments moments = cv::moments(mask, true);
   const double angle = 2 * std::numbers::pi * random.uniform();
@@ -105,10 +105,11 @@ void add_false_mask(cv::Mat& ids, RandomStream random, int false_id) {
   const auto part = [&](double low, double high, int size) {
     return static_cast<int>(std::lround(random.uniform(low, high) * size));
   };
-  const cv::Point middle(part(0, 1, ids.cols), part(0, 1, ids.rows));
-  const cv::Size half(part(0.01, 0.05, ids.cols), part(0.01, 0.05, ids.cols));
+  const int v = part(0, 1, ids.rows), u = part(0, 1, ids.cols);
+  const int half_height = part(0.01, 0.05, ids.cols), half_width = part(0.01, 0.05, ids.cols);
+  const double turn_deg = random.uniform(0, 180);
   cv::Mat ellipse = cv::Mat::zeros(ids.size(), CV_8UC1);
-  cv::ellipse(ellipse, middle, half, random.uniform(0, 180), 0, 360, 255, cv::FILLED);
+  cv::ellipse(ellipse, {u, v}, {half_width, half_height}, turn_deg, 0, 360, 255, cv::FILLED);
   ids.setTo(false_id, ellipse & (ids == 0));
 }
 

@@ -46,8 +46,12 @@ bool is_segmented(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t 
 }
 
 double latency_s(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame) {
+  constexpr double kNone_s = 1e-9;  // no stamp shows less
+  if (noise.latency_s < kNone_s) return 0;
   RandomStream random(seed, "segmenter_latency", static_cast<std::uint64_t>(frame));
-  return std::max(0.0, noise.latency_s + noise.latency_sigma_s * random.normal());
+  // a logarithm of this deviation, whose mean lies below that of latency_s by half its square
+  const double deviation = std::sqrt(2 * std::log(std::hypot(1, noise.latency_sigma_s / noise.latency_s)));
+  return noise.latency_s * std::exp(deviation * (random.normal() - 0.5 * deviation));
 }
 
 cv::Mat segment(const cv::Mat& true_ids, const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame,

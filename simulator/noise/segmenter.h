@@ -11,7 +11,8 @@ namespace uniquadric {
 /// Whether masks come for a frame at all (every_n_frames, outages).
 bool is_segmented(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame, double rate_hz);
 
-/// From the frame's stamp to the arrival of its masks [s].
+/// How long the segmenter takes for a frame [s]: log-normal, with mean latency_s and standard deviation
+/// latency_sigma_s, each frame's of its own. Masks that wait for those of an earlier frame arrive later.
 double latency_s(const SegmenterNoise& noise, std::uint64_t seed, std::int64_t frame);
 
 /// The simulated segmenter: a sensor whose masks come from the true ids (16UC1, of visible surfaces), its

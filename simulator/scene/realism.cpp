@@ -124,6 +124,8 @@ const std::vector<RealismRow>& realism_rows() {
       {"lidar.mounting_error.position_m", "[0.005, 0, 0]", "[0.01, 0.01, -0.01]", "[0.05, 0.03, -0.03]",
        false, kOurs},
       {"lidar.time_offset_s", "", "0.002", "0.01", false, "ours: without and with a wrong clock"},
+      {"lidar.point_times", "", "", "false", false,
+       "KITTI's scans have no times of points (Geiger et al., IJRR 2013)"},
       {"lidar.noise.weak_bias_m", "0.005", "0.015", "0.03", false,
        "Livox and Velodyne data sheets: accuracy of 20-30 mm over all reflectivities"},
       {"lidar.noise.crosstalk", "", "0.0001", "0.001", false, kOurs},

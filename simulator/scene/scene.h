@@ -92,10 +92,10 @@ struct SegmenterNoise {
       1;  ///< the outline moves along its normal by smooth noise of this standard deviation
   double boundary_length_px = 15;  ///< correlation length of that noise along the image
   double miss_probability = 0.01;  ///< that an object is missing from one result
-  double latency_s = 0.1;          ///< from the frame's stamp to the result's arrival
+  double latency_s = 0.1;          ///< mean time that a result takes; it arrives no earlier than the last
   int every_n_frames = 1;          ///< segmented frames: 1 is each
   int min_pixels = 50;             ///< smaller masks are not found
-  double latency_sigma_s = 0;      ///< standard deviation of the latency; it is never below 0
+  double latency_sigma_s = 0;      ///< standard deviation of that time, which is log-normal
   /// Faults that last half a second: masks that touch become one, a mask falls into two, a mask runs over
   /// what lies below it in the image by leak_px, and a mask of nothing (noise/mask_faults.h has their ids).
   double merge_probability = 0, split_probability = 0, leak_probability = 0, false_probability = 0;

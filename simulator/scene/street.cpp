@@ -159,8 +159,8 @@ void build_row(Plan& plan, const Vector3d& middle, double yaw_rad, double length
 
 void stand_on_pavement(Plan& plan, int index, double x, double side) {
   RandomStream random = plan.random("pavement", static_cast<std::uint64_t>(2 * index) + (side > 0));
-  const Vector3d at(x + random.uniform(-0.8, 0.8), side * (plan.kerb_y() + random.uniform(1.2, 1.8)),
-                    kKerbHeight_m);
+  const double from_kerb_m = random.uniform(1.2, 1.8), along_m = random.uniform(-0.8, 0.8);
+  const Vector3d at(x + along_m, side * (plan.kerb_y() + from_kerb_m), kKerbHeight_m);
   const double to_street = side > 0 ? -std::numbers::pi / 2 : std::numbers::pi / 2;
   if (index % 3 == 0) {
     const double height_m = random.uniform(5, 6);

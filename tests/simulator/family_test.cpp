@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <map>
 
 #include "core/base/config.h"
 #include "core/base/files.h"
 #include "core/sequence/calibration.h"
+#include "simulator/scene/body_reader.h"
 #include "simulator/scene/scene.h"
 #include "tests/support/temp_folder.h"
 
@@ -182,6 +185,50 @@ TEST(Street, WhoCrossesComesFromBeyondTheKerbAndTheParkedStandAtIt) {
   EXPECT_GT(parked, 3);
 }
 
+std::string actor_of(const Body& body) {
+  for (const char* name : {"cyclist", "pedestrian"})
+    if (body.name.starts_with(name)) return name;
+  const Pose first = body.motion.at(0);
+  const double y_m = first.translation.y();
+  if (std::abs((first.rotation * Eigen::Vector3d::UnitX()).x()) < 0.5) return "crossing";
+  if (std::abs(y_m) > 8) return "parked";
+  return y_m > 3.3 ? "oncoming" : y_m > 0 ? "overtaking" : "leading";
+}
+
+void expect_shares(const std::map<std::string, int>& counts, const std::map<std::string, double>& shares) {
+  constexpr double kSigmas = 3;
+  double all = 0;
+  for (const auto& [kind, count] : counts) all += count;
+  EXPECT_GT(all, 180) << "too few to tell";
+  for (const auto& [kind, share] : shares)
+    EXPECT_NEAR(counts.at(kind) / all, share, kSigmas * std::sqrt(share * (1 - share) / all))
+        << kind << " of " << all;
+}
+
+// The shares that scenes/families.md says, in scenes so short that some kinds seldom come into view.
+TEST(Street, ActorsHaveTheirShares) {
+  std::map<std::string, int> actors, vehicles;
+  for (std::uint64_t seed = 0; seed < 90; ++seed) {
+    const std::string text = generate_scene({"street", seed, {{"frames", "30"}}});
+    std::vector<std::filesystem::path> files;
+    for (const ConfigNode& object : ConfigNode::parse(text, "street").at("objects").items()) {
+      const Body body = read_object(object, {.is_painted = false}, files);
+      const std::string actor = actor_of(body);
+      ++actors[actor];
+      if (actor != "cyclist" && actor != "pedestrian" && actor != "crossing")
+        ++vehicles[body.name.substr(0, body.name.find('_'))];
+    }
+  }
+  expect_shares(actors, {{"leading", 0.22},
+                         {"overtaking", 0.2},
+                         {"oncoming", 0.18},
+                         {"parked", 0.12},
+                         {"crossing", 0.08},
+                         {"cyclist", 0.1},
+                         {"pedestrian", 0.1}});
+  expect_shares(vehicles, {{"car", 0.65}, {"van", 0.23}, {"truck", 0.12}});
+}
+
 TEST(Street, NobodyDrivesIntoTheHousesAtItsEnds) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     const Scene scene = scene_of("street", seed, {{"difficulty", "1"}, {"frames", "600"}});
@@ -246,6 +293,26 @@ TEST(Families, TheHarderTheFaster) {
     return step_m;
   };
   EXPECT_GT(largest_step_m(1), 2 * largest_step_m(0));
+}
+
+TEST(Families, TheHarderTheLessTextureAndTheLargerARoomIs) {
+  double before_marks = 100, before_contrast = 1;
+  for (const char* difficulty : {"0", "0.5", "1"}) {
+    double marks = 0, contrast = 0, largest_m = 0;
+    constexpr int kRooms = 40;
+    for (std::uint64_t seed = 0; seed < kRooms; ++seed) {
+      const std::string text = generate_scene({"room", seed, {{"difficulty", difficulty}, {"frames", "30"}}});
+      const ConfigNode room = ConfigNode::parse(text, "room").at("world").items().front();
+      marks += room.at("material").get<double>("marks", 0) / kRooms;
+      contrast += room.at("material").get<double>("contrast", 0) / kRooms;
+      largest_m = std::max(largest_m, room.at("size_m").items().front().as<double>());
+    }
+    EXPECT_LT(marks, before_marks - 5);
+    EXPECT_LT(contrast, before_contrast - 0.15);
+    EXPECT_NEAR(largest_m, 5.5 + 1.5 * std::stod(difficulty), 0.3);
+    before_marks = marks;
+    before_contrast = contrast;
+  }
 }
 
 TEST(Families, RefuseWhatTheyDoNotHave) {

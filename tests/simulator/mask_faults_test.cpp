@@ -151,16 +151,52 @@ TEST(MaskFaults, OutagesTakeTheirShareOfTheTime) {
   EXPECT_NEAR(missing, 10 * 60, 10);
 }
 
-TEST(MaskFaults, LatencyVariesAndIsNeverNegative) {
+// One random number for both let none of the lower parts leak.
+TEST(MaskFaults, LeaksDoNotDependOnWhichWayASplitGoes) {
+  SegmenterNoise noise;
+  noise.split_probability = 1;
+  noise.leak_probability = 0.5;
+  int lower = 0, leaks = 0;
+  for (int k = 0; k < kPeriods; ++k) {
+    const cv::Mat ids = mask_faults(three_boxes(), noise, 4, 0.5 * k + 0.1, kObjects);
+    const cv::Mat kept = ids(cv::Rect(220, 60, 50, 80)) == 3;
+    if (2 * cv::countNonZero(kept.rowRange(40, 80)) < cv::countNonZero(kept)) continue;
+    ++lower;
+    leaks += area(ids, 3) > cv::countNonZero(kept);
+  }
+  EXPECT_GT(lower, kPeriods / 3);
+  EXPECT_NEAR(leaks / static_cast<double>(lower), 0.5, kSigmas * 0.5 / std::sqrt(lower));
+}
+
+TEST(MaskFaults, LatencyIsLogNormalWithItsMeanAndDeviation) {
+  constexpr int kFrames = 40'000;
+  constexpr double kKurtosis = 3.67;  // of the log-normal distribution whose deviation is a fifth of its mean
   SegmenterNoise noise;
   noise.latency_s = 0.1;
   noise.latency_sigma_s = 0.02;
-  std::vector<double> late;
-  for (std::int64_t frame = 0; frame < 4000; ++frame) late.push_back(latency_s(noise, 2, frame));
-  EXPECT_NEAR(mean(late), 0.1, kSigmas * 0.02 / std::sqrt(4000.0));
-  EXPECT_NEAR(deviation(late) / 0.02, 1, kSigmas / std::sqrt(8000.0));
+  std::vector<double> late, logarithms;
+  for (std::int64_t frame = 0; frame < kFrames; ++frame) {
+    late.push_back(latency_s(noise, 2, frame));
+    logarithms.push_back(std::log(late.back()));
+  }
+  EXPECT_NEAR(mean(late), 0.1, kSigmas * 0.02 / std::sqrt(kFrames));
+  EXPECT_NEAR(deviation(late) / 0.02, 1, kSigmas * std::sqrt((kKurtosis - 1) / (4 * kFrames)));
+  const double expected = std::sqrt(std::log(1.04));
+  EXPECT_NEAR(mean(logarithms), std::log(0.1) - 0.5 * expected * expected,
+              kSigmas * expected / std::sqrt(kFrames));
+  EXPECT_NEAR(deviation(logarithms) / expected, 1, kSigmas / std::sqrt(2 * kFrames));
+}
+
+TEST(MaskFaults, LatencyIsNeverNothingUnlessItsMeanIs) {
+  SegmenterNoise noise;
+  noise.latency_s = 0.1;
   noise.latency_sigma_s = 1;
-  for (std::int64_t frame = 0; frame < 100; ++frame) EXPECT_GE(latency_s(noise, 2, frame), 0);
+  for (std::int64_t frame = 0; frame < 1000; ++frame) EXPECT_GT(latency_s(noise, 2, frame), 0);
+  noise.latency_sigma_s = 0;
+  EXPECT_EQ(latency_s(noise, 2, 7), 0.1);
+  noise.latency_sigma_s = 1;
+  noise.latency_s = 0;
+  EXPECT_EQ(latency_s(noise, 2, 7), 0);
 }
 
 }  // namespace

@@ -42,6 +42,12 @@ world: [{name: room, primitive: room, size_m: [5, 5, 3]}]
   }
 }
 
+TEST(Realism, HarshAloneLosesTheTimesOfPoints) {
+  for (const char* level : {"ideal", "mild", "real"})
+    EXPECT_TRUE(scene_at(level).lidar->get<bool>("point_times", true)) << level;
+  EXPECT_FALSE(scene_at("harsh").lidar->get<bool>("point_times", true));
+}
+
 TEST(Realism, WhatTheSceneSaysItselfCounts) {
   EXPECT_EQ(scene_at("real").depth_noise.smear_px, 9);
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <map>
 #include <opencv2/core.hpp>
@@ -21,6 +22,7 @@
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
 #include "simulator/lidar_files.h"
+#include "simulator/noise/segmenter.h"
 #include "simulator/scene/named_motions.h"
 #include "tests/simulator/simple_scene.h"
 #include "tests/support/temp_folder.h"
@@ -70,6 +72,32 @@ TEST(Simulate, WritesASequenceAndItsTruth) {
   EXPECT_EQ(truth.objects[1].states[7].ellipsoid.semi_axes_m, scene.objects[1].semi_axes_m);
   EXPECT_EQ(truth.objects[1].states[7].ellipsoid.world_from_object.translation,
             scene.objects[1].motion.at(0.7).translation);
+}
+
+// Slow ones hold up those behind; the others keep the time that the segmenter takes for them.
+TEST(Simulate, MasksArriveInTheOrderOfTheirFrames) {
+  const TempFolder temp;
+  Scene scene = two_boxes();
+  scene.rate_hz = 30;
+  scene.segmenter.latency_s = scene.segmenter.latency_sigma_s = 0.1;
+  scene.segmenter.outage_every_s = 4;
+  scene.frames = 150;
+  scene.camera = {32, 24, 28, 28, 15.5, 11.5, {}};
+  simulate(scene, quiet(2, 3), temp.path() / "out");
+  std::int64_t last_ns = 0;
+  int waiting = 0, masks = 0;
+  for (const SequenceFrame& frame : open_sequence(temp.path() / "out/sequence").frames) {
+    if (frame.masks.empty()) continue;
+    ++masks;
+    const std::int64_t alone_ns =
+        frame.stamp_ns + std::llround(latency_s(scene.segmenter, 3, frame.frame) * 1e9);
+    EXPECT_EQ(frame.masks_arrival_ns, std::max(last_ns, alone_ns)) << frame.frame;
+    EXPECT_GT(frame.masks_arrival_ns, frame.stamp_ns);
+    waiting += alone_ns < last_ns;
+    last_ns = frame.masks_arrival_ns;
+  }
+  EXPECT_GT(waiting, masks / 5);
+  EXPECT_LT(waiting, masks);
 }
 
 TEST(Simulate, ObjectsThatAreNotSeenOrHoldTheCameraAreNamed) {
