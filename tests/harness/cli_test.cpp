@@ -44,6 +44,15 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
   }
 }
 
+TEST_F(Cli, TheFirstPagesShowHowToDrawAScene) {
+  const fs::path source = UNIQUADRIC_SOURCE_DIR;
+  const std::string readme = read_text(source / "README.md");
+  EXPECT_NE(readme.find("$U generate tabletop "), std::string::npos);
+  EXPECT_LT(std::count(readme.begin(), readme.end(), '\n'), 100);
+  EXPECT_NE(read_text(source / "docs/first_scene.md").find("uniquadric generate tabletop "),
+            std::string::npos);
+}
+
 TEST_F(Cli, RefusesWhatItDoesNotKnow) {
   expect_refusal({"simulat"}, "there is no subcommand 'simulat'");
   expect_refusal({}, "subcommand");
