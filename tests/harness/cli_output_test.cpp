@@ -109,6 +109,30 @@ TEST_F(Cli, AnExistingFileNeedsForceAndMustBeAFile) {
   EXPECT_EQ(read_text(mine), "mine");
 }
 
+// A picture is what its name says, and so is a scene.
+TEST_F(Cli, TheEndingSaysWhatIsWritten) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml());
+  for (const auto& [name, begins] :
+       {std::pair("a.png", kPngFile.begins), {"a.jpg", kJpegFile.begins}, {"a.jpeg", kJpegFile.begins}}) {
+    for (const char* force : {"--quiet", "--force"}) {
+      const ProgramRun run = run_program({"preview", scene, folder() / name, force});
+      EXPECT_EQ(run.exit_code, 0) << run.err;
+    }
+    EXPECT_TRUE(read_text(folder() / name).starts_with(begins)) << name;
+  }
+  write("b.png", read_text(folder() / "a.jpg"));
+  expect_refusal({"preview", scene, folder() / "b.png", "--force"}, "b.png: is no PNG picture");
+  for (const char* name : {"c.gif", "c", "c.yaml"}) {
+    expect_refusal({"preview", scene, folder() / name}, "a picture's name ends in .png, .jpg or .jpeg");
+    EXPECT_FALSE(fs::exists(folder() / name));
+  }
+  for (const char* name : {"e.jpg", "e"}) {
+    expect_refusal({"generate", "room", folder() / name}, "a scene's name ends in .yaml or .yml");
+    EXPECT_FALSE(fs::exists(folder() / name));
+  }
+  EXPECT_EQ(run_program({"generate", "room", folder() / "e.yml"}).exit_code, 0);
+}
+
 TEST_F(Cli, AFullOutputIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   const fs::path scene = write("scene.yaml", small_scene_yaml());
