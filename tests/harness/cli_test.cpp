@@ -44,6 +44,22 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
   }
 }
 
+// As many options as keys; the documentation has an example.
+TEST_F(Cli, SetTakesOneKeyAnOptionAndTheHelpSaysSo) {
+  for (const char* command : {"simulate", "preview", "generate", "estimate", "perceive"}) {
+    const ProgramRun run = run_program({command, "--help"});
+    EXPECT_NE(run.out.find("--set KEY=VALUE  "), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("once for each key"), std::string::npos) << command;
+  }
+  const fs::path scene = folder() / "scene.yaml";
+  expect_refusal({"generate", "room", scene, "--set", "difficulty=0.2", "frames=60"}, "frames=60");
+  EXPECT_EQ(
+      run_program({"generate", "room", scene, "--set", "difficulty=0.2", "--set", "frames=60"}).exit_code, 0);
+  const std::string text = read_text(scene);
+  EXPECT_NE(text.find("difficulty 0.2"), std::string::npos);
+  EXPECT_NE(text.find("frames: 60\n"), std::string::npos);
+}
+
 TEST_F(Cli, TheFirstPagesShowHowToDrawAScene) {
   const fs::path source = UNIQUADRIC_SOURCE_DIR;
   const std::string readme = read_text(source / "README.md");
