@@ -153,7 +153,8 @@ Scene load_scene(const fs::path& path, const std::vector<ConfigOverride>& overri
 
 Scene parse_scene(const std::string& text, const fs::path& path, const std::vector<ConfigOverride>& overrides,
                   Textures textures) {
-  std::vector<ConfigOverride> all = realism_of(ConfigNode::parse(text, path, overrides));
+  const ConfigNode given = ConfigNode::parse(text, path, overrides);
+  std::vector<ConfigOverride> all = realism_of(given);
   all.insert(all.begin(), overrides.begin(), overrides.end());
   const ConfigNode root = ConfigNode::parse(text, path, all);
   Scene scene;
@@ -180,6 +181,7 @@ Scene parse_scene(const std::string& text, const fs::path& path, const std::vect
   if (!(noise_scale >= 0 && noise_scale <= kMostNoiseScale))
     root.at("noise_scale").fail(fmt::format("expected 0 to {}, found {}", kMostNoiseScale, noise_scale));
   root.refuse_unknown_keys();
+  warn_of_idle_keys(given, scene);
   scene.hash = scene_hash(text, overrides, files);
   scale_noise(scene, noise_scale);
   return scene;
