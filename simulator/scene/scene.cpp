@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -9,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/read_file.h"
+#include "core/base/warning.h"
 #include "core/sequence/calibration.h"
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
@@ -122,6 +124,18 @@ void read_objects(const ConfigNode& list, const MaterialDefaults& defaults, Scen
   }
 }
 
+// A key of a sensor that the file has not, which may be meant for one that it has.
+void warn_of_made_sensors(const ConfigNode& file, const std::vector<ConfigOverride>& overrides) {
+  for (const std::string sensor : {"imu", "lidar"}) {
+    const auto made = std::ranges::find_if(overrides, [&](const ConfigOverride& value) {
+      return value.key == sensor || value.key.starts_with(sensor + '.');
+    });
+    if (file.has(sensor) || made == overrides.end() || made->key == sensor) continue;
+    warn(fmt::format("{}: {} (set, not the file's): makes the sensor, for the scene has no {}",
+                     file.file().string(), made->key, sensor));
+  }
+}
+
 // The text, then the files in the order they are named: the same scene elsewhere has the same hash.
 std::string scene_hash(const std::string& text, const std::vector<ConfigOverride>& overrides,
                        const std::vector<fs::path>& files) {
@@ -182,6 +196,7 @@ Scene parse_scene(const std::string& text, const fs::path& path, const std::vect
     root.at("noise_scale").fail(fmt::format("expected 0 to {}, found {}", kMostNoiseScale, noise_scale));
   root.refuse_unknown_keys();
   warn_of_idle_keys(given, scene);
+  warn_of_made_sensors(ConfigNode::parse(text, path), overrides);
   scene.hash = scene_hash(text, overrides, files);
   scale_noise(scene, noise_scale);
   return scene;
