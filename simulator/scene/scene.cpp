@@ -60,6 +60,10 @@ void check_motion(const ConfigNode& node, const Motion& motion, const Scene& sce
     }
 }
 
+double end_s(const Scene& scene) {
+  return static_cast<double>(scene.stamp_ns(scene.frames - 1)) * 1e-9;
+}
+
 void read_camera_section(const ConfigNode& node, Scene& scene, std::vector<fs::path>& files) {
   if (const auto calibration = node.find("calibration")) {
     scene.camera = read_camera(*calibration);
@@ -71,7 +75,7 @@ void read_camera_section(const ConfigNode& node, Scene& scene, std::vector<fs::p
   }
   scene.given_camera = node.get<bool>("given", scene.given_camera);
   scene.depth = node.get<bool>("depth", scene.depth);
-  scene.camera_motion = read_motion(node.at("motion"), {Mover::camera, files});
+  scene.camera_motion = read_motion(node.at("motion"), {Mover::camera, files, {}, end_s(scene)});
   check_motion(node.at("motion"), scene.camera_motion, scene);
   node.refuse_unknown_keys();
 }
@@ -113,7 +117,7 @@ void read_objects(const ConfigNode& list, const MaterialDefaults& defaults, Scen
   std::set<int> ids;
   std::set<std::string> names;
   for (const ConfigNode& item : list.items()) {
-    scene.objects.push_back(read_object(item, defaults, files));
+    scene.objects.push_back(read_object(item, defaults, files, end_s(scene)));
     check_memory(item, scene);
     const Body& body = scene.objects.back();
     if (!ids.insert(body.id).second)
