@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <string_view>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -66,6 +67,8 @@ void discard_other_work(const Scene& scene, const std::string& key, const Pendin
   write_text(key_file, key);
 }
 
+constexpr std::string_view kNoDepth = "no depth\n";  // in the frames' log, after a frame's visibility
+
 bool has_faint(const Scene& scene) {
   return any_mesh(scene, [](const Mesh& mesh) { return mesh.depth_return < 1; });
 }
@@ -101,8 +104,8 @@ struct FrameMaker {
     if (!late.depth_m.empty()) rendered.depth_m = late.depth_m;
     rendered.returning_rgba = late.rgba;
     timer.lap(FrameStage::draw);
-    writer.write(frame, rendered, timer);
-    log.add(frame, visibility_lines(scene, frame, rendered));
+    const bool has_depth = writer.write(frame, rendered, timer);
+    log.add(frame, visibility_lines(scene, frame, rendered) + std::string(has_depth ? "" : kNoDepth));
     times.count_frame();
   }
 };
@@ -126,6 +129,14 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
     }
     frames.finish();
   }
+}
+
+// Takes the log's notes out of its lines, which are left as visibility.csv has them.
+std::int64_t take_empty_depths(std::string& lines) {
+  std::int64_t count = 0;
+  for (std::size_t at = 0; (at = lines.find(kNoDepth, at)) != lines.npos; ++count)
+    lines.erase(at, kNoDepth.size());
+  return count;
 }
 
 // Of objects of which one is in the box about another.
@@ -223,7 +234,9 @@ void simulate(const Scene& scene, const SimulateOptions& asked, const fs::path& 
   const fs::path log_file = folder / "frames.log";
   StageTimes times;
   write_frames(scene, options, frames, folder, log_file, times);
-  const std::string visibility = FrameLog(log_file).lines();
+  std::string visibility = FrameLog(log_file).lines();
+  if (const std::int64_t empty = take_empty_depths(visibility); empty > 0)
+    warn(fmt::format("scene {}: {} of {} depth images have no valid pixel", scene.name, empty, frames));
   write_visibility(folder, visibility);
   warn_of_odd_views(scene, visibility);
   warn_of_shared_places(scene);

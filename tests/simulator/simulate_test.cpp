@@ -107,6 +107,27 @@ TEST(Simulate, ObjectsThatBeginInsideEachOtherAreNamed) {
   EXPECT_FALSE(said(3));
 }
 
+TEST(Simulate, EmptyDepthImagesAreCounted) {
+  const TempFolder temp;
+  Scene scene = two_boxes();
+  const auto said = [&] {
+    SimulateOptions options = quiet(2);
+    options.force = true;
+    options.frames = 3;
+    testing::internal::CaptureStderr();
+    simulate(scene, options, temp.path() / "out");
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said(), "");
+  const std::string visibility = read_text(temp.path() / "out/truth/instances/visibility.csv");
+  scene.depth_noise.model = DepthNoise::Model::stereo;
+  scene.depth_noise.disparity_bias_px = -50;
+  EXPECT_EQ(said(), "warning: scene two_boxes: 3 of 3 depth images have no valid pixel\n");
+  EXPECT_EQ(read_text(temp.path() / "out/truth/instances/visibility.csv"), visibility);
+  scene.depth = false;
+  EXPECT_EQ(said(), "");
+}
+
 TEST(Simulate, DepthImagesHoldTheRenderedDepthWithinTheirNoise) {
   const TempFolder temp;
   Scene scene = two_boxes();
