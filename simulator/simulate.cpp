@@ -1,6 +1,7 @@
 #include "simulator/simulate.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -139,6 +140,30 @@ std::int64_t take_empty_depths(std::string& lines) {
   return count;
 }
 
+bool moves(const Motion& motion, const Scene& scene, std::int64_t frames) {
+  constexpr double kLeast_m = 1e-6, kLeast_rad = 1e-6;  // ours: rounding is far below, a tremor above
+  const Pose first = motion.at(frame_time_s(scene, 0));
+  for (std::int64_t frame = 1; frame < frames; ++frame) {
+    const Pose pose = motion.at(frame_time_s(scene, frame));
+    if ((pose.translation - first.translation).norm() > kLeast_m ||
+        pose.rotation.angularDistance(first.rotation) > kLeast_rad)
+      return true;
+  }
+  return false;
+}
+
+// Of objects whose motion begins after the frames that are asked for.
+void warn_of_rest(const Scene& scene, std::int64_t frames) {
+  std::vector<std::string> names;
+  for (const Body& body : scene.objects)
+    if (frames < scene.frames && !moves(body.motion, scene, frames) &&
+        moves(body.motion, scene, scene.frames))
+      names.push_back(body.name);
+  if (!names.empty())
+    warn(fmt::format("scene {}: in the first {} of its {} frames these objects do not move yet: {}",
+                     scene.name, frames, scene.frames, fmt::join(names, ", ")));
+}
+
 // Of objects of which one is in the box about another.
 void warn_of_shared_places(const Scene& scene) {
   const auto is_in = [](const Body& inner, const Body& outer) {
@@ -240,6 +265,7 @@ void simulate(const Scene& scene, const SimulateOptions& asked, const fs::path& 
   write_visibility(folder, visibility);
   warn_of_odd_views(scene, visibility);
   warn_of_shared_places(scene);
+  warn_of_rest(scene, frames);
   if (lidar) write_lidar_files(scene, *lidar, options, frames, folder, times);
   hash_folders(folder, options.threads, times);
   fs::remove(log_file);
