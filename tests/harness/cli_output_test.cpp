@@ -109,6 +109,28 @@ TEST_F(Cli, AnExistingFileNeedsForceAndMustBeAFile) {
   EXPECT_EQ(read_text(mine), "mine");
 }
 
+// Neither a scene that was edited by hand, nor one that does not say how it was drawn.
+TEST_F(Cli, ForceKeepsADrawnSceneThatWasEdited) {
+  const fs::path drawn = folder() / "drawn.yaml";
+  const std::vector<std::string> command = {"generate", "room", drawn, "--force"};
+  ASSERT_EQ(run_program(command).exit_code, 0);
+  const std::string text = read_text(drawn);
+  const std::size_t note = text.find(", body "), body = text.find("frames: 300");
+  ASSERT_LT(note, text.find('\n'));
+  for (const auto& [edited, what] :
+       {std::pair(std::string(text).replace(body, 11, "frames: 301"), "was edited since it was drawn"),
+        {text + "# mine\n", "was edited since it was drawn"},
+        {text.substr(0, text.find('\n')), "was edited since it was drawn"},
+        {std::string(text).erase(note, 23), "does not say how it was drawn"}}) {
+    write_text(drawn, edited);
+    expect_refusal(command, std::string(what) + ", so --force does not replace it");
+    EXPECT_EQ(read_text(drawn), edited);
+  }
+  write_text(drawn, text);
+  EXPECT_EQ(run_program(command).exit_code, 0);
+  EXPECT_EQ(read_text(drawn), text);
+}
+
 // A picture is what its name says, and so is a scene.
 TEST_F(Cli, TheEndingSaysWhatIsWritten) {
   const fs::path scene = write("scene.yaml", small_scene_yaml());
