@@ -178,7 +178,7 @@ Scene parse_scene(const std::string& text, const fs::path& path, const std::vect
   Scene scene;
   std::vector<fs::path> files;
   scene.name = root.name("name", path.stem().string());
-  read_realism(root);  // realism_of() has followed it
+  if (root.has("realism")) scene.realism = read_realism(root);  // realism_of() has followed it
   read_clock(root, scene);
   read_camera_section(root.at("camera"), scene, files);
   read_sensor_models(root, scene);
