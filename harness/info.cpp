@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "core/base/config.h"
 #include "core/base/error.h"
+#include "core/sequence/calibration.h"
+#include "core/sequence/estimated_objects.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
 #include "estimator/variant.h"
@@ -50,6 +53,7 @@ std::string describe_sequence(const fs::path& path) {
   std::string text = fmt::format("sequence '{}' made by {}", sequence.name, sequence.program);
   if (!sequence.scene_hash.empty())
     text += fmt::format(", scene {}, seed {}", sequence.scene_hash, sequence.seed);
+  if (!sequence.realism.empty()) text += ", realism " + sequence.realism;
   text += fmt::format("\ncamera: {}x{} px, fx {} fy {} cx {} cy {}, {} Hz{}\n", camera.width, camera.height,
                       camera.fx, camera.fy, camera.cx, camera.cy, sequence.rate_hz,
                       camera.has_distortion() ? ", distorted" : "");
@@ -65,8 +69,19 @@ std::string describe_sequence(const fs::path& path) {
   return text;
 }
 
+// Ids of a truth's objects of which evaluation has no figures; of an estimate none.
+std::set<int> unscored_of(const fs::path& folder) {
+  std::set<int> ids;
+  const fs::path objects = folder / "objects.yaml";
+  if (fs::exists(folder / "objects.csv") || !fs::exists(objects) || is_size_list(objects)) return ids;
+  for (const ObjectDescription& object : read_objects_yaml(objects))
+    if (!object.is_scored) ids.insert(object.id);
+  return ids;
+}
+
 std::string describe_tracks(const fs::path& path) {
   const Tracks tracks = read_tracks(path);
+  const std::set<int> unscored = unscored_of(path);
   std::string text = fs::exists(path / "objects.csv") ? "estimate\n" : "truth\n";
   text += "camera: " + describe_trajectory(tracks.camera) + "\n";
   for (const auto& track : tracks.objects) {
@@ -75,6 +90,7 @@ std::string describe_tracks(const fs::path& path) {
     });
     text += fmt::format("object {}{}: {} states", track.id, track.name.empty() ? "" : " '" + track.name + "'",
                         std::ssize(track.states) - lost);
+    if (unscored.contains(track.id)) text += ", not scored";
     if (lost > 0) text += fmt::format(", lost {} times", lost);
     if (!track.states.empty()) {
       const auto& a = track.states.back().ellipsoid.semi_axes_m;
@@ -93,8 +109,9 @@ std::string describe_tracks(const fs::path& path) {
 
 std::string describe_scene(const fs::path& path) {
   const Scene scene = load_scene(path);
-  std::string text = fmt::format("scene '{}' ({}): {} frames at {} Hz, {}x{} px\n", scene.name, scene.hash,
-                                 scene.frames, scene.rate_hz, scene.camera.width, scene.camera.height);
+  std::string text = fmt::format("scene '{}' ({}): {} frames at {} Hz, {}x{} px{}\n", scene.name, scene.hash,
+                                 scene.frames, scene.rate_hz, scene.camera.width, scene.camera.height,
+                                 scene.realism.empty() ? "" : ", realism " + scene.realism);
   if (const auto lidar = lidar_of(scene))
     text += fmt::format("lidar: {}, {} Hz\n", lidar->pattern_name, lidar->rate_hz);
   if (scene.imu) text += fmt::format("imu: {} Hz\n", scene.imu->calibration.rate_hz);
@@ -102,8 +119,9 @@ std::string describe_scene(const fs::path& path) {
     std::size_t triangles = 0;
     for (const Mesh& mesh : body.meshes) triangles += mesh.triangles.size();
     const auto& a = body.semi_axes_m;
-    text += fmt::format("object {} '{}': {}, semi-axes {:.4f} {:.4f} {:.4f} m, {} triangles\n", body.id,
-                        body.name, body.shape, a.x(), a.y(), a.z(), triangles);
+    text += fmt::format("object {} '{}': {}, semi-axes {:.4f} {:.4f} {:.4f} m, {} triangles{}\n", body.id,
+                        body.name, body.shape, a.x(), a.y(), a.z(), triangles,
+                        body.is_scored ? "" : ", not scored");
   }
   return text;
 }

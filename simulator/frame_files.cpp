@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <opencv2/core.hpp>
 
 #include "core/base/files.h"
 #include "simulator/noise/depth_noise.h"
@@ -48,7 +49,7 @@ FrameWriter::FrameWriter(const Scene& scene, std::uint64_t seed, fs::path folder
   for (const Body& body : scene.objects) objects_.insert(body.id);
 }
 
-void FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered, LapTimer& timer) {
+bool FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered, LapTimer& timer) {
   const std::string file = fmt::format("{:06}.png", frame);
   const auto put = [&](const char* part, std::string_view bytes, FrameStage stage) {
     timer.lap(stage);
@@ -57,8 +58,9 @@ void FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered, LapTi
   };
   fill_color(frame, exposed(rendered.rgba, scene_.imaging, seed_, frame_time_s(scene_, frame)));
   put("sequence/rgb", color_.finish(), FrameStage::color);
+  bool is_whole = true;
   if (scene_.depth) {
-    fill_depth(frame, rendered);
+    is_whole = fill_depth(frame, rendered);
     put("sequence/depth", depth_.finish(), FrameStage::depth);
   }
   if (is_segmented(scene_.segmenter, seed_, frame, scene_.rate_hz))
@@ -66,6 +68,7 @@ void FrameWriter::write(std::int64_t frame, const RenderedFrame& rendered, LapTi
         pack_png(segment(rendered.ids, scene_.segmenter, seed_, frame, scene_.rate_hz, objects_)),
         FrameStage::masks);
   put("truth/instances", pack_png(rendered.ids), FrameStage::masks);
+  return is_whole;
 }
 
 void FrameWriter::fill_color(std::int64_t frame, const cv::Mat& rgba) {
@@ -76,12 +79,13 @@ void FrameWriter::fill_color(std::int64_t frame, const cv::Mat& rgba) {
   }
 }
 
-void FrameWriter::fill_depth(std::int64_t frame, const RenderedFrame& rendered) {
+bool FrameWriter::fill_depth(std::int64_t frame, const RenderedFrame& rendered) {
   const cv::Mat& rgba = rendered.returning_rgba.empty() ? rendered.rgba : rendered.returning_rgba;
   const cv::Mat noisy_m = add_depth_noise(rendered.depth_m, rgba, rays_, scene_.depth_noise, seed_, frame);
   cv::Mat units;
   noisy_m.convertTo(units, CV_16U, depth_units_per_m(scene_.depth_noise));
   for (int v = 0; v < units.rows; ++v) pack_16_bits(units.ptr<std::uint16_t>(v), units.cols, depth_.row(v));
+  return cv::countNonZero(units) > 0;
 }
 
 std::string visibility_lines(const Scene& scene, std::int64_t frame, const RenderedFrame& rendered) {

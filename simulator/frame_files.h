@@ -22,11 +22,12 @@ void create_frame_folders(const Scene& scene, const std::filesystem::path& folde
 class FrameWriter {
  public:
   FrameWriter(const Scene& scene, std::uint64_t seed, std::filesystem::path folder);
-  void write(std::int64_t frame, const RenderedFrame& rendered, LapTimer& timer);
+  /// Whether the depth image has a valid pixel; true where the camera measures no depth.
+  bool write(std::int64_t frame, const RenderedFrame& rendered, LapTimer& timer);
 
  private:
   void fill_color(std::int64_t frame, const cv::Mat& rgba);
-  void fill_depth(std::int64_t frame, const RenderedFrame& rendered);
+  bool fill_depth(std::int64_t frame, const RenderedFrame& rendered);
 
   const Scene& scene_;
   std::uint64_t seed_;

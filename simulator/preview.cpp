@@ -16,9 +16,24 @@ namespace {
 
 constexpr int kGap_px = 4, kJpegQuality = 80;  // ours: 20 kB a picture of 240 px, no blocks to be seen
 
+bool is_png(const std::filesystem::path& picture) {
+  return picture.extension() == ".png";
+}
+
 }  // namespace
 
-void write_preview(const Scene& scene, const PreviewOptions& options, const std::filesystem::path& jpeg) {
+FileKind picture_kind(const std::filesystem::path& picture) {
+  return is_png(picture) ? kPngFile : kJpegFile;
+}
+
+void require_picture_ending(const std::filesystem::path& picture) {
+  const std::string ending = picture.extension().string();
+  if (!is_png(picture) && ending != ".jpg" && ending != ".jpeg")
+    throw InputError(picture, "a picture's name ends in .png, .jpg or .jpeg");
+}
+
+void write_preview(const Scene& scene, const PreviewOptions& options, const std::filesystem::path& file) {
+  require_picture_ending(file);
   if (options.frames > scene.frames)
     throw InputError(
         fmt::format("scene {}: has {} frames, {} asked for", scene.name, scene.frames, options.frames));
@@ -37,7 +52,9 @@ void write_preview(const Scene& scene, const PreviewOptions& options, const std:
     cv::resize(colour, small, {width, height}, 0, 0, cv::INTER_AREA);
     small.copyTo(picture(cv::Rect(i * (width + kGap_px), 0, width, height)));
   }
-  write_text(jpeg, encode_image(".jpg", picture, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}, jpeg));
+  write_text(file, is_png(file)
+                       ? encode_image(".png", picture, {}, file)
+                       : encode_image(".jpg", picture, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}, file));
 }
 
 }  // namespace uniquadric

@@ -74,6 +74,7 @@ void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t f
   sequence.name = scene.name;
   sequence.scene_hash = scene.hash;
   sequence.seed = seed;
+  sequence.realism = scene.realism;
   sequence.camera = scene.told_camera();
   sequence.rate_hz = scene.rate_hz;
   sequence.rolling_shutter_s = scene.imaging.rolling_shutter_s;

@@ -1,10 +1,12 @@
 #include "simulator/simulate.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <string_view>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -66,6 +68,8 @@ void discard_other_work(const Scene& scene, const std::string& key, const Pendin
   write_text(key_file, key);
 }
 
+constexpr std::string_view kNoDepth = "no depth\n";  // in the frames' log, after a frame's visibility
+
 bool has_faint(const Scene& scene) {
   return any_mesh(scene, [](const Mesh& mesh) { return mesh.depth_return < 1; });
 }
@@ -101,8 +105,8 @@ struct FrameMaker {
     if (!late.depth_m.empty()) rendered.depth_m = late.depth_m;
     rendered.returning_rgba = late.rgba;
     timer.lap(FrameStage::draw);
-    writer.write(frame, rendered, timer);
-    log.add(frame, visibility_lines(scene, frame, rendered));
+    const bool has_depth = writer.write(frame, rendered, timer);
+    log.add(frame, visibility_lines(scene, frame, rendered) + std::string(has_depth ? "" : kNoDepth));
     times.count_frame();
   }
 };
@@ -126,6 +130,38 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
     }
     frames.finish();
   }
+}
+
+// Takes the log's notes out of its lines, which are left as visibility.csv has them.
+std::int64_t take_empty_depths(std::string& lines) {
+  std::int64_t count = 0;
+  for (std::size_t at = 0; (at = lines.find(kNoDepth, at)) != lines.npos; ++count)
+    lines.erase(at, kNoDepth.size());
+  return count;
+}
+
+bool moves(const Motion& motion, const Scene& scene, std::int64_t frames) {
+  constexpr double kLeast_m = 1e-6, kLeast_rad = 1e-6;  // ours: rounding is far below, a tremor above
+  const Pose first = motion.at(frame_time_s(scene, 0));
+  for (std::int64_t frame = 1; frame < frames; ++frame) {
+    const Pose pose = motion.at(frame_time_s(scene, frame));
+    if ((pose.translation - first.translation).norm() > kLeast_m ||
+        pose.rotation.angularDistance(first.rotation) > kLeast_rad)
+      return true;
+  }
+  return false;
+}
+
+// Of objects whose motion begins after the frames that are asked for.
+void warn_of_rest(const Scene& scene, std::int64_t frames) {
+  std::vector<std::string> names;
+  for (const Body& body : scene.objects)
+    if (frames < scene.frames && !moves(body.motion, scene, frames) &&
+        moves(body.motion, scene, scene.frames))
+      names.push_back(body.name);
+  if (!names.empty())
+    warn(fmt::format("scene {}: in the first {} of its {} frames these objects do not move yet: {}",
+                     scene.name, frames, scene.frames, fmt::join(names, ", ")));
 }
 
 // Of objects of which one is in the box about another.
@@ -223,10 +259,13 @@ void simulate(const Scene& scene, const SimulateOptions& asked, const fs::path& 
   const fs::path log_file = folder / "frames.log";
   StageTimes times;
   write_frames(scene, options, frames, folder, log_file, times);
-  const std::string visibility = FrameLog(log_file).lines();
+  std::string visibility = FrameLog(log_file).lines();
+  if (const std::int64_t empty = take_empty_depths(visibility); empty > 0)
+    warn(fmt::format("scene {}: {} of {} depth images have no valid pixel", scene.name, empty, frames));
   write_visibility(folder, visibility);
   warn_of_odd_views(scene, visibility);
   warn_of_shared_places(scene);
+  warn_of_rest(scene, frames);
   if (lidar) write_lidar_files(scene, *lidar, options, frames, folder, times);
   hash_folders(folder, options.threads, times);
   fs::remove(log_file);

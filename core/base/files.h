@@ -33,6 +33,7 @@ struct FileKind {
   std::string_view begins = "";    ///< its first bytes; none: any file is of this kind
 };
 constexpr FileKind kJpegFile{"JPEG picture", "\xFF\xD8\xFF"};
+constexpr FileKind kPngFile{"PNG picture", "\x89PNG\r\n\x1A\n"};
 
 /// Makes sure that a file can be written at `path` without harm; an empty path is none. Throws InputError for
 /// what exists and is not a regular file (a folder, a link, a device, a pipe), for a regular file unless

@@ -83,6 +83,7 @@ Sequence open_sequence(const fs::path& given_folder) {
   sequence.name = root.get<std::string>("name");
   sequence.scene_hash = root.get<std::string>("scene_hash", "");
   sequence.seed = root.get<std::uint64_t>("seed", 0);
+  if (root.has("realism")) sequence.realism = root.name("realism");
   const ConfigNode camera = root.at("camera");
   sequence.camera = read_camera(camera);
   sequence.rate_hz = camera.positive("rate_hz");
@@ -126,6 +127,7 @@ void write_sequence_index(const fs::path& folder, const Sequence& sequence) {
                                  yaml_quoted(sequence.program), yaml_quoted(sequence.name));
   if (!sequence.scene_hash.empty())
     yaml += fmt::format("scene_hash: \"{}\"\nseed: {}\n", sequence.scene_hash, sequence.seed);
+  if (!sequence.realism.empty()) yaml += fmt::format("realism: {}\n", yaml_quoted(sequence.realism));
   yaml += fmt::format("camera: {{{}, rate_hz: {}{}}}\n", camera_yaml(sequence.camera), sequence.rate_hz,
                       rolling_shutter_yaml(sequence.rolling_shutter_s));
   yaml += fmt::format("depth: {{units_per_m: {}}}\n", sequence.depth_units_per_m);

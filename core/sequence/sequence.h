@@ -35,6 +35,7 @@ struct Sequence {
   std::string name;        ///< of the scene or recording
   std::string scene_hash;  ///< empty for recordings
   std::uint64_t seed = 0;
+  std::string realism;  ///< level of the sensors' errors that the scene names (ideal, mild, ...); else empty
   Camera camera;
   double rate_hz = 0;                     ///< nominal frame rate
   double rolling_shutter_s = 0;           ///< from a colour image's first row to its last; stamp: the middle

@@ -82,14 +82,15 @@ void add_preview(CLI::App& app, Common& common) {
   static PreviewOptions options;
   static std::vector<std::string> set;
   sub->add_option("SCENE", scene, "scene file (YAML)")->required();
-  sub->add_option("OUT", out, "the picture (JPEG)")->required();
+  sub->add_option("OUT", out, "the picture (.png, .jpg, .jpeg)")->required();
   sub->add_option("--frames", options.frames, "how many, side by side")->check(whole_number(1, 100));
   add_set(sub, set, kSet);
   sub->add_option("--width", options.width_px, "of the picture, in pixels")->check(whole_number(1, 16384));
-  add_force(sub, common)->description("replace a JPEG picture, whoever made it; no other file");
+  add_force(sub, common)->description("replace a picture of the same kind, whoever made it; no other file");
   sub->callback([&common] {
     require_apart(out, {scene});
-    require_replaceable_file(out, common.force, kJpegFile);
+    require_replaceable_file(out, common.force, picture_kind(out));
+    require_picture_ending(out);
     write_preview(load_scene(scene, parse_overrides(set)), options, out);
   });
 }

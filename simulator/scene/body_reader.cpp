@@ -92,7 +92,8 @@ Body read_static_body(const ConfigNode& node, const MaterialDefaults& defaults,
   return body;
 }
 
-Body read_object(const ConfigNode& node, MaterialDefaults defaults, std::vector<fs::path>& files) {
+Body read_object(const ConfigNode& node, MaterialDefaults defaults, std::vector<fs::path>& files,
+                 double end_s) {
   const int id = node.get<int>("id");
   if (id < 1 || id > kMaxId) node.at("id").fail(fmt::format("expected 1 to {}, found {}", kMaxId, id));
   defaults.seed = static_cast<std::uint64_t>(id);
@@ -102,7 +103,7 @@ Body read_object(const ConfigNode& node, MaterialDefaults defaults, std::vector<
     node.at("primitive").fail("is for the world, not for objects");
   body.symmetry = read_symmetry(node, body.semi_axes_m);
   body.is_scored = node.get<bool>("scored", true);
-  body.motion = read_motion(node.at("motion"), {Mover::body, files, body.meshes});
+  body.motion = read_motion(node.at("motion"), {Mover::body, files, body.meshes, end_s});
   node.refuse_unknown_keys();
   return body;
 }

@@ -181,7 +181,7 @@ Motion read_kind(const ConfigNode& node, const MotionScope& scope) {
   if (kind == "swing") return read_swing(node, mover);
   if (kind == "screw") return read_screw(node, mover);
   if (kind == "spline") return read_spline(node, mover);
-  if (kind == "recorded") return read_recorded(node, scope.files);
+  if (kind == "recorded") return read_recorded(node, scope.files, scope.end_s);
   if (kind == "toss") return read_toss(node, scope);
   if (kind == "tremor") return read_tremor(node);
   if (kind == "drive") return read_drive(node, mover);

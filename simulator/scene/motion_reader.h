@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct MotionScope {
   Mover mover;
   std::vector<std::filesystem::path>& files;  ///< files that the motion is made of are appended
   std::span<const Mesh> meshes = {};          ///< a body's, in its object frame; a camera has none
+  double end_s = std::numeric_limits<double>::infinity();  ///< the scene's last frame
 };
 
 /// Reads `kind` and its keys (scenes/README.md); refuses unknown ones. Throws InputError with file and line.

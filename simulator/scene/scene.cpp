@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -9,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/read_file.h"
+#include "core/base/warning.h"
 #include "core/sequence/calibration.h"
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
@@ -58,6 +60,10 @@ void check_motion(const ConfigNode& node, const Motion& motion, const Scene& sce
     }
 }
 
+double end_s(const Scene& scene) {
+  return static_cast<double>(scene.stamp_ns(scene.frames - 1)) * 1e-9;
+}
+
 void read_camera_section(const ConfigNode& node, Scene& scene, std::vector<fs::path>& files) {
   if (const auto calibration = node.find("calibration")) {
     scene.camera = read_camera(*calibration);
@@ -69,7 +75,7 @@ void read_camera_section(const ConfigNode& node, Scene& scene, std::vector<fs::p
   }
   scene.given_camera = node.get<bool>("given", scene.given_camera);
   scene.depth = node.get<bool>("depth", scene.depth);
-  scene.camera_motion = read_motion(node.at("motion"), {Mover::camera, files});
+  scene.camera_motion = read_motion(node.at("motion"), {Mover::camera, files, {}, end_s(scene)});
   check_motion(node.at("motion"), scene.camera_motion, scene);
   node.refuse_unknown_keys();
 }
@@ -111,7 +117,7 @@ void read_objects(const ConfigNode& list, const MaterialDefaults& defaults, Scen
   std::set<int> ids;
   std::set<std::string> names;
   for (const ConfigNode& item : list.items()) {
-    scene.objects.push_back(read_object(item, defaults, files));
+    scene.objects.push_back(read_object(item, defaults, files, end_s(scene)));
     check_memory(item, scene);
     const Body& body = scene.objects.back();
     if (!ids.insert(body.id).second)
@@ -119,6 +125,18 @@ void read_objects(const ConfigNode& list, const MaterialDefaults& defaults, Scen
     if (!names.insert(body.name).second)
       item.at("name").fail(fmt::format("'{}' is the name of another object", body.name));
     check_motion(item.at("motion"), body.motion, scene);
+  }
+}
+
+// A key of a sensor that the file has not, which may be meant for one that it has.
+void warn_of_made_sensors(const ConfigNode& file, const std::vector<ConfigOverride>& overrides) {
+  for (const std::string sensor : {"imu", "lidar"}) {
+    const auto made = std::ranges::find_if(overrides, [&](const ConfigOverride& value) {
+      return value.key == sensor || value.key.starts_with(sensor + '.');
+    });
+    if (file.has(sensor) || made == overrides.end() || made->key == sensor) continue;
+    warn(fmt::format("{}: {} (set, not the file's): makes the sensor, for the scene has no {}",
+                     file.file().string(), made->key, sensor));
   }
 }
 
@@ -153,13 +171,14 @@ Scene load_scene(const fs::path& path, const std::vector<ConfigOverride>& overri
 
 Scene parse_scene(const std::string& text, const fs::path& path, const std::vector<ConfigOverride>& overrides,
                   Textures textures) {
-  std::vector<ConfigOverride> all = realism_of(ConfigNode::parse(text, path, overrides));
+  const ConfigNode given = ConfigNode::parse(text, path, overrides);
+  std::vector<ConfigOverride> all = realism_of(given);
   all.insert(all.begin(), overrides.begin(), overrides.end());
   const ConfigNode root = ConfigNode::parse(text, path, all);
   Scene scene;
   std::vector<fs::path> files;
   scene.name = root.name("name", path.stem().string());
-  read_realism(root);  // realism_of() has followed it
+  if (root.has("realism")) scene.realism = read_realism(root);  // realism_of() has followed it
   read_clock(root, scene);
   read_camera_section(root.at("camera"), scene, files);
   read_sensor_models(root, scene);
@@ -180,6 +199,8 @@ Scene parse_scene(const std::string& text, const fs::path& path, const std::vect
   if (!(noise_scale >= 0 && noise_scale <= kMostNoiseScale))
     root.at("noise_scale").fail(fmt::format("expected 0 to {}, found {}", kMostNoiseScale, noise_scale));
   root.refuse_unknown_keys();
+  warn_of_idle_keys(given, scene);
+  warn_of_made_sensors(ConfigNode::parse(text, path), overrides);
   scene.hash = scene_hash(text, overrides, files);
   scale_noise(scene, noise_scale);
   return scene;

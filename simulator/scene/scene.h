@@ -122,7 +122,8 @@ struct ImuRig {
 /// What the simulator renders: read from YAML (scenes/README.md).
 struct Scene {
   std::string name;
-  std::string hash;  ///< of the file and of every file it names
+  std::string hash;     ///< of the file and of every file it names
+  std::string realism;  ///< as the scene names it, else empty
   std::int64_t frames = 300;
   double rate_hz = 30;
   Camera camera;

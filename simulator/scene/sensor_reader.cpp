@@ -47,10 +47,17 @@ Eigen::Vector2d pixels(const ConfigNode& node, const std::string& key) {
   return {values[0], values[1]};
 }
 
-void warn_of_idle_keys(const ConfigNode& node, const std::string& model) {
+std::string name_of(DepthNoise::Model model) {
+  return model == DepthNoise::Model::none           ? "none"
+         : model == DepthNoise::Model::proportional ? "proportional"
+                                                    : "stereo";
+}
+
+void warn_of_other_models(const ConfigNode& depth_noise, const std::string& model) {
   const auto warn_of = [&](const std::string& key, const std::string& of) {
-    if (model == of || !node.has(key)) return;
-    warn(fmt::format("{}: counts for model {} alone, and the model is {}", node.at(key).place(), of, model));
+    if (model == of || !depth_noise.has(key)) return;
+    warn(fmt::format("{}: counts for model {} alone, and the model is {}", depth_noise.at(key).place(), of,
+                     model));
   };
   warn_of("k", "proportional");
   for (const char* key : kStereoKeys) warn_of(key, "stereo");
@@ -61,7 +68,6 @@ void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
   constexpr double kMostShare = 1;  // of the distance: nothing is measured
   constexpr double kMostLevel = 255, kRightAngle_deg = 90, kLeastStep_px = 1e-6;
   const std::string model = node.choice("model", {"none", "proportional", "stereo"}, "proportional");
-  warn_of_idle_keys(node, model);
   noise.model = model == "none"           ? DepthNoise::Model::none
                 : model == "proportional" ? DepthNoise::Model::proportional
                                           : DepthNoise::Model::stereo;
@@ -79,6 +85,7 @@ void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
       read_zero_or(node, "correlation_px", noise.correlation_px, kLeastSize_px, kMostSize_px);
   noise.disparity_bias_px = read_within(node, "disparity_bias_px", noise.disparity_bias_px, kMostSize_px);
   noise.smear_px = read_at_most(node, "smear_px", noise.smear_px, kMostSize_px);
+  if (noise.smear_px != std::round(noise.smear_px)) node.at("smear_px").fail("expected whole pixels");
   noise.dark_dropout = probability(node, "dark_dropout", noise.dark_dropout);
   noise.dark_level = read_positive(node, "dark_level", noise.dark_level, kMostLevel);
   noise.color_offset_m = read_within(node, "color_offset_m", noise.color_offset_m, kMostColorOffset_m);
@@ -129,7 +136,10 @@ void read_imaging(const ConfigNode& node, const Scene& scene, Imaging& imaging) 
   imaging.stamp_jitter_s =
       read_at_least_0(node, "stamp_jitter_s", stamp_error(node, "stamp_jitter_s", rate_hz));
   imaging.rolling_shutter_bands = node.get<int>("rolling_shutter_bands", imaging.rolling_shutter_bands);
-  if (imaging.rolling_shutter_bands < 1) node.at("rolling_shutter_bands").fail("expected at least 1");
+  const int rows = scene.camera.height;
+  if (node.has("rolling_shutter_bands") &&
+      (imaging.rolling_shutter_bands < 1 || imaging.rolling_shutter_bands > rows))
+    node.at("rolling_shutter_bands").fail(fmt::format("expected 1 to {}, the image's rows", rows));
 }
 
 void read_image_noise(const ConfigNode& node, ImageNoise& noise) {
@@ -184,6 +194,33 @@ void read_imu(const ConfigNode& node, ImuRig& imu) {
 
 bool is_of_stereo_alone(std::string_view key) {
   return std::ranges::find(kStereoKeys, key) != kStereoKeys.end();
+}
+
+void warn_of_idle_keys(const ConfigNode& given, const Scene& scene) {
+  struct Need {
+    const char *section, *key, *needs;
+    bool is_met;
+  };
+  const SegmenterNoise& segmenter = scene.segmenter;
+  const Need needs[] = {
+      {"image", "exposure_steps", "exposure_s above 0", scene.imaging.exposure_s > 0},
+      {"image", "rolling_shutter_bands", "rolling_shutter_s above 0", scene.imaging.rolling_shutter_s > 0},
+      {"segmenter", "leak_px", "leak_probability above 0", segmenter.leak_probability > 0},
+      {"segmenter", "outage_s", "outage_every_s above 0", segmenter.outage_every_s > 0},
+      {"segmenter", "boundary_length_px", "boundary_sigma_px above 0", segmenter.boundary_sigma_px > 0},
+      {"depth_noise", "registered", "a color_offset_m", scene.depth_noise.color_offset_m != 0},
+      {"depth_noise", "dark_level", "dark_dropout above 0", scene.depth_noise.dark_dropout > 0}};
+  const auto section_of = [&](const std::string& name) {
+    const auto section = given.find(name);
+    return section && section->is_map() ? section : std::nullopt;
+  };
+  if (const auto depth_noise = section_of("depth_noise"))
+    warn_of_other_models(*depth_noise, name_of(scene.depth_noise.model));
+  for (const Need& need : needs) {
+    const auto section = section_of(need.section);
+    if (section && section->has(need.key) && !need.is_met)
+      warn(fmt::format("{}: counts for nothing, for it needs {}", section->at(need.key).place(), need.needs));
+  }
 }
 
 CalibrationError read_calibration_error(const ConfigNode& node) {

@@ -12,6 +12,10 @@ class ConfigNode;
 /// own reader; what is absent keeps its default. Throws InputError with file and line.
 void read_sensor_models(const ConfigNode& root, Scene& scene);
 
+/// Warns of keys of a scene as it was given, without what its realism sets, that count for nothing in
+/// `scene`.
+void warn_of_idle_keys(const ConfigNode& given, const Scene& scene);
+
 /// Whether this key of depth_noise counts for its model `stereo` alone.
 bool is_of_stereo_alone(std::string_view key);
 

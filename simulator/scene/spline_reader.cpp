@@ -112,7 +112,7 @@ Motion read_spline(const ConfigNode& node, Mover mover) {
   return parts.size() == 1 ? parts.front() : successive_motion(std::move(parts), std::move(starts_s));
 }
 
-Motion read_recorded(const ConfigNode& node, std::vector<std::filesystem::path>& files) {
+Motion read_recorded(const ConfigNode& node, std::vector<std::filesystem::path>& files, double end_s) {
   const ConfigNode file = node.at("file");
   files.push_back(find_file(file));
   const double start_s = node.get<double>("start_s", 0);
@@ -120,8 +120,15 @@ Motion read_recorded(const ConfigNode& node, std::vector<std::filesystem::path>&
   const Trajectory poses = read_tum(files.back());
   for (const StampedPose& p : poses)
     record.push_back({start_s + static_cast<double>(p.stamp_ns - poses.front().stamp_ns) * 1e-9, p.pose});
+  const double from_s = record.empty() ? 0 : record.front().time_s,
+               to_s = record.empty() ? 0 : record.back().time_s;
   try {
-    return recorded_motion(std::move(record));
+    Motion motion = recorded_motion(std::move(record));
+    if (from_s > end_s || to_s < 0)
+      warn(fmt::format(
+          "{}: lasts from {:.6g} to {:.6g} s, outside the scene's 0 to {:.6g} s: nothing moves by it",
+          file.place(), from_s, to_s, end_s));
+    return motion;
   } catch (const InputError& error) {
     file.fail(error.what());
   }

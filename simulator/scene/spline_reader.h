@@ -12,7 +12,8 @@ namespace uniquadric {
 /// once of a spline that swings far out between two way-points. Throws InputError with file and line.
 Motion read_spline(const ConfigNode& node, Mover mover);
 
-/// The same of `kind: recorded`, whose file is appended to `files`.
-Motion read_recorded(const ConfigNode& node, std::vector<std::filesystem::path>& files);
+/// The same of `kind: recorded`, whose file is appended to `files`. Warns of a record that has no time with
+/// the scene, which runs from 0 to `end_s`, in common.
+Motion read_recorded(const ConfigNode& node, std::vector<std::filesystem::path>& files, double end_s);
 
 }  // namespace uniquadric

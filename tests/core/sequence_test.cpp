@@ -74,6 +74,16 @@ TEST_F(SequenceFolder, ReadsBackAsItWasWritten) {
   EXPECT_EQ(sequence.given_camera->size(), 2u);
 }
 
+// Other programs' sequences name none.
+TEST_F(SequenceFolder, KeepsTheRealismThatItNames) {
+  Sequence sequence = open_sequence(folder());
+  EXPECT_EQ(sequence.realism, "");
+  EXPECT_EQ(read_text(folder() / "sequence.yaml").find("realism"), std::string::npos);
+  sequence.realism = "harsh";
+  write_sequence_index(folder(), sequence);
+  EXPECT_EQ(open_sequence(folder()).realism, "harsh");
+}
+
 TEST_F(SequenceFolder, ABiasOfInverseDepthIsTakenOutAsItIsRead) {
   Sequence sequence = open_sequence(folder());
   constexpr double kMeasured = 1.502;

@@ -109,6 +109,52 @@ TEST_F(Cli, AnExistingFileNeedsForceAndMustBeAFile) {
   EXPECT_EQ(read_text(mine), "mine");
 }
 
+// Neither a scene that was edited by hand, nor one that does not say how it was drawn.
+TEST_F(Cli, ForceKeepsADrawnSceneThatWasEdited) {
+  const fs::path drawn = folder() / "drawn.yaml";
+  const std::vector<std::string> command = {"generate", "room", drawn, "--force"};
+  ASSERT_EQ(run_program(command).exit_code, 0);
+  const std::string text = read_text(drawn);
+  const std::size_t note = text.find(", body "), body = text.find("frames: 300");
+  ASSERT_LT(note, text.find('\n'));
+  for (const auto& [edited, what] :
+       {std::pair(std::string(text).replace(body, 11, "frames: 301"), "was edited since it was drawn"),
+        {text + "# mine\n", "was edited since it was drawn"},
+        {text.substr(0, text.find('\n')), "was edited since it was drawn"},
+        {std::string(text).erase(note, 23), "does not say how it was drawn"}}) {
+    write_text(drawn, edited);
+    expect_refusal(command, std::string(what) + ", so --force does not replace it");
+    EXPECT_EQ(read_text(drawn), edited);
+  }
+  write_text(drawn, text);
+  EXPECT_EQ(run_program(command).exit_code, 0);
+  EXPECT_EQ(read_text(drawn), text);
+}
+
+// A picture is what its name says, and so is a scene.
+TEST_F(Cli, TheEndingSaysWhatIsWritten) {
+  const fs::path scene = write("scene.yaml", small_scene_yaml());
+  for (const auto& [name, begins] :
+       {std::pair("a.png", kPngFile.begins), {"a.jpg", kJpegFile.begins}, {"a.jpeg", kJpegFile.begins}}) {
+    for (const char* force : {"--quiet", "--force"}) {
+      const ProgramRun run = run_program({"preview", scene, folder() / name, force});
+      EXPECT_EQ(run.exit_code, 0) << run.err;
+    }
+    EXPECT_TRUE(read_text(folder() / name).starts_with(begins)) << name;
+  }
+  write("b.png", read_text(folder() / "a.jpg"));
+  expect_refusal({"preview", scene, folder() / "b.png", "--force"}, "b.png: is no PNG picture");
+  for (const char* name : {"c.gif", "c", "c.yaml"}) {
+    expect_refusal({"preview", scene, folder() / name}, "a picture's name ends in .png, .jpg or .jpeg");
+    EXPECT_FALSE(fs::exists(folder() / name));
+  }
+  for (const char* name : {"e.jpg", "e"}) {
+    expect_refusal({"generate", "room", folder() / name}, "a scene's name ends in .yaml or .yml");
+    EXPECT_FALSE(fs::exists(folder() / name));
+  }
+  EXPECT_EQ(run_program({"generate", "room", folder() / "e.yml"}).exit_code, 0);
+}
+
 TEST_F(Cli, AFullOutputIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   const fs::path scene = write("scene.yaml", small_scene_yaml());

@@ -27,6 +27,31 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
   }
 }
 
+// As many options as keys; the documentation has an example.
+TEST_F(Cli, SetTakesOneKeyAnOptionAndTheHelpSaysSo) {
+  for (const char* command : {"simulate", "preview", "generate", "estimate", "perceive"}) {
+    const ProgramRun run = run_program({command, "--help"});
+    EXPECT_NE(run.out.find("--set KEY=VALUE  "), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("once for each key"), std::string::npos) << command;
+  }
+  const fs::path scene = folder() / "scene.yaml";
+  expect_refusal({"generate", "room", scene, "--set", "difficulty=0.2", "frames=60"}, "frames=60");
+  EXPECT_EQ(
+      run_program({"generate", "room", scene, "--set", "difficulty=0.2", "--set", "frames=60"}).exit_code, 0);
+  const std::string text = read_text(scene);
+  EXPECT_NE(text.find("difficulty 0.2"), std::string::npos);
+  EXPECT_NE(text.find("frames: 60\n"), std::string::npos);
+}
+
+TEST_F(Cli, TheFirstPagesShowHowToDrawAScene) {
+  const fs::path source = UNIQUADRIC_SOURCE_DIR;
+  const std::string readme = read_text(source / "README.md");
+  EXPECT_NE(readme.find("$U generate tabletop "), std::string::npos);
+  EXPECT_LT(std::count(readme.begin(), readme.end(), '\n'), 100);
+  EXPECT_NE(read_text(source / "docs/first_scene.md").find("uniquadric generate tabletop "),
+            std::string::npos);
+}
+
 TEST_F(Cli, RefusesWhatItDoesNotKnow) {
   expect_refusal({"simulat"}, "there is no subcommand 'simulat'");
   expect_refusal({}, "subcommand");

@@ -154,6 +154,33 @@ TEST_F(Pipeline, InfoNamesEverySensor) {
     EXPECT_NE(of_data.out.find(line), std::string::npos) << of_data.out << of_data.err;
 }
 
+TEST_F(Pipeline, InfoSaysTheRealismAndWhatIsNotScored) {
+  std::string text = small_scene_yaml();
+  const fs::path plain = folder() / "plain.yaml", named = folder() / "named.yaml";
+  write_text(plain, text);
+  text.replace(text.find("    primitive: ball"), 0, "    scored: false\n");
+  write_text(named, "realism: mild\n" + text);
+  const auto info = [&](const fs::path& path) { return run_program({"info", path}).out; };
+  for (const fs::path& scene : {plain, named}) {
+    const fs::path data = folder() / scene.stem();
+    ok({"simulate", scene, data, "--quiet", "--frames", "1"});
+    ok({"info", data, "--check"});
+    const bool is_named = scene == named;
+    EXPECT_EQ(read_text(data / "sequence/sequence.yaml").find("\nrealism: \"mild\"\n") != text.npos,
+              is_named);
+    for (const fs::path& path : {scene, data}) {
+      const std::string said = info(path);
+      EXPECT_EQ(said.find(", realism mild\n") != said.npos, is_named) << said;
+      EXPECT_EQ(said.find("realism") != said.npos, is_named) << said;
+      const std::size_t ball = said.find(" 'ball'"), box = said.find(" 'box'");
+      ASSERT_LT(std::max(ball, box), said.npos) << said;
+      const auto line = [&](std::size_t at) { return said.substr(at, said.find('\n', at) - at); };
+      EXPECT_EQ(line(ball).find(", not scored") != said.npos, is_named) << said;
+      EXPECT_EQ(line(box).find(", not scored"), said.npos) << said;
+    }
+  }
+}
+
 // Every sensor's errors are others, and nothing of the truth is but what says of a measurement how wrong it
 // is: the biases in imu.csv, and of each point that came back what it met.
 TEST_F(Pipeline, AnotherSeedChangesTheNoiseAndNothingOfTheTruth) {

@@ -110,7 +110,11 @@ TEST_F(BenchPlanCommand, DrawsTheScenesThatGenerateDraws) {
   for (const std::string seed : {"7", "8", "9"}) {
     const fs::path drawn = folder() / ("drawn_" + seed + ".yaml");
     ASSERT_EQ(run_program({"generate", "tabletop", drawn, "--seed", seed, "--set", "frames=9"}).exit_code, 0);
-    EXPECT_EQ(read_text(out / "scenes" / ("t_" + seed + ".yaml")), read_text(drawn));
+    std::string text = read_text(drawn);  // with the hash of its body, for --force
+    const std::size_t end = text.find('\n'), note = text.find(", body ");
+    ASSERT_LT(note, end);
+    EXPECT_EQ(read_text(out / "scenes" / ("t_" + seed + ".yaml")),
+              text.substr(0, note) + '.' + text.substr(end));
   }
 }
 

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "core/base/files.h"
 #include "simulator/scene/scene.h"
 #include "tests/support/temp_folder.h"
@@ -45,7 +48,9 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
       {"image: {exposure_steps: 257}", "expected 1 to 256"},
       {"image: {rolling_shutter_s: -0.1}", "cannot be negative"},
       {"image: {rolling_shutter_s: 0.06}", "longer than a frame, 0.05 s"},
-      {"image: {rolling_shutter_bands: 0}", "expected at least 1"},
+      {"image: {rolling_shutter_bands: 0}", "rolling_shutter_bands: expected 1 to 480, the image's rows"},
+      {"image: {rolling_shutter_bands: 481}", "rolling_shutter_bands: expected 1 to 480, the image's rows"},
+      {"depth_noise: {smear_px: 0.4}", "smear_px: expected whole pixels"},
       {"image: {iso: 100}", "iso"},
       {"image_noise: {electrons_per_level: -1}", "cannot be negative"},
       {"depth_noise: {max_incidence_deg: 91}", "at most 90"},
@@ -71,7 +76,35 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
     EXPECT_NE(message.find(said), std::string::npos) << section << ": " << message;
     EXPECT_NE(message.find("scene.yaml:5"), std::string::npos) << message;
   }
-  EXPECT_EQ(cases.size(), 28u);
+  EXPECT_EQ(cases.size(), 30u);
+}
+
+// A key that changes no byte is named with what it needs; a level's own keys are not.
+TEST(ReadSensors, WarnsOfKeysThatCountForNothing) {
+  const auto said = [](const std::string& sections) {
+    testing::internal::CaptureStderr();
+    read_with(sections + "\n");
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string nothing = ": counts for nothing, for it needs ";
+  const std::vector<std::array<std::string, 4>> cases = {
+      {"image", "exposure_steps: 4", "exposure_s above 0", "exposure_s: 0.01"},
+      {"image", "rolling_shutter_bands: 4", "rolling_shutter_s above 0", "rolling_shutter_s: 0.01"},
+      {"segmenter", "leak_px: 40", "leak_probability above 0", "leak_probability: 0.1"},
+      {"segmenter", "outage_s: 1", "outage_every_s above 0", "outage_every_s: 5"},
+      {"segmenter", "boundary_length_px: 9, boundary_sigma_px: 0", "boundary_sigma_px above 0", ""},
+      {"depth_noise", "registered: false", "a color_offset_m", "color_offset_m: 0.02"},
+      {"depth_noise", "dark_level: 30", "dark_dropout above 0", "dark_dropout: 0.1"}};
+  for (const auto& [section, idle, needs, met] : cases) {
+    const std::string key = section + '.' + idle.substr(0, idle.find(':'));
+    const std::string text = said(section + ": {" + idle + "}");
+    EXPECT_NE(text.find("scene.yaml:5: " + key + nothing + needs), std::string::npos) << text;
+    EXPECT_EQ(std::ranges::count(text, '\n'), 1) << text;
+    if (!met.empty()) {
+      EXPECT_EQ(said(section + ": {" + idle + ", " + met + "}"), "");
+    }
+  }
+  EXPECT_EQ(said("realism: real\nimage: {rolling_shutter_s: 0}\nsegmenter: {leak_probability: 0}"), "");
 }
 
 // What overflows, or asks for memory or time without end, is no sensor's.

@@ -290,6 +290,22 @@ TEST(SceneFile, HashFollowsContentNotPlace) {
   EXPECT_NE(load_scene(there.write("scene.yaml", with_mesh)).hash, hash);
 }
 
+// A key of a sensor may be meant for one that the scene has; a whole section says that it makes one.
+TEST(SceneFile, WarnsOfASensorThatASetKeyMakes) {
+  const auto said = [](const std::string& text, const ConfigOverride& value) {
+    testing::internal::CaptureStderr();
+    parse_scene(text, "scene.yaml", {value});
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(
+      said(kScene, {"imu.mounting_error.rpy_deg", "[1, 2, 3]"}),
+      "warning: scene.yaml: imu.mounting_error.rpy_deg (set, not the file's): makes the sensor, for the "
+      "scene has no imu\n");
+  EXPECT_NE(said(kScene, {"lidar.pattern", "vlp16"}).find("the scene has no lidar"), std::string::npos);
+  EXPECT_EQ(said(kScene, {"imu", "{rate_hz: 100}"}), "");
+  EXPECT_EQ(said(kScene + "imu: {}\n", {"imu.rate_hz", "100"}), "");
+}
+
 // The documentation's example is a scene that loads.
 TEST(SceneFile, ExampleOfTheDocumentationLoads) {
   const std::string text = read_text(scene_test::kSource / "scenes/README.md");

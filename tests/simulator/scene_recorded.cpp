@@ -36,6 +36,28 @@ TEST(RecordedMotion, IsReadFromAFileThatEntersTheScenesHash) {
   EXPECT_THROW(load_scene(folder.path() / "scene.yaml"), InputError) << "one pose is no motion";
 }
 
+// Else the body rests throughout without a word.
+TEST(RecordedMotion, WarnsOfARecordOutsideTheScenesTime) {
+  const scene_test::ScratchFolder folder("recorded");
+  folder.write("a.tum", "7 0 0 1 0 0 0 1\n8 0 0 2 0 0 0 1\n");
+  const auto said = [&](const std::string& start_s) {
+    const std::string motion = "{kind: recorded, file: a.tum, start_s: " + start_s + "}";
+    testing::internal::CaptureStderr();
+    load_scene(folder.write("scene.yaml",
+                            "frames: 4\nrate_hz: 10\ncamera: {motion: {kind: static}}\n"
+                            "objects: [{id: 1, name: b, primitive: box, size_m: [1, 1, 1], "
+                            "motion: {kind: compose, parts: [" +
+                                motion + "]}}]\n"));
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_NE(said("1000").find("scene.yaml:4: objects[0].motion.parts[0].file: lasts from 1000 to 1001 s, "
+                              "outside the scene's 0 to 0.3 s: nothing moves by it"),
+            std::string::npos)
+      << said("1000");
+  EXPECT_NE(said("-1.1").find("lasts from -1.1 to "), std::string::npos);
+  for (const char* within : {"0", "-0.9", "0.2"}) EXPECT_EQ(said(within), "") << within;
+}
+
 TEST(RecordedMotion, RefusesAGapThatWouldFillTheMemory) {
   EXPECT_THROW(recorded_motion({{0, {}}, {0.001, {}}, {0.002, {}}, {1e7, {}}}), InputError);
 }
