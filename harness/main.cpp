@@ -20,10 +20,10 @@ namespace {
 
 // In the order of --help.
 constexpr void (*kCommands[])(CLI::App&, Common&) = {
-    add_generate, add_simulate,     add_preview,        add_estimate,   add_perceive,
-    add_evaluate, add_bench,        add_report,         add_compare,    add_overlay,
-    add_scenery,  add_info,         add_metric,         add_trajectory, add_import,
-    add_export,   add_check_result, add_convert_result, add_completion,
+    add_generate, add_simulate, add_preview,      add_estimate,       add_perceive,
+    add_evaluate, add_bench,    add_report,       add_compare,        add_history,
+    add_overlay,  add_scenery,  add_info,         add_metric,         add_trajectory,
+    add_import,   add_export,   add_check_result, add_convert_result, add_completion,
 };
 
 std::string command_line(int argc, char** argv) {

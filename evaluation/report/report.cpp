@@ -3,6 +3,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "evaluation/report/arc_curves.h"
+#include "evaluation/report/latex.h"
 #include "evaluation/report/page.h"
 #include "evaluation/results/scores.h"
 
@@ -22,6 +23,10 @@ void write_report(const std::filesystem::path& folder) {
   write_text(folder / "scores.csv", scores_csv(scores(results)));
   write_text(folder / "report.md", markdown);
   write_text(folder / "report.html", html);
+}
+
+void write_latex(const std::filesystem::path& folder) {
+  write_text(folder / "report.tex", latex_table(summarize(read_results(folder))));
 }
 
 std::string summary_table(const std::filesystem::path& folder) {

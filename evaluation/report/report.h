@@ -11,6 +11,9 @@ namespace uniquadric {
 /// folder, and with file and field or line for results that cannot be read.
 void write_report(const std::filesystem::path& results);
 
+/// Writes report.tex there: the summary as a LaTeX table (latex_table).
+void write_latex(const std::filesystem::path& results);
+
 /// The table `bench` prints: per scene, object and variant the medians over seeds, the paper's figures beside
 /// where it has the object. Plain text, ends in a newline. Throws as `write_report`.
 std::string summary_table(const std::filesystem::path& results);

@@ -38,6 +38,8 @@ struct Run {
 // Runs a subcommand of this program that makes a folder, unless it is there already.
 ProcessResult run_stage(const Run& run, const BenchStage& stage) {
   if (is_current(stage.folder, stage.key)) return {true, ""};
+  run.progress.say(fmt::format("{}: {}", stage.command.front(),
+                               stage.folder.lexically_relative(run.plan.out).generic_string()));
   fs::create_directories(stage.folder.parent_path());
   std::vector<std::string> command = stage.command;
   command.insert(command.begin(), own_executable().string());
@@ -124,7 +126,7 @@ void run_simulation(const Run& run, BenchSimulation& simulation) {
   std::vector<BenchCell*> waiting;
   for (BenchCell& cell : simulation.cells)
     if (!is_done(run.plan, simulation, cell)) waiting.push_back(&cell);
-  run.progress.advance(std::ssize(simulation.cells) - std::ssize(waiting));
+  run.progress.skip(std::ssize(simulation.cells) - std::ssize(waiting));
   const ProcessResult result = simulate(run, simulation, !waiting.empty());
   if (waiting.empty()) return release(run, simulation);
   if (result.ok) keep_scenery(run, simulation);

@@ -19,6 +19,7 @@ void add_evaluate(CLI::App& app, Common& common);
 void add_bench(CLI::App& app, Common& common);
 void add_report(CLI::App& app, Common& common);
 void add_compare(CLI::App& app, Common& common);
+void add_history(CLI::App& app, Common& common);
 void add_overlay(CLI::App& app, Common& common);
 void add_scenery(CLI::App& app, Common& common);
 void add_info(CLI::App& app, Common& common);

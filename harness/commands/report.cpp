@@ -13,11 +13,13 @@ namespace uniquadric {
 void add_report(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "report", "results -> report.html, report.md, scores.csv", common);
   static std::string results;
-  static bool open = false;
+  static bool open = false, latex = false;
   sub->add_option("RESULTS", results, "results folder of bench")->required();
+  sub->add_flag("--latex", latex, "write report.tex there, too: the summary as a table (booktabs)");
   sub->add_flag("--open", open, "show it in the desktop's browser");
   sub->callback([] {
     write_report(results);
+    if (latex) write_latex(results);
     std::cout << results << "/report.html\n";
     if (!open) return;
     const ProcessResult shown =

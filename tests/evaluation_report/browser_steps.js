@@ -148,6 +148,7 @@
   seen.space.paused = motion_state.index;
   show_motion_time(motion_state.scene, motion_time(70)); // as a pointer on a plot does
   seen.space.pointed = motion_state.index;
+  seen.svg = chart_svg(charts[0], "APE <of> a & b");
   document.activeElement?.blur();
   document.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
   seen.space.stepped = motion_state.index;

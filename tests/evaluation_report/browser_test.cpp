@@ -374,6 +374,11 @@ TEST_F(Browser, TablesSortAndTheSliderMovesTheEllipsoids) {
   expect_surfaces_and_times(seen);
   expect_ratios(seen.at("ratios"));
   expect_verdict(seen);
+  const std::string svg = seen.at("svg");
+  EXPECT_TRUE(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
+  EXPECT_NE(svg.find("APE &lt;of> a &amp; b"), svg.npos);
+  EXPECT_NE(svg.find("rotbbox · seed 2"), svg.npos);
+  EXPECT_EQ(svg.find("NaN"), svg.npos);
   expect_variants_side_by_side(seen.at("ablation"));
   expect_axes_with_marks(seen);
   expect_slider_moves_ellipsoids(seen.at("space"),

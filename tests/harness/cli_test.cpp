@@ -8,15 +8,34 @@ namespace uniquadric {
 namespace {
 
 TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
-  for (const std::string command : {"simulate",       "preview",        "estimate",
-                                    "evaluate",       "bench",          "report",
-                                    "overlay",        "scenery",        "info",
-                                    "metric",         "metric map",     "metric depth",
-                                    "metric surface", "trajectory",     "compare",
-                                    "import",         "import tum",     "import kitti-tracking",
-                                    "import omd",     "import euroc",   "import bop",
-                                    "import rosbag",  "export",         "perceive",
-                                    "check-result",   "convert-result", "completion"}) {
+  for (const std::string command : {"simulate",
+                                    "preview",
+                                    "estimate",
+                                    "evaluate",
+                                    "bench",
+                                    "report",
+                                    "overlay",
+                                    "scenery",
+                                    "info",
+                                    "metric",
+                                    "metric map",
+                                    "metric depth",
+                                    "metric surface",
+                                    "trajectory",
+                                    "compare",
+                                    "history",
+                                    "import",
+                                    "import tum",
+                                    "import kitti-tracking",
+                                    "import omd",
+                                    "import euroc",
+                                    "import bop",
+                                    "import rosbag",
+                                    "export",
+                                    "perceive",
+                                    "check-result",
+                                    "convert-result",
+                                    "completion"}) {
     std::vector<std::string> arguments{command, "--help"};
     if (const std::size_t blank = command.find(' '); blank != command.npos)
       arguments = {command.substr(0, blank), command.substr(blank + 1), "--help"};

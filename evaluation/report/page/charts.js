@@ -103,6 +103,39 @@ function chart_options(plot) {
   };
 }
 
+// The chart as it stands, as a drawing for a paper: text stays text.
+function chart_svg(chart, title) {
+  const { chartArea: area, scales: { x, y }, width, height } = chart, head = 22, ink = "#1d2126", parts = [];
+  const text = (value) => String(value).replaceAll("&", "&amp;").replaceAll("<", "&lt;");
+  const label = (px, py, value, anchor) => parts.push(`<text x="${px.toFixed(1)}" y="${py.toFixed(1)}" text-anchor="${anchor}">${text(value)}</text>`);
+  parts.push(`<text x="${area.left}" y="${14 - head}" font-weight="bold">${text(title)}</text>`);
+  y.ticks.forEach((tick) => {
+    const at = y.getPixelForValue(tick.value);
+    parts.push(`<path d="M${area.left} ${at.toFixed(1)}H${area.right}" stroke="#ddd"/>`);
+    label(area.left - 5, at + 4, tick.label, "end");
+  });
+  x.ticks.forEach((tick) => label(x.getPixelForValue(tick.value), area.bottom + 15, tick.label, "middle"));
+  chart.data.datasets.forEach((set, i) => {
+    let path = "", pen = "M";
+    for (const { x: px, y: py } of set.data) {
+      path += Number.isFinite(py) ? `${pen}${x.getPixelForValue(px).toFixed(1)} ${y.getPixelForValue(py).toFixed(1)}` : "";
+      pen = Number.isFinite(py) ? "L" : "M";
+    }
+    parts.push(`<path d="${path}" fill="none" stroke="${set.borderColor.slice(0, 7)}" stroke-width="1.4" stroke-dasharray="${(set.borderDash ?? []).join(" ")}"/>`);
+    parts.push(`<path d="M${area.left} ${height + 12 + 16 * i}h22" stroke="${set.borderColor.slice(0, 7)}" stroke-width="2" stroke-dasharray="${(set.borderDash ?? []).join(" ")}"/>`);
+    label(area.left + 28, height + 16 + 16 * i, set.label, "start");
+  });
+  const bottom = height + 16 * chart.data.datasets.length + 8;
+  return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 ${-head} ${width} ${bottom + head}" font-family="sans-serif" font-size="11" fill="${ink}">${parts.join("")}</svg>\n`;
+}
+
+function save_chart(chart, plot) {
+  const { scene, object } = chart_state, title = `${plot.title}${plot.unit ? ` [${plot.unit}]` : ""}, ${object} in ${scene}`;
+  const address = URL.createObjectURL(new Blob([chart_svg(chart, title)], { type: "image/svg+xml" }));
+  el("a", { href: address, download: `${scene}_${object}_${plot.column}.svg` }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 1000);
+}
+
 function draw_charts() {
   for (const chart of charts) chart.destroy();
   const all = series_of(chart_state.scene, chart_state.object);
@@ -111,7 +144,8 @@ function draw_charts() {
   const canvases = plots.map(() => el("canvas", { role: "img" }));
   by_id("charts").replaceChildren(...plots.map((plot, i) => {
     canvases[i].setAttribute("aria-label", `${plot.title} of ${chart_state.object} in ${chart_state.scene} over time`);
-    return el("figure", {}, el("figcaption", {}, plot.title, " ", el("small", {}, plot.unit ? `[${plot.unit}]` : "")),
+    return el("figure", {}, el("figcaption", {}, plot.title, " ", el("small", {}, plot.unit ? `[${plot.unit}]` : ""),
+        el("button", { type: "button", class: "save", title: "Save this plot as an SVG file", click: () => save_chart(charts[i], plot) }, "SVG")),
       el("div", { class: "plot" }, canvases[i]));
   }));
   if (plots.length === 0) by_id("charts").replaceChildren(el("p", {}, "No frames with results."));

@@ -1,0 +1,57 @@
+#include "evaluation/report/latex.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/base/files.h"
+#include "core/base/text.h"
+#include "tests/evaluation_report/fabricated_results.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+
+TEST(Latex, EscapesWhatItReads) {
+  EXPECT_EQ(latex_escaped("a_b & 5 % #1 $x {y} ~z ^w \\input"),
+            "a\\_b \\& 5 \\% \\#1 \\$x \\{y\\} \\~{}z \\^{}w \\textbackslash{}input");
+  EXPECT_EQ(latex_escaped("two\nlines"), "two lines");
+}
+
+TEST(Latex, RowsHaveTheColumnsOfTheHead) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 20});
+  const std::string table = latex_table(summarize(read_results(folder.path())));
+  const auto lines = split(table, '\n');
+  const auto count = [](std::string_view line) { return std::count(line.begin(), line.end(), '&'); };
+  long columns = -1;
+  int rows = 0;
+  for (const auto line : lines)
+    if (line.ends_with("\\\\")) {
+      if (columns < 0) columns = count(line);
+      EXPECT_EQ(count(line), columns) << line;
+      ++rows;
+    }
+  EXPECT_GT(columns, 8);
+  EXPECT_EQ(rows, 1 + 2 * 3 * 2);  // two scenes, two objects and the camera, two variants
+  EXPECT_NE(table.find("cube\\_cuboid & cuboid & single\\_frame\\_obb & 2/2 & 0.750"), table.npos) << table;
+  EXPECT_NE(table.find("\\textbf{0.0150}"), table.npos) << table;
+}
+
+// Where there is LaTeX: it has no complaint.
+TEST(Latex, Compiles) {
+  if (std::system("command -v pdflatex >/dev/null && kpsewhich booktabs.sty >/dev/null") != 0)
+    GTEST_SKIP() << "no LaTeX here";
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 20});
+  write_text(folder.path() / "table.tex",
+             "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n" +
+                 latex_table(summarize(read_results(folder.path()))) + "\\end{document}\n");
+  const std::string command = "cd '" + folder.path().string() +
+                              "' && pdflatex -halt-on-error -interaction=batchmode table.tex >/dev/null";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+}  // namespace
+}  // namespace uniquadric
