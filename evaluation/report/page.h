@@ -10,8 +10,8 @@
 namespace uniquadric {
 
 struct PageOptions {
-  std::size_t image_bytes = 2'000'000;  ///< ours: of all frames with overlays; a third more in base64
-  std::size_t film_bytes = 2'500'000;   ///< ours: of all films together: with all else 8 MB a page
+  std::size_t image_bytes = 800'000;  ///< ours: of all frames with overlays; a third more in base64
+  std::size_t film_bytes = 1'200'000;   ///< ours: of all films together: with all else 8 MB a page
   std::size_t motion_frames =
       150;                ///< ours: of a run in the 3D view; 10 kB an object, and no path looks angular
   int series_digits = 4;  ///< ours: finer than a pixel of a plot, half the page of full doubles

@@ -1,6 +1,6 @@
 // The camera's image at the slider's time, with the outlines of the true and estimated bodies drawn on it.
 const scenery = JSON.parse(document.getElementById("scenery").textContent);
-const film_canvas = by_id("film-canvas"), film_image = by_id("film-image");
+const film_canvas = by_id("film-canvas"), film_image = by_id("film-image"), film_state = { drawn: [] };
 
 const film_frames = (scene) => scenery[scene]?.frames ?? [];
 
@@ -26,21 +26,26 @@ function stroke_outline(context, outline, color, truth) {
     });
 }
 
+// Draws a frame's outlines on a canvas over its image, which is as wide as `width`; gives back the bodies drawn.
+function paint_film(canvas, width, scene, camera, bodies) {
+  const ratio = window.devicePixelRatio || 1, height = (width * scenery[scene].camera.height) / scenery[scene].camera.width;
+  Object.assign(canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
+  if (!camera || width === 0) return [];
+  const context = canvas.getContext("2d"), view = camera_view(scene, camera, width);
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  const drawn = bodies.map((body) => ({ ...body, outline: outline_of(view, body) })).filter((body) => body.outline);
+  for (const truth of [true, false])
+    for (const body of drawn.filter((b) => b.truth === truth)) stroke_outline(context, body.outline, body.color, truth);
+  return drawn;
+}
+
 function draw_film() {
-  const { scene } = motion_state, stamp_ns = motion_stamps()[motion_state.index], frame = nearest_frame(scene, stamp_ns);
+  const { scene, index } = motion_state, frame = nearest_frame(scene, motion_stamps()[index]);
   by_id("film-view").hidden = !frame;
   if (!frame) return;
-  const source = source_of(frame), camera = motion_truths()[0].camera[motion_state.index];
+  const source = source_of(frame);
   if (film_image.src !== source) film_image.src = source;
   film_image.alt = `${scene}: frame ${frame.frame}`;
-  const ratio = window.devicePixelRatio || 1, width = film_image.clientWidth, height = (width * scenery[scene].camera.height) / scenery[scene].camera.width;
-  Object.assign(film_canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
   by_id("film-note").textContent = `frame ${frame.frame}`;
-  if (!camera || width === 0) return;
-  const context = film_canvas.getContext("2d"), view = camera_view(scene, camera, width);
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  film_state.drawn = motion_bodies().map((body) => ({ ...body, outline: outline_of(view, body) })).filter((body) => body.outline);
-  for (const truth of [true, false])
-    for (const body of film_state.drawn.filter((b) => b.truth === truth)) stroke_outline(context, body.outline, body.color, truth);
+  film_state.drawn = paint_film(film_canvas, film_image.clientWidth, scene, motion_truths()[0].camera[index], motion_bodies());
 }
-const film_state = { drawn: [] };

@@ -78,24 +78,41 @@ function draw_variant_lines() {
   }));
 }
 
-// The pictures of the variant's hardest scene, one after the other; a click opens it over time.
+const kFilmStep_ms = 90;
+
+// The variant's hardest scene of those with frames, or where no scene has any, of those with overlays.
+function hardest_scene(variant, shown) {
+  const rows = object_rows(variant), iou_in = (scene) => median_of(rows.filter((row) => row.scene === scene).map((row) => iou_of(row) ?? 0)) || 0;
+  return shown.length ? shown.reduce((a, b) => (iou_in(b) < iou_in(a) ? b : a)) : null;
+}
+
+// The frames of the hardest scene one after the other, with the outlines of the truth and of the variant; without
+// frames the overlays. A click opens the scene over time.
 function start_film(variant) {
-  const rows = object_rows(variant), with_pictures = galleries.filter((g) => g.variant === variant && g.frames.length > 0);
-  const iou_in = (scene) => median_of(rows.filter((row) => row.scene === scene).map((row) => iou_of(row) ?? 0)) || 0;
-  if (with_pictures.length === 0) return;
-  const gallery = with_pictures.reduce((a, b) => (iou_in(b.scene) < iou_in(a.scene) ? b : a));
-  const image = by_id("film").querySelector("img"), still = window.matchMedia("(prefers-reduced-motion: reduce)");
-  let index = 0;
-  const show = () => Object.assign(image, { src: source_of(gallery.frames[index]), alt: `${gallery.scene}, ${variant}: frame ${gallery.frames[index].frame} with outlines` });
+  const run_in = (scene) => motion.runs.find((run) => run.scene === scene && run.variant === variant);
+  const filmed = hardest_scene(variant, scenes.filter((scene) => film_frames(scene).length > 1 && run_in(scene)));
+  const scene = filmed ?? hardest_scene(variant, galleries.filter((g) => g.variant === variant && g.frames.length > 0).map((g) => g.scene));
+  if (!scene) return;
+  const frames = filmed ? film_frames(scene) : galleries.find((g) => g.scene === scene && g.variant === variant).frames;
+  const image = by_id("film").querySelector("img"), canvas = by_id("film").querySelector("canvas"), still = window.matchMedia("(prefers-reduced-motion: reduce)");
+  const show = (i) => {
+    Object.assign(image, { src: source_of(frames[i]), alt: `${scene}, ${variant}: frame ${frames[i].frame} with outlines` });
+    if (!filmed) return;
+    const run = run_in(scene), truth = motion.truths[run.truth];
+    const index = truth.stamps_ns.reduce((best, s, k) => (Math.abs(s - frames[i].stamp_ns) < Math.abs(truth.stamps_ns[best] - frames[i].stamp_ns) ? k : best), 0);
+    paint_film(canvas, image.clientWidth, scene, truth.camera[index], bodies_at(scene, index, [truth], [run]));
+  };
   by_id("film").hidden = false;
-  by_id("film").querySelector("figcaption").replaceChildren(scenes.length > 1 ? `The hardest scene, ${gallery.scene}: ` : `${gallery.scene}: `, el("b", { class: "true" }, "the truth"), " and ", el("b", { class: "estimated" }, "the estimate"), ` of ${variant}. Click to look at it over time.`);
+  by_id("film").querySelector("figcaption").replaceChildren(scenes.length > 1 ? `The hardest scene, ${scene}` : scene, filmed ? ": dashed the truth, in colour " : ": ", variant_name(variant), ". Click to look at it over time.");
   by_id("film-open").addEventListener("click", () => {
-    const subject = subjects.find((s) => s.scene === gallery.scene);
+    const subject = subjects.find((s) => s.scene === scene);
     if (subject) show_object(subject);
     by_id(subject ? "objects" : "frames").scrollIntoView();
   });
-  show();
-  setInterval(() => { if (!still.matches) { index = (index + 1) % gallery.frames.length; show(); } }, 600);
+  let index = 0;
+  image.addEventListener("load", () => show(index), { once: true });
+  show(0);
+  setInterval(() => { if (!still.matches && !document.hidden) show((index = (index + 1) % frames.length)); }, filmed ? kFilmStep_ms : 6 * kFilmStep_ms);
 }
 
 function draw_verdict() {

@@ -14,18 +14,20 @@ const places = (poses) => poses.map((pose) => pose && pose.slice(0, 3));
 
 const kBox = [1, 1, 1, 2]; // a true body without a mesh is its tight box
 
-// Bodies at the slider's time, the truth's first: what they are, where, and how large.
-function track_body(track, color, variant) {
-  const truth = variant === "", pose = track.poses[motion_state.index], axes = axes_at(track, motion_state.index);
+// A body at one of the kept times: what it is, where, and how large; nothing where it has no pose.
+function track_body(scene, index, track, color, variant) {
+  const truth = variant === "", pose = track.poses[index], at = (list) => list[list.length === 1 ? 0 : index];
   if (!pose) return [];
-  const mesh = truth && true_mesh(motion_state.scene, track.id), solid = truth ? kBox : track.solids[track.solids.length === 1 ? 0 : motion_state.index];
-  return [{ object: track.object, label: variant, truth, color, pose, sigmas_m: track.sigmas_m[track.sigmas_m.length === 1 ? 0 : motion_state.index],
-    ...(mesh ? { mesh, key: `${motion_state.scene} ${track.id}`, scale: [1, 1, 1] } : { mesh: unit_solid(solid), key: solid.join(), scale: axes }) }];
+  const mesh = truth && true_mesh(scene, track.id), solid = truth ? kBox : at(track.solids);
+  return [{ object: track.object, label: variant, truth, color, pose, sigmas_m: at(track.sigmas_m),
+    ...(mesh ? { mesh, key: `${scene} ${track.id}`, scale: [1, 1, 1] } : { mesh: unit_solid(solid), key: solid.join(), scale: at(track.semi_axes_m) }) }];
 }
 
 const tracks_of = (tracks) => [...tracks.objects, ...(tracks.unmatched ?? [])];
-const motion_bodies = () => [...motion_truths().flatMap((truth) => tracks_of(truth).flatMap((t) => track_body(t, css("--ink"), ""))),
-  ...motion_runs().flatMap((run) => tracks_of(run).flatMap((t) => track_body(t, variant_color(run.variant), run.variant)))];
+// The truth's bodies first.
+const bodies_at = (scene, index, truths, runs) => [...truths.flatMap((truth) => tracks_of(truth).flatMap((t) => track_body(scene, index, t, css("--ink"), ""))),
+  ...runs.flatMap((run) => tracks_of(run).flatMap((t) => track_body(scene, index, t, variant_color(run.variant), run.variant)))];
+const motion_bodies = () => bodies_at(motion_state.scene, motion_state.index, motion_truths(), motion_runs());
 
 // From the variant's colour to red: half of the object's 90th percentile of APE.t is in the middle.
 function error_colors(run, track) {
