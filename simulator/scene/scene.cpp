@@ -129,12 +129,15 @@ void read_objects(const ConfigNode& list, const MaterialDefaults& defaults, Scen
 }
 
 // A key of a sensor that the file has not, which may be meant for one that it has.
-void warn_of_made_sensors(const ConfigNode& file, const std::vector<ConfigOverride>& overrides) {
+void warn_of_made_sensors(const ConfigNode& file, const std::vector<ConfigOverride>& overrides,
+                          const Scene& scene) {
   for (const std::string sensor : {"imu", "lidar"}) {
     const auto made = std::ranges::find_if(overrides, [&](const ConfigOverride& value) {
       return value.key == sensor || value.key.starts_with(sensor + '.');
     });
     if (file.has(sensor) || made == overrides.end() || made->key == sensor) continue;
+    if (sensor == "lidar" && !scene.lidar->has("pattern") && !scene.lidar->has("csv"))
+      continue;  // its reader refuses that
     warn(fmt::format("{}: {} (set, not the file's): makes the sensor, for the scene has no {}",
                      file.file().string(), made->key, sensor));
   }
@@ -200,7 +203,7 @@ Scene parse_scene(const std::string& text, const fs::path& path, const std::vect
     root.at("noise_scale").fail(fmt::format("expected 0 to {}, found {}", kMostNoiseScale, noise_scale));
   root.refuse_unknown_keys();
   warn_of_idle_keys(given, scene);
-  warn_of_made_sensors(ConfigNode::parse(text, path), overrides);
+  warn_of_made_sensors(ConfigNode::parse(text, path), overrides, scene);
   scene.hash = scene_hash(text, overrides, files);
   scale_noise(scene, noise_scale);
   return scene;
