@@ -10,11 +10,13 @@
 namespace uniquadric {
 
 struct PageOptions {
-  std::size_t image_bytes = 800'000;  ///< ours: of all frames with overlays; a third more in base64
-  std::size_t film_bytes = 1'200'000;   ///< ours: of all films together: with all else 8 MB a page
+  std::size_t image_bytes = 800'000;   ///< ours: of all frames with overlays; a third more in base64
+  std::size_t film_bytes = 1'200'000;  ///< ours: of all films together: with all else 8 MB a page
   std::size_t motion_frames =
-      150;                ///< ours: of a run in the 3D view; 10 kB an object, and no path looks angular
-  int series_digits = 4;  ///< ours: finer than a pixel of a plot, half the page of full doubles
+      150;  ///< ours: of a run in the 3D view; 10 kB an object, and no path looks angular
+  std::size_t motion_poses = 40'000;    ///< ours: of all runs in the 3D view, 50 bytes each
+  std::size_t series_values = 400'000;  ///< ours: of all plots over time, 6 bytes each
+  int series_digits = 4;                ///< ours: finer than a pixel of a plot, half the page of full doubles
 };
 
 /// The page as one file that needs nothing else (page/ and Chart.js inlined).
@@ -22,7 +24,8 @@ std::string page_html(const Results& results, const std::vector<SummaryRow>& sum
                       const PageOptions& options = {});
 
 /// The page's data: everything but the pictures. JSON text, keys sorted. A column of a series is one value
-/// where it is constant.
+/// where it is constant. With more than `options.series_values` in all, plots have every second frame, every
+/// third and so on; beyond every eighth the first seeds alone have plots, and of these the first runs.
 std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
                       const PageOptions& options);
 
@@ -39,6 +42,8 @@ std::string page_scenery(const Results& results, const PageOptions& options);
 
 /// Trajectories and ellipsoids for the 3D view as JSON text, all in the truth's world, for each scene and
 /// variant those of its first good seed that has poses.csv, `options.motion_frames` evenly spaced times each:
+/// fewer where all would have more than `options.motion_poses` poses; beyond a thinning to kFewMotionFrames
+/// the first runs alone are in the view:
 /// {"truths": [{"stamps_ns", TRACKS}], "runs": [{"scene", "variant", "seed", "truth" (index), TRACKS,
 /// "unmatched": [TRACK]}]}; TRACKS: "camera": [POSE], "objects": [TRACK]; TRACK: "object", "poses",
 /// "semi_axes_m" (one where constant); POSE: [x, y, z, qx, qy, qz, qw] or null.

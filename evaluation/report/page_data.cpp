@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/base/text.h"
 #include "core/base/version.h"
@@ -92,8 +93,17 @@ json row_json(const SummaryRow& row, int digits) {
           {"good", row.good},   {"given", row.given},   {"spread", spread}};
 }
 
+// Every so many of a list.
+template <typename T>
+std::vector<T> thinned(const std::vector<T>& values, std::size_t step) {
+  std::vector<T> kept;
+  for (std::size_t i = 0; i < values.size(); i += step) kept.push_back(values[i]);
+  return kept;
+}
+
 // A list, or its one value where all are the same (true semi-axes).
-json column_json(const std::vector<std::optional<double>>& values, int digits) {
+json column_json(const std::vector<std::optional<double>>& all, std::size_t step, int digits) {
+  const std::vector<std::optional<double>> values = thinned(all, step);
   const bool constant =
       std::all_of(values.begin(), values.end(), [&](const auto& v) { return v == values.front(); });
   json list = json::array();
@@ -102,14 +112,14 @@ json column_json(const std::vector<std::optional<double>>& values, int digits) {
   return list;
 }
 
-json series_json(const ObjectSeries& series, int digits) {
+json series_json(const ObjectSeries& series, std::size_t step, int digits) {
   json columns = json::object();
   for (const char* name : kPlotted)
     if (const auto found = series.columns.find(name); found != series.columns.end())
-      columns[name] = column_json(found->second, digits);
+      columns[name] = column_json(found->second, step, digits);
   return {{"object", series.subject},
-          {"frames", series.frames},
-          {"stamps_ns", series.stamps_ns},
+          {"frames", thinned(series.frames, step)},
+          {"stamps_ns", thinned(series.stamps_ns, step)},
           {"columns", columns}};
 }
 
@@ -139,12 +149,45 @@ json sizes_json(const std::vector<SizeSteadiness>& sizes) {
   return list;
 }
 
-json cell_json(const Cell& cell, int digits) {
+// Of which runs the plots over time are, and of these every how many frames.
+struct SeriesShare {
+  std::set<const Cell*> cells;
+  std::size_t step = 1;
+};
+
+constexpr std::size_t kLongestStep = 8;  // ours: a quarter of a second
+
+std::size_t values_of(const Cell& cell) {
+  std::size_t values = 0;
+  if (cell.evaluation)
+    for (const ObjectSeries& series : cell.evaluation->series)
+      values += series.frames.size() * std::size(kPlotted);
+  return values;
+}
+
+SeriesShare series_share(const Results& results, std::size_t most_values) {
+  std::size_t all = 0;
+  for (const Cell& cell : results.cells) all += values_of(cell);
+  SeriesShare share;
+  share.step = std::clamp<std::size_t>((all + most_values - 1) / most_values, 1, kLongestStep);
+  std::set<std::pair<std::string, std::string>> seen;
+  std::size_t kept = 0;
+  for (const Cell& cell : results.cells) {
+    const bool first = seen.emplace(cell.scene, cell.variant).second;
+    if (all > kLongestStep * most_values && (!first || kept > kLongestStep * most_values)) continue;
+    kept += values_of(cell);
+    share.cells.insert(&cell);
+  }
+  return share;
+}
+
+json cell_json(const Cell& cell, const SeriesShare& share, int digits) {
   json series = json::array(), stages = json::object();
   if (cell.evaluation)
     for (const auto& [stage, ms] : cell.evaluation->stage_ms) stages[stage] = rounded(ms, digits);
-  if (cell.evaluation)
-    for (const ObjectSeries& s : cell.evaluation->series) series.push_back(series_json(s, digits));
+  if (cell.evaluation && share.cells.contains(&cell))
+    for (const ObjectSeries& s : cell.evaluation->series)
+      series.push_back(series_json(s, share.step, digits));
   return {{"scene", cell.scene},
           {"variant", cell.variant},
           {"seed", cell.seed},
@@ -224,8 +267,10 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
     verdicts.push_back(verdict_json(verdict, options.series_digits));
   for (const SummaryRow& row : summary) rows.push_back(row_json(row, options.series_digits));
   for (const PaperRow& row : paper_rows()) paper.push_back(paper_json(row));
-  for (const Cell& cell : results.cells) cells.push_back(cell_json(cell, options.series_digits));
-  for (const Cell& cell : results.not_applicable) cells.push_back(cell_json(cell, options.series_digits));
+  const SeriesShare share = series_share(results, options.series_values);
+  for (const Cell& cell : results.cells) cells.push_back(cell_json(cell, share, options.series_digits));
+  for (const Cell& cell : results.not_applicable)
+    cells.push_back(cell_json(cell, share, options.series_digits));
   for (const LidarRoutes& routes : results.lidar) lidar.push_back(lidar_json(routes));
   const json data = {{"name", results.name},
                      {"report_program", kProgram},

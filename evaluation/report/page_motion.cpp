@@ -129,9 +129,28 @@ json unmatched_json(const Tracks& tracks, const std::vector<std::int64_t>& stamp
   return list;
 }
 
+constexpr std::size_t kTracksOfARun = 4;      // ours: a camera and three objects
+constexpr std::size_t kFewMotionFrames = 20;  // ours: below, a path has corners
+
+// How many runs are shown, and how many times of each.
+struct MotionShare {
+  std::size_t runs, frames;
+};
+MotionShare share_of(const Results& results, const PageOptions& options) {
+  std::set<std::pair<std::string, std::string>> runs;
+  for (const Cell& cell : results.cells)
+    if (cell.evaluation) runs.emplace(cell.scene, cell.variant);
+  const std::size_t poses = std::max<std::size_t>(1, kTracksOfARun * runs.size());
+  const std::size_t fitting = options.motion_poses / poses;
+  if (fitting >= kFewMotionFrames) return {runs.size(), std::min(fitting, options.motion_frames)};
+  return {options.motion_poses / (kTracksOfARun * kFewMotionFrames),
+          std::min(kFewMotionFrames, options.motion_frames)};
+}
+
 }  // namespace
 
 std::string page_motion(const Results& results, const PageOptions& options) {
+  const MotionShare share = share_of(results, options);
   json truths = json::array(), runs = json::array();
   std::set<std::pair<std::string, std::string>> seen, without;  // scene, variant
   for (const Cell& cell : results.cells) {
@@ -141,9 +160,9 @@ std::string page_motion(const Results& results, const PageOptions& options) {
       without.emplace(cell.scene, cell.variant);
       continue;
     }
-    if (!seen.emplace(cell.scene, cell.variant).second) continue;
+    if (!seen.emplace(cell.scene, cell.variant).second || runs.size() == share.runs) continue;
     const ComparedPoses poses = read_poses(file);
-    const auto stamps_ns = shown_stamps(poses.truth, options.motion_frames);
+    const auto stamps_ns = shown_stamps(poses.truth, share.frames);
     json truth = tracks_json(poses.truth, cell, stamps_ns),
          run = tracks_json(poses.estimate, cell, stamps_ns);
     truth["stamps_ns"] = stamps_ns;

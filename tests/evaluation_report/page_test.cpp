@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
+#include <set>
 
 #include "core/base/files.h"
 #include "evaluation/report/page_assets.h"
@@ -184,6 +185,38 @@ TEST(Page, MotionIsThinnedAndKeepsTheTruthOnce) {
   EXPECT_EQ(thin["truths"][0]["stamps_ns"],
             json({1'000'000'000, 1'000'000'000 + 75 * 33'333'333LL, 1'000'000'000 + 149 * 33'333'333LL}));
   EXPECT_EQ(thin["runs"][0]["camera"].size(), 3u);
+}
+
+// Two scenes, two variants, two seeds, of which one failed: seven runs with two objects.
+TEST(Page, ManyRunsAreThinned) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 160, .overlays = 0});
+  const Results results = read_results(folder.path());
+  const auto plotted = [&](std::size_t values) {
+    std::set<std::size_t> frames;
+    int runs = 0;
+    const json data = json::parse(page_data(results, summarize(results), {.series_values = values}));
+    for (const json& cell : data.at("cells")) {
+      runs += cell.at("series").empty() ? 0 : 1;
+      for (const json& series : cell.at("series")) {
+        frames.insert(series.at("frames").size());
+        EXPECT_EQ(series.at("columns").at("iou3d").size(), series["stamps_ns"].size());
+      }
+    }
+    return std::pair(runs, frames);
+  };
+  const std::size_t all = 7 * 2 * 160 * 13;  // columns plotted
+  EXPECT_EQ(plotted(all), std::pair(7, std::set<std::size_t>{160}));
+  EXPECT_EQ(plotted(all / 2), std::pair(7, std::set<std::size_t>{80}));
+  EXPECT_EQ(plotted(all / 10), std::pair(4, std::set<std::size_t>{20}));  // the first seeds
+  EXPECT_EQ(plotted(1), std::pair(1, std::set<std::size_t>{20}));
+  const auto motion = [&](std::size_t poses) {
+    const json shown = json::parse(page_motion(results, {.motion_poses = poses}));
+    return std::pair(shown.at("runs").size(), shown["runs"][0].at("camera").size());
+  };
+  EXPECT_EQ(motion(40'000), std::pair(std::size_t{4}, std::size_t{150}));
+  EXPECT_EQ(motion(4 * 4 * 50), std::pair(std::size_t{4}, std::size_t{50}));
+  EXPECT_EQ(motion(2 * 4 * 20), std::pair(std::size_t{2}, std::size_t{20}));
 }
 
 TEST(Page, SaysHowWorldsWereAligned) {

@@ -63,10 +63,12 @@ function alone_sentence(variant) {
     good.length > 1 ? `; the worst is ${worst.row.object} in ${worst.row.scene}, ${format_figure(worst.iou)}.` : "."];
 }
 
+const object_count = () => distinct(data.summary.filter((row) => row.object !== "camera" && row.object !== "all").map((row) => `${row.scene}/${row.object}`)).length;
+
 function draw_compared() {
   const good = runs.filter((cell) => cell.status === "ok").length, all = runs.filter((cell) => cell.status !== "not applicable").length;
   const failed = all - good, n = causal_variants.length;
-  by_id("compared").replaceChildren(`${count_of(n, "variant")} on ${count_of(scenes.length, "scene")} with ${count_of(subjects.length, "object")}, ${count_of(data.seeds.length, "seed")}: `,
+  by_id("compared").replaceChildren(`${count_of(n, "variant")} on ${count_of(scenes.length, "scene")} with ${count_of(object_count(), "object")}, ${count_of(data.seeds.length, "seed")}: `,
     failed ? el("b", { class: "bad" }, `${failed} of ${all} runs have no result`) : `all ${all} runs have a result`, ".");
 }
 
