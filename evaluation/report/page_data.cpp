@@ -20,6 +20,7 @@ using nlohmann::json;
 constexpr const char* kPlotted[] = {"ape_translation_m",
                                     "ape_rotation_rad",
                                     "iou3d",
+                                    "iou3d_solid",
                                     "iou2d",
                                     "est_semi_axis_x_m",
                                     "est_semi_axis_y_m",

@@ -205,7 +205,7 @@ TEST(Page, ManyRunsAreThinned) {
     }
     return std::pair(runs, frames);
   };
-  const std::size_t all = 7 * 2 * 160 * 13;  // columns plotted
+  const std::size_t all = 7 * 2 * 160 * 14;  // columns plotted
   EXPECT_EQ(plotted(all), std::pair(7, std::set<std::size_t>{160}));
   EXPECT_EQ(plotted(all / 2), std::pair(7, std::set<std::size_t>{80}));
   EXPECT_EQ(plotted(all / 10), std::pair(4, std::set<std::size_t>{20}));  // the first seeds

@@ -2,7 +2,8 @@
 const kPlots = [
   { title: "APE translation", unit: "m", column: "ape_translation_m", error: true },
   { title: "APE rotation", unit: "rad", column: "ape_rotation_rad", error: true },
-  { title: "IoU of the ellipsoids", unit: "", column: "iou3d", range: [0, 1] },
+  { title: "IoU solid", unit: "", column: "iou3d_solid", range: [0, 1] },
+  { title: "IoU ellipsoid", unit: "", column: "iou3d", range: [0, 1] },
   { title: "2D IoU, rotated rectangles", unit: "", column: "iou2d", range: [0, 1] },
   { title: "Semi-axis x", unit: "m", column: "est_semi_axis_x_m", truth: "true_semi_axis_x_m" },
   { title: "Semi-axis y", unit: "m", column: "est_semi_axis_y_m", truth: "true_semi_axis_y_m" },

@@ -52,6 +52,7 @@ function proof_sentence(d) {
 
 // The 3D IoU of an object's row: of the solid where there is one.
 const iou_of = (row) => (row.spread.iou3d_solid_mean ?? row.spread.iou3d_ellipsoid_mean)?.median;
+const iou_label = (row) => (row?.spread.iou3d_solid_mean ? "IoU solid" : "IoU ellipsoid");
 const object_rows = (variant) => data.summary.filter((row) => row.variant === variant && row.object !== "camera" && row.object !== "all");
 
 // Of a bench with one variant: how many objects it follows.
@@ -59,7 +60,7 @@ function alone_sentence(variant) {
   const rows = object_rows(variant), good = rows.map((row) => ({ row, iou: iou_of(row) })).filter(({ iou }) => iou !== undefined);
   if (good.length === 0) return [variant_name(variant), rows.length ? " followed no object." : " was run on scenes without true objects."];
   const worst = good.reduce((a, b) => (b.iou < a.iou ? b : a));
-  return [variant_name(variant), ` follows ${good.length} of ${count_of(rows.length, "object")}, with a median 3D IoU of ${format_figure(median_of(good.map(({ iou }) => iou)))}`,
+  return [variant_name(variant), ` follows ${good.length} of ${count_of(rows.length, "object")}, with a median ${iou_label(good[0].row)} of ${format_figure(median_of(good.map(({ iou }) => iou)))}`,
     good.length > 1 ? `; the worst is ${worst.row.object} in ${worst.row.scene}, ${format_figure(worst.iou)}.` : "."];
 }
 
@@ -75,7 +76,7 @@ function draw_compared() {
 function draw_variant_lines() {
   by_id("variant-lines").replaceChildren(...ranked_variants().flatMap((variant) => {
     const rows = object_rows(variant), ious = rows.map(iou_of).filter((v) => v !== undefined);
-    return [el("dt", {}, variant_name(variant), el("small", {}, ious.length ? `3D IoU ${format_figure(median_of(ious))}` : "no result")),
+    return [el("dt", {}, variant_name(variant), el("small", {}, ious.length ? `${iou_label(rows[0])} ${format_figure(median_of(ious))}` : "no result")),
       el("dd", {}, data.descriptions[variant] || "No description: the variant's file begins with no comment.")];
   }));
 }
@@ -93,6 +94,7 @@ function hardest_scene(variant, shown) {
 function start_film(variant) {
   const run_in = (scene) => motion.runs.find((run) => run.scene === scene && run.variant === variant);
   const filmed = hardest_scene(variant, scenes.filter((scene) => film_frames(scene).length > 1 && run_in(scene)));
+  let index = 0;
   const scene = filmed ?? hardest_scene(variant, galleries.filter((g) => g.variant === variant && g.frames.length > 0).map((g) => g.scene));
   if (!scene) return;
   const frames = filmed ? film_frames(scene) : galleries.find((g) => g.scene === scene && g.variant === variant).frames;
@@ -107,14 +109,23 @@ function start_film(variant) {
   by_id("film").hidden = false;
   by_id("film").querySelector("figcaption").replaceChildren(scenes.length > 1 ? `The hardest scene, ${scene}` : scene, filmed ? ": dashed the truth, in colour " : ": ", variant_name(variant), ". Click to look at it over time.");
   by_id("film-open").addEventListener("click", () => {
-    const subject = subjects.find((s) => s.scene === scene);
-    if (subject) show_object(subject);
-    by_id(subject ? "objects" : "frames").scrollIntoView();
+    const there = subjects.filter((s) => s.scene === scene), iou_at = (s) => iou_of(object_rows(variant).find((row) => row.scene === scene && row.object === s.object) ?? { spread: {} }) ?? 0;
+    if (there.length) show_object(there.reduce((a, b) => (iou_at(b) < iou_at(a) ? b : a)));
+    if (filmed && motion_state.scene === scene) show_motion_time(scene, (frames[index].stamp_ns - scene_start_ns(scene)) / 1e9);
+    by_id(there.length ? "objects" : "frames").scrollIntoView();
   });
-  let index = 0;
   image.addEventListener("load", () => show(index), { once: true });
   show(0);
   setInterval(() => { if (!still.matches && !document.hidden) show((index = (index + 1) % frames.length)); }, filmed ? kFilmStep_ms : 6 * kFilmStep_ms);
+}
+
+// The object that the variant models worst, with a way there.
+function weakest_line(variant) {
+  const rows = object_rows(variant).filter((row) => iou_of(row) !== undefined);
+  if (rows.length < 2) return [];
+  const worst = rows.reduce((a, b) => (iou_of(b) < iou_of(a) ? b : a));
+  return [el("p", {}, "Its weakest: ", el("a", { href: object_hash(worst.scene, worst.object), click: () => setTimeout(show_worst, 100) }, worst.object),
+    ` in ${worst.scene}, ${iou_label(worst)} ${format_figure(iou_of(worst))}.`)];
 }
 
 function draw_verdict() {
@@ -122,7 +133,7 @@ function draw_verdict() {
   const duels = others.map((other) => duel(other, winner)).filter(Boolean);
   by_id("verdict").replaceChildren(...(duels.length ? duel_sentence(duels[0], true) : alone_sentence(winner)));
   by_id("verdict-more").replaceChildren(...(duels.length ? [el("p", {}, proof_sentence(duels[0])),
-    ...duels.map((d) => el("p", {}, ...duel_sentence(d, false)))].slice(0, 4) : []));
+    ...duels.filter((d, i) => i > 0 || d.better.length < d.objects.length).map((d) => el("p", {}, ...duel_sentence(d, false)))].slice(0, 4) : []), ...weakest_line(winner));
   draw_compared();
   draw_variant_lines();
 }

@@ -134,7 +134,7 @@ function draw_readout() {
   const rows = motion_truths()[0].objects.flatMap((o) => motion_runs().map((run) => {
     const figure = figures_at(run, o.object);
     return el("tr", {}, el("td", {}, el("i", { class: "dot", style: `background:${variant_color(run.variant)}` }), o.object, el("small", {}, run.variant)),
-      number(figure("iou3d")), number(figure("ape_translation_m")), number(figure("ape_rotation_rad")));
+      number(figure("iou3d_solid")), number(figure("iou3d")), number(figure("ape_translation_m")), number(figure("ape_rotation_rad")));
   }));
   by_id("space-figures").tBodies[0].replaceChildren(...rows);
 }
@@ -160,6 +160,14 @@ function show_motion_time(scene, time) {
   if (scene !== motion_state.scene || motion_state.playing) return;
   const off = (i) => Math.abs(motion_time(i) - time);
   show_motion_index(motion_stamps().reduce((best, _, i) => (off(i) < off(best) ? i : best), 0), false);
+}
+
+// The moment at which the first shown run has the object's greatest APE.t.
+function show_worst() {
+  const run = motion_runs()[0], series = run && data.cells.find((c) => c.scene === run.scene && c.variant === run.variant && c.seed === run.seed)?.series.find((s) => s.object === chart_state.object);
+  const values = series?.columns.ape_translation_m ?? [];
+  const worst = values.reduce((best, v, i) => (v !== null && (best < 0 || v > values[best]) ? i : best), -1);
+  if (worst >= 0) show_motion_time(motion_state.scene, (series.stamps_ns[worst] - scene_start_ns(motion_state.scene)) / 1e9);
 }
 
 function pause_motion() {
