@@ -5,6 +5,7 @@
 #include <set>
 
 #include "evaluation/comparison/score_table.h"
+#include "evaluation/results/summary.h"
 
 namespace uniquadric {
 namespace {
@@ -102,7 +103,7 @@ const char* to_string(ObjectVerdict verdict) {
 
 std::vector<VariantVerdict> variant_verdicts(const Results& results, std::size_t most) {
   auto tables = score_tables(results);
-  std::erase_if(tables, [](const auto& entry) { return entry.first.find('@') != std::string::npos; });
+  std::erase_if(tables, [](const auto& entry) { return !output_of(entry.first).empty(); });
   for (auto& [variant, table] : tables) {
     keep_summary_metrics(table);
     rename_variant(table, "both");  // so that the runs are each other's pairs

@@ -49,15 +49,17 @@ Figures figures_of(const Results& results) {
 
 std::vector<Point> points_of(const std::vector<fs::path>& folders) {
   std::vector<Point> points;
-  for (std::size_t i = 0; i < folders.size(); ++i) {
-    const Results results = read_results(folders[i]);
+  std::optional<ScoreTable> before;
+  for (const fs::path& folder : folders) {
+    const Results results = read_results(folder);
     Point point{name_of(results), figures_of(results), "", "the first"};
-    if (i > 0) {
-      ScoreTable before = read_score_table(folders[i - 1]), now = read_score_table(folders[i]);
-      for (ScoreTable* const table : {&before, &now}) leave_out_parts(*table);
-      const ScoreComparison comparison = compare_scores(before, now);
+    ScoreTable now = read_score_table(folder);
+    leave_out_parts(now);
+    if (before) {
+      const ScoreComparison comparison = compare_scores(*before, now);
       point.answer = to_string(comparison.answer), point.headline = headline(comparison);
     }
+    before = std::move(now);
     points.push_back(std::move(point));
   }
   return points;

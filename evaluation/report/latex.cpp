@@ -14,14 +14,6 @@ std::string row_of(const std::vector<std::string>& cells) {
   return fmt::format("  {} \\\\\n", fmt::join(cells, " & "));
 }
 
-std::string figure(const SummaryRow& row, const char* metric) {
-  const auto found = row.spread.find(metric);
-  if (found == row.spread.end()) return "--";
-  if (shows_given(row, find_metric(metric))) return "given";
-  const std::string text = format_figure(found->second.median);
-  return found->second.best ? fmt::format("\\textbf{{{}}}", text) : text;
-}
-
 // Metrics that some row has.
 std::vector<const Metric*> shown_metrics(const std::vector<SummaryRow>& rows) {
   std::vector<const Metric*> metrics;
@@ -67,7 +59,8 @@ std::string latex_table(const std::vector<SummaryRow>& summary) {
     std::vector<std::string> cells = {
         same ? "" : latex_escaped(rows[i].scene), same ? "" : latex_escaped(rows[i].object),
         latex_escaped(rows[i].variant), fmt::format("{}/{}", rows[i].good, rows[i].runs)};
-    for (const Metric* metric : metrics) cells.push_back(figure(rows[i], metric->name));
+    for (const Metric* metric : metrics)
+      cells.push_back(shown_figure(rows[i], metric->name, "--", {"\\textbf{", "}"}));
     text += row_of(cells);
   }
   return text + "  \\bottomrule\n\\end{tabular}\n";

@@ -15,14 +15,6 @@ std::string line(const std::vector<std::string>& fields) {
   return fmt::format("| {} |\n", fmt::join(fields, " | "));
 }
 
-std::string figure(const SummaryRow& row, const char* metric) {
-  const auto found = row.spread.find(metric);
-  if (found == row.spread.end()) return "-";
-  if (shows_given(row, find_metric(metric))) return "given";
-  const std::string text = format_figure(found->second.median);
-  return found->second.best ? fmt::format("**{}**", text) : text;
-}
-
 std::string paper_line(const SummaryRow& row, const char* system, const PaperFigures& figures) {
   std::vector<std::string> fields = {row.scene, row.object, fmt::format("*{}*", system), ""};
   for (const char* metric : summary_metrics()) {
@@ -46,7 +38,8 @@ std::string table(const std::vector<SummaryRow>& summary) {
     if (row.object == "all" && row.good > 0) continue;  // tracking and time: in scores.csv and the page
     std::vector<std::string> fields = {row.scene, row.object, row.variant,
                                        fmt::format("{}/{}", row.good, row.runs)};
-    for (const char* metric : summary_metrics()) fields.push_back(figure(row, metric));
+    for (const char* metric : summary_metrics())
+      fields.push_back(shown_figure(row, metric, "-", {"**", "**"}));
     text += line(fields);
     if (!row.paper || !ends_object(summary, i)) continue;
     text += paper_line(row, kPaperBaseline, row.paper->baseline);

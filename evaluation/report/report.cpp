@@ -9,7 +9,7 @@
 
 namespace uniquadric {
 
-void write_report(const std::filesystem::path& folder) {
+void write_report(const std::filesystem::path& folder, bool latex) {
   for (const char* name : {"iou3d_by_arc.svg", "scores.csv", "report.md", "report.html"})
     if (std::filesystem::is_directory(folder / name))
       throw InputError(folder / name, "is a folder, in the way of the file of that name");
@@ -22,11 +22,8 @@ void write_report(const std::filesystem::path& folder) {
                : write_text(folder / "iou3d_by_arc.svg", arcs);
   write_text(folder / "scores.csv", scores_csv(scores(results)));
   write_text(folder / "report.md", markdown);
+  if (latex) write_text(folder / "report.tex", latex_table(summary));
   write_text(folder / "report.html", html);
-}
-
-void write_latex(const std::filesystem::path& folder) {
-  write_text(folder / "report.tex", latex_table(summarize(read_results(folder))));
 }
 
 std::string summary_table(const std::filesystem::path& folder) {

@@ -9,10 +9,7 @@ namespace uniquadric {
 /// where evaluations have arcs of views, `iou3d_by_arc.svg` into a results folder of `bench`
 /// (docs/report.md). The same folder gives the same bytes. Throws InputError for a folder that is no results
 /// folder, and with file and field or line for results that cannot be read.
-void write_report(const std::filesystem::path& results);
-
-/// Writes report.tex there: the summary as a LaTeX table (latex_table).
-void write_latex(const std::filesystem::path& results);
+void write_report(const std::filesystem::path& results, bool latex = false);
 
 /// The table `bench` prints: per scene, object and variant the medians over seeds, the paper's figures beside
 /// where it has the object. Plain text, ends in a newline. Throws as `write_report`.

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/files.h"
+#include "core/import/rectify.h"
 #include "core/sequence/ply.h"
 #include "core/sequence/sequence.h"
 #include "core/sequence/tracks.h"
@@ -33,19 +34,7 @@ cv::Mat small_image(const cv::Mat& image, const Camera& camera, int width_px) {
   const double scale = static_cast<double>(width_px) / camera.width;
   const cv::Size size(width_px, std::max(1, static_cast<int>(std::lround(camera.height * scale))));
   cv::Mat shrunk;
-  if (!camera.has_distortion()) {
-    cv::resize(image, shrunk, size, 0, 0, cv::INTER_AREA);
-    return shrunk;
-  }
-  cv::Mat u(image.size(), CV_32F), v(image.size(), CV_32F), ideal;
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) {
-      const auto seen = camera.project({(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1});
-      u.at<float>(y, x) = seen ? static_cast<float>(seen->x()) : -1;
-      v.at<float>(y, x) = seen ? static_cast<float>(seen->y()) : -1;
-    }
-  cv::remap(image, ideal, u, v, cv::INTER_LINEAR);
-  cv::resize(ideal, shrunk, size, 0, 0, cv::INTER_AREA);
+  cv::resize(rectify(camera, image, true), shrunk, size, 0, 0, cv::INTER_AREA);
   return shrunk;
 }
 

@@ -2,16 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace uniquadric {
 namespace {
 
-bool any_run_has(const Results& results, const std::string& scene, const std::string& subject,
-                 const Metric& metric, const std::string& variant = "") {
-  for (const Cell& cell : results.cells)
-    if (cell.scene == scene && (variant.empty() || cell.variant == variant))
-      if (const auto* figures = find_subject(cell, subject); figures && figures->value.contains(metric.name))
-        return true;
-  return false;
+using Cells = std::vector<const Cell*>;
+
+bool any_run_has(const Cells& cells, const std::string& subject, const Metric& metric,
+                 const std::string& variant = "") {
+  return std::any_of(cells.begin(), cells.end(), [&](const Cell* cell) {
+    const auto* figures =
+        variant.empty() || cell->variant == variant ? find_subject(*cell, subject) : nullptr;
+    return figures && figures->value.contains(metric.name);
+  });
 }
 
 std::optional<double> value_of(const Cell& cell, const std::string& subject, const Metric& metric) {
@@ -22,16 +26,20 @@ std::optional<double> value_of(const Cell& cell, const std::string& subject, con
 }
 
 void add_scene(const Results& results, const std::string& scene, std::vector<Score>& rows) {
+  Cells cells;
+  for (const Cell& cell : results.cells)
+    if (cell.scene == scene) cells.push_back(&cell);
   std::vector<std::pair<std::string, const Metric*>> figures;
   for (const std::string& subject : subjects_of(results, scene))
     for (const Metric& metric : all_metrics())
-      if (any_run_has(results, scene, subject, metric)) figures.emplace_back(subject, &metric);
+      if (any_run_has(cells, subject, metric)) figures.emplace_back(subject, &metric);
   if (figures.empty()) figures.emplace_back("all", &find_metric("coverage"));
-  for (const Cell& cell : results.cells)
-    if (cell.scene == scene && cell.status != CellStatus::missing)
+  for (const Cell* cell : cells)
+    if (cell->status != CellStatus::missing)
       for (const auto& [subject, metric] : figures)
-        if (!metric->by_variant || any_run_has(results, scene, subject, *metric, cell.variant))
-          rows.push_back({scene, subject, cell.variant, cell.seed, metric, value_of(cell, subject, *metric)});
+        if (!metric->by_variant || any_run_has(cells, subject, *metric, cell->variant))
+          rows.push_back(
+              {scene, subject, cell->variant, cell->seed, metric, value_of(*cell, subject, *metric)});
 }
 
 }  // namespace

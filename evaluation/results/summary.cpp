@@ -104,6 +104,15 @@ bool shows_given(const SummaryRow& row, const Metric& metric) {
   return row.given && metric.lower_is_better;
 }
 
+std::string shown_figure(const SummaryRow& row, const char* metric, const char* none,
+                         const std::array<const char*, 2>& marks) {
+  const auto found = row.spread.find(metric);
+  if (found == row.spread.end()) return none;
+  if (shows_given(row, find_metric(metric))) return "given";
+  const std::string text = format_figure(found->second.median);
+  return found->second.best ? marks[0] + text + marks[1] : text;
+}
+
 bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i) {
   return i + 1 == rows.size() || rows[i + 1].object != rows[i].object || rows[i + 1].scene != rows[i].scene;
 }

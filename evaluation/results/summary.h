@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -46,6 +47,11 @@ std::string output_of(const std::string& variant);
 
 /// Whether a table says `given` in place of the row's figure: errors of poses that were given.
 bool shows_given(const SummaryRow& row, const Metric& metric);
+
+/// What a table has of a metric: its median as text, `none` where there is none, `given`; the best within
+/// `marks`, as {"**", "**"}.
+std::string shown_figure(const SummaryRow& row, const char* metric, const char* none,
+                         const std::array<const char*, 2>& marks);
 
 /// Whether the row at `i` is the last of its scene and object.
 bool ends_object(const std::vector<SummaryRow>& rows, std::size_t i);

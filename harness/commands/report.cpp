@@ -18,8 +18,7 @@ void add_report(CLI::App& app, Common& common) {
   sub->add_flag("--latex", latex, "write report.tex there, too: the summary as a table (booktabs)");
   sub->add_flag("--open", open, "show it in the desktop's browser");
   sub->callback([] {
-    write_report(results);
-    if (latex) write_latex(results);
+    write_report(results, latex);
     std::cout << results << "/report.html\n";
     if (!open) return;
     const ProcessResult shown =

@@ -7,6 +7,7 @@
 
 #include "core/base/files.h"
 #include "core/base/progress.h"
+#include "core/import/rectify.h"
 #include "harness/export/bop_frame.h"
 #include "harness/export/export.h"
 #include "harness/export/export_source.h"

@@ -1,4 +1,5 @@
 #include "harness/export/bop_frame.h"
+#include "core/import/rectify.h"
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/import/rectify.h"
 
 namespace uniquadric {
 namespace {
@@ -87,21 +88,6 @@ cv::Mat read_instances(const ExportSource& source, const SequenceFrame& frame) {
     throw InputError(path, fmt::format("is {}x{}, the camera says {}x{}", ids.cols, ids.rows, camera.width,
                                        camera.height));
   return ids;
-}
-
-cv::Mat rectify(const Camera& camera, const cv::Mat& image, bool interpolate) {
-  if (!camera.has_distortion()) return image;
-  cv::Mat u(image.size(), CV_32F), v(image.size(), CV_32F);
-  for (int row = 0; row < image.rows; ++row)
-    for (int column = 0; column < image.cols; ++column) {
-      const auto pixel =
-          camera.project({(column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy, 1.0});
-      u.at<float>(row, column) = static_cast<float>(pixel->x());
-      v.at<float>(row, column) = static_cast<float>(pixel->y());
-    }
-  cv::Mat rectified;
-  cv::remap(image, rectified, u, v, interpolate ? cv::INTER_LINEAR : cv::INTER_NEAREST);
-  return rectified;
 }
 
 void write_color_png(const ExportSource& source, const SequenceFrame& frame, bool rectified,

@@ -56,11 +56,6 @@ std::vector<ObjectAtFrame> objects_at(const ExportSource& source, const Sequence
 /// or not of the camera's size.
 cv::Mat read_instances(const ExportSource& source, const SequenceFrame& frame);
 
-/// The image's undistorted pixels: the one a pinhole camera of the same width, height, fx, fy, cx, cy would
-/// take; outside of the original black (0). `interpolate`: linearly between pixels, else the nearest pixel's
-/// value, as depth and ids want it. Returns the image itself when the camera has no distortion.
-cv::Mat rectify(const Camera& camera, const cv::Mat& image, bool interpolate);
-
 /// Writes a frame's colour image as PNG after checking it: byte for byte the sequence's file when that is a
 /// PNG and nothing is to be rectified.
 void write_color_png(const ExportSource& source, const SequenceFrame& frame, bool rectified,

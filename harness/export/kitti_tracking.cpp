@@ -8,6 +8,7 @@
 #include "core/base/files.h"
 #include "core/base/progress.h"
 #include "core/import/kitti_files.h"
+#include "core/import/rectify.h"
 #include "harness/export/export.h"
 #include "harness/export/export_source.h"
 #include "harness/export/kitti_label.h"

@@ -11,6 +11,7 @@
 
 #include "core/base/files.h"
 #include "core/base/progress.h"
+#include "core/import/rectify.h"
 #include "harness/export/export.h"
 #include "harness/export/export_source.h"
 #include "harness/export/writers.h"

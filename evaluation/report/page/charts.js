@@ -20,6 +20,9 @@ function series_of(scene, object) {
     .flatMap((cell) => cell.series.filter((s) => s.object === object).map((s) => ({ cell, ...s })));
 }
 
+// What frames.csv has of an object in a run; undefined where it has nothing.
+const series_in = (run, object) => data.cells.find((c) => c.scene === run.scene && c.variant === run.variant && c.seed === run.seed)?.series.find((s) => s.object === object);
+
 const has_values = (list) => list?.some((value) => value !== null);
 
 // Times count from the scene's first stamp, in all its plots and pictures.

@@ -14,6 +14,15 @@ function el(tag, attributes = {}, ...children) {
   return node;
 }
 
+// Of an even number the mean of the middle two; undefined of none.
+function median_of(values) {
+  const sorted = [...values].sort((a, b) => a - b), n = sorted.length;
+  return n ? (sorted[(n - 1) >> 1] + sorted[n >> 1]) / 2 : undefined;
+}
+
+// The index of the stamp nearest to a time, the first of equals.
+const nearest_index = (stamps_ns, time_ns) => stamps_ns.reduce((best, s, i) => (Math.abs(s - time_ns) < Math.abs(stamps_ns[best] - time_ns) ? i : best), 0);
+
 const by_id = (id) => document.getElementById(id);
 const distinct = (list) => [...new Set(list)];
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -5,7 +5,8 @@ const film_canvas = by_id("film-canvas"), film_image = by_id("film-image"), film
 const film_frames = (scene) => scenery[scene]?.frames ?? [];
 
 function nearest_frame(scene, stamp_ns) {
-  return film_frames(scene).reduce((best, frame) => (!best || Math.abs(frame.stamp_ns - stamp_ns) < Math.abs(best.stamp_ns - stamp_ns) ? frame : best), null);
+  const frames = film_frames(scene);
+  return frames[nearest_index(frames.map((frame) => frame.stamp_ns), stamp_ns)];
 }
 
 // The camera's own view, as wide as the canvas; pixel centres lie at whole numbers.

@@ -131,7 +131,7 @@ function verdict_against_baseline(row) {
 }
 
 function verdict_cell(row) {
-  const verdict = verdict_against_baseline(row), kind = has_any(verdict, ["better", "mended"]) ? "gain" : has_any(verdict, ["worse", "lost"]) ? "loss" : null;
+  const verdict = verdict_against_baseline(row), kind = ["better", "mended"].includes(verdict) ? "gain" : ["worse", "lost"].includes(verdict) ? "loss" : null;
   return el("td", { class: kind }, verdict);
 }
 

@@ -1,9 +1,4 @@
 // What the stages of the estimator took: a row a scene and variant, a column a stage, the costliest first.
-function median_of(values) {
-  const sorted = [...values].sort((a, b) => a - b), middle = sorted.length >> 1;
-  return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
-}
-
 function time_rows() {
   const timed = data.cells.filter((cell) => Object.keys(cell.stage_ms).length > 0);
   const of = (cell) => `${cell.scene}\n${cell.variant}`;

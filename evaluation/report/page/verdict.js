@@ -1,12 +1,11 @@
 // The first screen: which variant wins, how sure that is, and what was compared on what.
 const causal_variants = variants.filter((v) => !v.includes("@"));
-const has_any = (verdict, names) => names.includes(verdict);
 
 // How a variant fares against a baseline, by objects; null where the two were not compared.
 function duel(baseline, variant) {
   const found = data.verdicts.find((v) => v.baseline === baseline && v.variant === variant);
   if (!found || found.objects.length === 0) return null;
-  const of = (...names) => found.objects.filter((o) => has_any(o.verdict, names));
+  const of = (...names) => found.objects.filter((o) => names.includes(o.verdict));
   return { ...found, better: of("better", "mended"), worse: of("worse", "lost"), mixed: of("mixed"), alike: of("alike") };
 }
 
@@ -103,7 +102,7 @@ function start_film(variant) {
     Object.assign(image, { src: source_of(frames[i]), alt: `${scene}, ${variant}: frame ${frames[i].frame} with outlines` });
     if (!filmed) return;
     const run = run_in(scene), truth = motion.truths[run.truth];
-    const index = truth.stamps_ns.reduce((best, s, k) => (Math.abs(s - frames[i].stamp_ns) < Math.abs(truth.stamps_ns[best] - frames[i].stamp_ns) ? k : best), 0);
+    const index = nearest_index(truth.stamps_ns, frames[i].stamp_ns);
     paint_film(canvas, image.clientWidth, scene, truth.camera[index], bodies_at(scene, index, [truth], [run]));
   };
   by_id("film").hidden = false;

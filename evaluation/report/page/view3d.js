@@ -31,13 +31,12 @@ const motion_bodies = () => bodies_at(motion_state.scene, motion_state.index, mo
 
 // From the variant's colour to red: half of the object's 90th percentile of APE.t is in the middle.
 function error_colors(run, track) {
-  const series = data.cells.find((c) => c.scene === run.scene && c.variant === run.variant && c.seed === run.seed)?.series.find((s) => s.object === track.object);
-  const values = series?.columns.ape_translation_m;
+  const series = series_in(run, track.object), values = series?.columns.ape_translation_m;
   if (!values) return null;
   const known = values.filter((v) => v !== null).sort((a, b) => a - b), most = known[Math.floor(0.9 * (known.length - 1))] || 1;
   const from = new THREE.Color(variant_color(run.variant)), to = new THREE.Color(css("--bad"));
   return motion_stamps().map((stamp) => {
-    const at = series.stamps_ns.reduce((best, s, i) => (Math.abs(s - stamp) < Math.abs(series.stamps_ns[best] - stamp) ? i : best), 0);
+    const at = nearest_index(series.stamps_ns, stamp);
     return from.clone().lerp(to, Math.min(1, (values[at] ?? 0) / most)).toArray();
   });
 }
@@ -120,11 +119,9 @@ function draw_motion() {
 
 // The figures of frames.csv at a time of a run: from its series, by the nearest stamp.
 function figures_at(run, object) {
-  const cell = data.cells.find((c) => c.scene === run.scene && c.variant === run.variant && c.seed === run.seed);
-  const series = cell?.series.find((s) => s.object === object);
+  const series = series_in(run, object);
   if (!series) return () => null;
-  const stamp = motion_stamps()[motion_state.index];
-  const at = series.stamps_ns.reduce((best, s, i) => (Math.abs(s - stamp) < Math.abs(series.stamps_ns[best] - stamp) ? i : best), 0);
+  const at = nearest_index(series.stamps_ns, motion_stamps()[motion_state.index]);
   return (column) => { const values = series.columns[column]; return values ? values[values.length === 1 ? 0 : at] : null; };
 }
 
@@ -158,13 +155,12 @@ function show_motion_index(index, mark = true) {
 // The kept time nearest to one that was pointed at in a plot.
 function show_motion_time(scene, time) {
   if (scene !== motion_state.scene || motion_state.playing) return;
-  const off = (i) => Math.abs(motion_time(i) - time);
-  show_motion_index(motion_stamps().reduce((best, _, i) => (off(i) < off(best) ? i : best), 0), false);
+  show_motion_index(nearest_index(motion_stamps(), scene_start_ns(scene) + time * 1e9), false);
 }
 
 // The moment at which the first shown run has the object's greatest APE.t.
 function show_worst() {
-  const run = motion_runs()[0], series = run && data.cells.find((c) => c.scene === run.scene && c.variant === run.variant && c.seed === run.seed)?.series.find((s) => s.object === chart_state.object);
+  const run = motion_runs()[0], series = run && series_in(run, chart_state.object);
   const values = series?.columns.ape_translation_m ?? [];
   const worst = values.reduce((best, v, i) => (v !== null && (best < 0 || v > values[best]) ? i : best), -1);
   if (worst >= 0) show_motion_time(motion_state.scene, (series.stamps_ns[worst] - scene_start_ns(motion_state.scene)) / 1e9);
