@@ -188,7 +188,7 @@ std::optional<std::string> along_lane(RandomStream& random, const Street& street
 }
 
 std::string standing(RandomStream& random, const Street& street, const Thing& thing, double way_m) {
-  const double x_m = street.start_m + random.uniform(8, way_m + 20);
+  const double x_m = street.start_m + random.uniform(8, way_m + graded(street.difficulty, 10, 30));
   const double side = random.below(2) ? 1 : -1;
   return fmt::format(
       "      {{kind: static, position_m: {}, rpy_deg: [0, 0, {}]}}\n",
@@ -215,7 +215,7 @@ std::string across(RandomStream& random, const Street& street, const Thing& thin
                    double speed_mps) {
   constexpr int kSteps = 16;
   const double way_m = street.speed_mps * street.duration_s, end_m = -0.5 * street.length_m;
-  const double near_m = street.start_m + random.uniform(12, std::max(14.0, way_m + 15));
+  const double near_m = street.start_m + random.uniform(12, way_m + graded(street.difficulty, 14, 25));
   const double gap = std::round((near_m - end_m - crossing.first_m) / crossing.between_m);
   const double x_m = end_m + crossing.first_m + gap * crossing.between_m;
   const double side = random.below(2) ? 1 : -1;
@@ -237,8 +237,9 @@ std::string across(RandomStream& random, const Street& street, const Thing& thin
 // be more than their share.
 void add_actor(RandomStream& random, const Street& street, SceneDraft& draft) {
   const double way_m = street.speed_mps * street.duration_s;
-  const double farthest_m = std::min(2 * way_m + 20, street.length_m - kBehind_m - kHouses_m);
-  const double ahead_m = 30;  // of who drives the same way
+  const double farthest_m =
+      std::min(2 * way_m + graded(street.difficulty, 25, 40), street.length_m - kBehind_m - kHouses_m);
+  const double ahead_m = graded(street.difficulty, 18, 42);  // of who drives the same way
   const auto add_along = [&](const Thing& thing, double lane_m, double heading_deg, double relative_speed,
                              double from_m, double to_m) {
     draft.add_drawn(
@@ -254,7 +255,7 @@ void add_actor(RandomStream& random, const Street& street, SceneDraft& draft) {
   if (kind < 0.22) {
     add_along(vehicle(random, street), kEgoLane_m, 0, 1, 9, ahead_m);
   } else if (kind < 0.42) {
-    add_along(vehicle(random, street), kFastLane_m, 0, 1.3, -16, 15);
+    add_along(vehicle(random, street), kFastLane_m, 0, 1.3, -16, 0.5 * ahead_m);
   } else if (kind < 0.6) {
     add_along(vehicle(random, street), kOncomingLane_m, 180, 1, 20, farthest_m);
   } else if (kind < 0.72) {

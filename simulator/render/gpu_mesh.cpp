@@ -7,6 +7,8 @@
 #include <cassert>
 #include <opencv2/imgproc.hpp>
 
+#include "simulator/render/short_edges.h"
+
 namespace uniquadric {
 namespace {
 
@@ -72,10 +74,10 @@ GpuMesh upload_mesh(const GlFunctions& gl, const Mesh& mesh) {
   return gpu;
 }
 
-GpuBody upload_body(const GlFunctions& gl, const Body& body) {
+GpuBody upload_body(const GlFunctions& gl, const Body& body, const std::vector<Eigen::Vector3f>& cameras_m) {
   GpuBody gpu{static_cast<unsigned>(body.id), {}, {}};
   for (const Mesh& mesh : body.meshes) {
-    gpu.meshes.push_back(upload_mesh(gl, mesh));
+    gpu.meshes.push_back(upload_mesh(gl, cameras_m.empty() ? mesh : with_short_edges(mesh, cameras_m)));
     gpu.box.extend(gpu.meshes.back().box);
   }
   return gpu;

@@ -25,6 +25,7 @@ struct GpuBody {
 
 /// Copies a mesh and its texture, with mipmaps. Asserts that normals and uvs match the positions in number.
 GpuMesh upload_mesh(const GlFunctions& gl, const Mesh& mesh);
-GpuBody upload_body(const GlFunctions& gl, const Body& body);
+/// With short edges (with_short_edges) where there are cameras.
+GpuBody upload_body(const GlFunctions& gl, const Body& body, const std::vector<Eigen::Vector3f>& cameras_m);
 
 }  // namespace uniquadric

@@ -59,9 +59,7 @@ Eigen::Vector2d size_of(const Eigen::AlignedBox2d& pixels) {
 
 // Where the lens does not bend, pixels of the camera fall on pixels of the ideal image: nearest pixels there
 // are exact, and further out they err to all sides alike.
-Camera ideal_camera(const Camera& camera) {
-  const View view = view_of(camera);
-  assert(!view.fault);
+Camera ideal_camera(const Camera& camera, const View& view) {
   const Eigen::AlignedBox2d pixels = ideal_pixels(camera, view);
   Camera ideal = without_distortion(camera);
   ideal.width = static_cast<int>(size_of(pixels).x());
@@ -120,7 +118,10 @@ std::optional<std::string> lens_fault(const Camera& camera) {
 }
 
 Lens make_lens(const Camera& camera) {
-  Lens lens{ideal_camera(camera), cv::Mat(camera.height, camera.width, CV_32FC2), {}, {}};
+  const View view = view_of(camera);
+  assert(!view.fault);
+  Lens lens{
+      ideal_camera(camera, view), cv::Mat(camera.height, camera.width, CV_32FC2), {}, {}, view.steepest};
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector2d place = *lens.ideal.project(*camera.unproject({u, v}));
@@ -131,21 +132,10 @@ Lens make_lens(const Camera& camera) {
   return lens;
 }
 
-RowRange ideal_rows(const Lens& lens, RowRange rows) {
-  cv::Mat y;
-  cv::extractChannel(lens.cells.rowRange(rows.first, rows.first + rows.count), y, 1);
-  double least = 0, most = 0;
-  cv::minMaxLoc(y, &least, &most);
-  const int first = static_cast<int>(least);
-  return {first, static_cast<int>(most) + 3 - first};  // a mean reaches a row down, and so does the next one
-}
-
-void see_color(const Lens& lens, RowRange rows, const cv::Mat& ideal, cv::Mat& rgba) {
-  const cv::Range range(rows.first, rows.first + rows.count);
+void see_color(const Lens& lens, const cv::Mat& ideal, cv::Mat& rgba) {
   cv::Mat means;  // its pixel (u, v) stands at (u + 0.5, v + 0.5) of the ideal image
   cv::blur(ideal, means, {2, 2}, {0, 0}, cv::BORDER_REPLICATE);
-  const cv::Mat cells = lens.cells.rowRange(range) - cv::Scalar(0, ideal_rows(lens, rows).first);
-  cv::remap(means, rgba, cells, lens.shares.rowRange(range), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::remap(means, rgba, lens.cells, lens.shares, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
 }
 
 void see_ids(const Lens& lens, const cv::Mat& ideal, cv::Mat& ids) {

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "core/geometry/camera.h"
-#include "simulator/render/render_targets.h"
 
 namespace uniquadric {
 
@@ -18,6 +17,7 @@ struct Lens {
   Camera ideal;
   cv::Mat places;         ///< 32FC2, of the camera's size: where the pixels' rays meet the ideal image [px]
   cv::Mat cells, shares;  ///< the same less half a pixel each way, in the fixed point of cv::remap
+  double steepest = 0;    ///< tangent of the widest angle between a pixel's ray and the optical axis
 };
 
 /// Why a camera's distortion cannot be drawn: it has no inverse at some pixel, a ray leaves the axis by more
@@ -27,12 +27,9 @@ std::optional<std::string> lens_fault(const Camera& camera);
 /// Asserts that the lens has no fault.
 Lens make_lens(const Camera& camera);
 
-/// The rows of the ideal image that the colour of these rows of the camera is made of.
-RowRange ideal_rows(const Lens& lens, RowRange rows);
-
-/// Colour (8UC4) of these rows from `ideal`, which holds ideal_rows() alone. A pixel is the mean over 2 x 2
-/// pixels of the ideal image, which is as large as itself in the middle of the image.
-void see_color(const Lens& lens, RowRange rows, const cv::Mat& ideal, cv::Mat& rgba);
+/// Colour (8UC4). A pixel is the mean over 2 x 2 pixels of the ideal image, which is as large as itself in
+/// the middle of the image.
+void see_color(const Lens& lens, const cv::Mat& ideal, cv::Mat& rgba);
 
 /// Ids (16UC1) of the nearest pixels of the ideal image.
 void see_ids(const Lens& lens, const cv::Mat& ideal, cv::Mat& ids);

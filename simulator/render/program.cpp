@@ -20,6 +20,33 @@ layout(location = 0) uniform mat4 camera_from_object;
 layout(location = 1) uniform mat4 clip_from_camera;
 layout(location = 9) uniform mat4 world_shadow_from_camera;
 layout(location = 10) uniform mat4 objects_shadow_from_camera;
+#ifdef ROLLING
+layout(location = 11) uniform mat4 camera_from_object_at_top;
+layout(location = 12) uniform mat4 camera_from_object_at_bottom;
+layout(location = 13) uniform vec3 row;
+layout(location = 14) uniform vec3 radial;
+layout(location = 15) uniform vec3 tangential;
+// Of a point in the camera frame, -1 to 1 in the image. Points behind the camera are taken for such beside it.
+float row_of(vec3 point) {
+  vec2 ray = point.xy / max(point.z, 1e-6);
+  ray *= min(1, row.z / length(ray));
+  float r2 = dot(ray, ray);
+  float y = ray.y * (1 + r2 * (radial.x + r2 * (radial.y + r2 * radial.z))) +
+            tangential.x * (r2 + 2 * ray.y * ray.y) + 2 * tangential.y * ray.x * ray.y;
+  return clamp(row.x * y + row.y, -1.5, 1.5);
+}
+vec3 when_exposed(vec3 place) {
+  vec3 top = (camera_from_object_at_top * vec4(position, 1)).xyz;
+  vec3 bottom = (camera_from_object_at_bottom * vec4(position, 1)).xyz;
+  vec3 half_way = 0.5 * (bottom - top), bend = 0.5 * (bottom + top) - place;
+  vec3 seen = place;
+  for (int i = 0; i < 3; ++i) {  // each time the row errs by less: by the share of it that the point moves
+    float t = row_of(seen);
+    seen = place + t * (half_way + t * bend);
+  }
+  return seen;
+}
+#endif
 out vec3 normal_in_camera;
 out vec2 texture_uv;
 #ifdef SHINE
@@ -32,7 +59,11 @@ void main() {
   vec4 place = camera_from_object * vec4(position, 1);
   normal_in_camera = mat3(camera_from_object) * normal;
   texture_uv = uv;
+#ifdef ROLLING
+  gl_Position = clip_from_camera * vec4(when_exposed(place.xyz), 1);  // light stays that of the middle row
+#else
   gl_Position = clip_from_camera * place;
+#endif
 #ifdef SHINE
   position_in_camera = place.xyz;
 #endif
@@ -128,6 +159,7 @@ unsigned make_program(const GlFunctions& gl, ProgramOutput output, const ColorTe
   if (all || output == ProgramOutput::geometry) definitions += "#define GEOMETRY\n";
   if (color && terms.shadows) definitions += "#define SHADOWS\n";
   if (color && terms.shine) definitions += "#define SHINE\n";
+  if (terms.rolling_shutter) definitions += "#define ROLLING\n";
   gl.AttachShader(program, compile(gl, GL_VERTEX_SHADER, definitions, kVertexShader));
   gl.AttachShader(program, compile(gl, GL_FRAGMENT_SHADER, definitions, kFragmentShader));
   gl.LinkProgram(program);

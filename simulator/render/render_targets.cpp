@@ -76,17 +76,14 @@ RenderTargets make_render_targets(const GlFunctions& gl, int width, int height, 
   return targets;
 }
 
-void resolve_samples(const GlFunctions& gl, const RenderTargets& targets, RowRange rows) {
-  const int width = targets.width, first = rows.first, end = rows.first + rows.count;
-  gl.BlitNamedFramebuffer(targets.samples, targets.color, 0, first, width, end, 0, first, width, end,
+void resolve_samples(const GlFunctions& gl, const RenderTargets& targets) {
+  const int width = targets.width, height = targets.height;
+  gl.BlitNamedFramebuffer(targets.samples, targets.color, 0, 0, width, height, 0, 0, width, height,
                           GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-void read_color_rows(const GlFunctions& gl, const RenderTargets& targets, RowRange rows, cv::Mat& rgba) {
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, targets.image);
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  read(gl, targets.image, {0, rows.first, targets.width, rows.count}, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4,
-       rgba);
+void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rgba) {
+  read_image(gl, targets, 0, GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, rgba);
 }
 
 void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids) {

@@ -24,17 +24,12 @@ struct RenderTargets {
 /// Throws std::runtime_error when the library refuses the size.
 RenderTargets make_render_targets(const GlFunctions& gl, int width, int height, int samples);
 
-struct RowRange {
-  int first = 0, count = 0;
-};
-
-/// The image's colour in these rows becomes the mean of each pixel's samples.
-void resolve_samples(const GlFunctions& gl, const RenderTargets& targets, RowRange rows);
+/// The image's colour becomes the mean of each pixel's samples.
+void resolve_samples(const GlFunctions& gl, const RenderTargets& targets);
 
 /// Copies what was drawn; the images are kept when they have the right size and type already.
-void read_color_rows(const GlFunctions& gl, const RenderTargets& targets, RowRange rows,
-                     cv::Mat& rgba);                                               ///< 8UC4, these rows alone
-void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids);  ///< 16UC1
+void read_color(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& rgba);     ///< 8UC4
+void read_ids(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& ids);        ///< 16UC1
 void read_depth(const GlFunctions& gl, const RenderTargets& targets, cv::Mat& depth_m);  ///< 32FC1
 void read_stencil(const GlFunctions& gl, unsigned framebuffer, const cv::Rect& part,
                   cv::Mat& bits);  ///< 8UC1, of the part alone

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "core/base/vector_clones.h"
@@ -45,6 +46,12 @@ double drawn_gain(const Imaging& imaging) {
   return imaging.changes_exposure() ? 1 : imaging.gain;
 }
 
+// Ids and depth are those of one time, and so what draws them.
+bool rolls_in(const Scene& scene, ProgramOutput output) {
+  const bool apart = output == ProgramOutput::color || output == ProgramOutput::none;
+  return apart && scene.imaging.rolling_shutter_s > 0;
+}
+
 bool has_shine(const Scene& scene) {
   return any_mesh(scene, [](const Mesh& mesh) { return mesh.shine > 0; });
 }
@@ -59,11 +66,31 @@ void divide_rounded(const std::vector<std::uint16_t>& sums, unsigned count, unsi
     means[i] = static_cast<unsigned char>((sum[i] + half) * inverse >> 24);
 }
 
-// What draws, and in which rows: meshes that lie beside them are left out.
+// The programs that draw, each for meshes of its kind, and whether they know a rolling shutter.
 struct Pass {
-  unsigned matte = 0, shiny = 0;  // programs, each for meshes of its kind
-  RowRange rows;
+  unsigned matte = 0, shiny = 0;
+  bool rolls = false;
 };
+
+// camera_from_object when the middle row is exposed, and the image's upper and lower edge.
+struct Place {
+  Pose middle, top, bottom;
+};
+
+Place at_once(const Pose& camera_from_object) {
+  return {camera_from_object, camera_from_object, camera_from_object};
+}
+
+// Where the cameras of all frames are, seen from a body.
+std::vector<Eigen::Vector3f> cameras_about(const Scene& scene, const Motion& body) {
+  std::vector<Eigen::Vector3f> cameras_m;
+  for (std::int64_t frame = 0; frame < scene.frames; ++frame) {
+    const double time_s = 1e-9 * static_cast<double>(scene.stamp_ns(frame));
+    cameras_m.push_back(
+        (body.at(time_s).inverse() * scene.camera_motion.at(time_s).translation).cast<float>());
+  }
+  return cameras_m;
+}
 
 }  // namespace
 
@@ -72,7 +99,7 @@ struct Renderer::State {
   GlFunctions gl;
   RenderTargets targets;
   Pass all, color, geometry, hull;  // all rows; as ProgramOutput has them, the hull being `none`
-  bool one_pass = true;             // colour, ids and depth at once, else ids and depth, then colour
+  bool one_pass = true;  // render() draws colour, ids and depth at once, else ids and depth, then colour
   bool is_multisampled = false;
   std::vector<GpuBody> world, objects;
   std::vector<Pose> world_from_static;  // one a body of the world
@@ -92,57 +119,91 @@ struct Renderer::State {
   void upload(const Scene& scene);
   void draw_image(const ScenePoses& poses, bool silhouettes);
   void draw_depth(const ScenePoses& poses) const;
-  void draw_color(const ScenePoses& poses, RowRange rows);
-  void draw_hull(const ScenePoses& poses, RowRange rows) const;
-  void draw_bodies(const Pass& pass, const ScenePoses& poses, bool silhouettes) const;
+  void draw_color(const ColorStep& step);
+  void draw_hull(const ColorStep& step) const;
+  void draw_bodies(const Pass& pass, const ColorStep& step, bool silhouettes) const;
   void cast_shadows(const ScenePoses& poses);
   bool has_shadows_of(const std::vector<Pose>& poses) const;
-  void draw_body(const Pass& pass, const GpuBody& body, const Pose& camera_from_object) const;
-  RowRange drawn_rows(RowRange rows) const;
-  void read_rows(RowRange rows, cv::Mat& rgba);
+  void draw_body(const Pass& pass, const GpuBody& body, const Place& place) const;
+  bool is_beside_image(const GpuMesh& mesh, const Place& place) const;
+  void set_rows(const Camera& seen) const;
+  void read_image_color(cv::Mat& rgba);
   void read_geometry(cv::Mat& ids, cv::Mat& depth_m);
   void expose(const std::vector<ColorStep>& steps);
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
 };
 
 unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput output, bool shine) const {
-  const unsigned program = make_program(gl, output, {scene.shadows, shine});
+  const bool rolls = rolls_in(scene, output);
+  const unsigned program = make_program(gl, output, {scene.shadows, shine, rolls});
   gl.UseProgram(program);
   const Eigen::Matrix4f clip = clip_from_camera(camera);
   gl.UniformMatrix4fv(uniform_clip_from_camera, 1, GL_FALSE, clip.data());
   gl.Uniform1f(uniform_ambient, static_cast<float>(scene.ambient));
   gl.Uniform1f(uniform_gain, static_cast<float>(drawn_gain(scene.imaging)));
+  if (rolls) set_rows(scene.camera);
   return program;
+}
+
+// Where rows are in the image that the sensor exposes, behind its lens.
+void Renderer::State::set_rows(const Camera& seen) const {
+  const double steepest = lens ? lens->steepest : std::numeric_limits<float>::max();
+  const auto& [k1, k2, p1, p2, k3] = seen.distortion;
+  const Eigen::Vector3f row = Eigen::Vector3d(2 * seen.fy / seen.height,
+                                              2 * (seen.cy + 0.5) / seen.height - 1, steepest)
+                                  .cast<float>(),
+                        radial = Eigen::Vector3d(k1, k2, k3).cast<float>(),
+                        tangential = Eigen::Vector3d(p1, p2, 0).cast<float>();
+  gl.Uniform3fv(uniform_row, 1, row.data());
+  gl.Uniform3fv(uniform_lens_radial, 1, radial.data());
+  gl.Uniform3fv(uniform_lens_tangential, 1, tangential.data());
 }
 
 // Highlights cost a fifth of all that makes colour: where there are none, a program without them draws.
 Pass Renderer::State::prepare_pass(const Scene& scene, ProgramOutput output) const {
   const bool lit = output == ProgramOutput::all || output == ProgramOutput::color;
   const unsigned matte = prepare_program(scene, output, false);
-  return {matte, lit && has_shine(scene) ? prepare_program(scene, output, true) : matte, {0, targets.height}};
+  return {matte, lit && has_shine(scene) ? prepare_program(scene, output, true) : matte,
+          rolls_in(scene, output)};
 }
 
 void Renderer::State::upload(const Scene& scene) {
+  const auto upload_one = [&](const Body& body) {
+    const bool rolls = scene.imaging.rolling_shutter_s > 0;  // then vertices have times, and triangles none
+    return upload_body(gl, body, rolls ? cameras_about(scene, body.motion) : std::vector<Eigen::Vector3f>());
+  };
   for (const Body& body : scene.world) {
-    world.push_back(upload_body(gl, body));
+    world.push_back(upload_one(body));
     world_from_static.push_back(body.motion.at(0));
   }
-  for (const Body& body : scene.objects) objects.push_back(upload_body(gl, body));
+  for (const Body& body : scene.objects) objects.push_back(upload_one(body));
   sun_direction = scene.sun_direction.normalized();
   for (int k = 0; k < 3; ++k) sky[k] = static_cast<float>(drawn_gain(scene.imaging) * scene.sky_color[k]);
   if (scene.shadows) shadows = make_shadow_maps(gl, scene, {world, world_from_static});
 }
 
-void Renderer::State::draw_body(const Pass& pass, const GpuBody& body, const Pose& camera_from_object) const {
-  const Eigen::Matrix4f matrix = camera_from_object.matrix().cast<float>();
-  const cv::Rect part(0, pass.rows.first, targets.width, pass.rows.count);
+// Most meshes of a street are.
+bool Renderer::State::is_beside_image(const GpuMesh& mesh, const Place& place) const {
+  return std::ranges::all_of(std::array{&place.middle, &place.top, &place.bottom}, [&](const Pose* pose) {
+    return pixels_of_box(mesh.box, *pose, camera, kNear_m).empty();
+  });
+}
+
+void Renderer::State::draw_body(const Pass& pass, const GpuBody& body, const Place& place) const {
+  const auto set_pose = [&](Uniform uniform, const Pose& pose) {
+    const Eigen::Matrix4f matrix = pose.matrix().cast<float>();
+    gl.UniformMatrix4fv(uniform, 1, GL_FALSE, matrix.data());
+  };
   unsigned in_use = 0;
   for (const GpuMesh& mesh : body.meshes) {
-    if ((pixels_of_box(mesh.box, camera_from_object, camera, kNear_m) & part).empty())
-      continue;  // most of a street
+    if (is_beside_image(mesh, place)) continue;
     if (const unsigned program = mesh.shine > 0 ? pass.shiny : pass.matte; program != in_use) {
       gl.UseProgram(in_use = program);
-      gl.UniformMatrix4fv(uniform_camera_from_object, 1, GL_FALSE, matrix.data());
+      set_pose(uniform_camera_from_object, place.middle);
+      if (pass.rolls) {
+        set_pose(uniform_camera_from_object_at_top, place.top);
+        set_pose(uniform_camera_from_object_at_bottom, place.bottom);
+      }
       gl.Uniform1ui(uniform_instance_id, body.id);
     }
     gl.Uniform3fv(uniform_color, 1, mesh.color.data());
@@ -174,23 +235,32 @@ void Renderer::State::cast_shadows(const ScenePoses& poses) {
   gl.Viewport(0, 0, targets.width, targets.height);
 }
 
-void Renderer::State::draw_bodies(const Pass& pass, const ScenePoses& poses, bool silhouettes) const {
-  const Pose camera_from_world = poses.world_from_camera.inverse();
+void Renderer::State::draw_bodies(const Pass& pass, const ColorStep& step, bool silhouettes) const {
+  const Pose camera_from_world = step.poses.world_from_camera.inverse();
   const Eigen::Vector3f sun = (camera_from_world.rotation * sun_direction).cast<float>();
   for (const unsigned program : {pass.matte, pass.shiny}) {
     gl.UseProgram(program);
     gl.Uniform3fv(uniform_sun_direction, 1, sun.data());
-    if (shadows) use_shadow_maps(gl, *shadows, poses.world_from_camera);
+    if (shadows) use_shadow_maps(gl, *shadows, step.poses.world_from_camera);
   }
+  // `world_from_body` tells where the body is at some poses of the scene.
+  const auto place = [&](const auto& world_from_body) {
+    const auto seen = [&](const ScenePoses& at) {
+      return at.world_from_camera.inverse() * world_from_body(at);
+    };
+    const Pose middle = camera_from_world * world_from_body(step.poses);
+    return step.edges ? Place{middle, seen((*step.edges)[0]), seen((*step.edges)[1])} : at_once(middle);
+  };
   gl.Enable(GL_DEPTH_TEST);
   if (silhouettes) begin_silhouettes(gl);
   for (std::size_t i = 0; i < objects.size(); ++i) {  // first, so that they hide some of the world's pixels
     if (silhouettes) gl.StencilMask(silhouette_bit(i));
-    draw_body(pass, objects[i], camera_from_world * poses.world_from_object.at(i));
+    draw_body(pass, objects[i],
+              place([i](const ScenePoses& poses) { return poses.world_from_object.at(i); }));
   }
   gl.Disable(GL_STENCIL_TEST);
   for (std::size_t i = 0; i < world.size(); ++i)
-    draw_body(pass, world[i], camera_from_world * world_from_static[i]);
+    draw_body(pass, world[i], place([&](const ScenePoses&) { return world_from_static[i]; }));
 }
 
 // Ids and depth, which belong to pixel centres; in one pass colour looked up there too.
@@ -204,7 +274,7 @@ void Renderer::State::draw_image(const ScenePoses& poses, bool silhouettes) {
   gl.ClearBufferfv(GL_COLOR, 2, kNothing);
   gl.StencilMask(0xff);
   gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, 0, 0);  // together they are cleared in one go
-  draw_bodies(one_pass ? all : geometry, poses, silhouettes);
+  draw_bodies(one_pass ? all : geometry, {poses, {}}, silhouettes);
 }
 
 // What draw_image() makes of depth. Ids and stencil would cost a third more.
@@ -213,41 +283,33 @@ void Renderer::State::draw_depth(const ScenePoses& poses) const {
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.depth);
   gl.ClearBufferfv(GL_COLOR, 2, kNothing);
   gl.ClearBufferfv(GL_DEPTH, 0, &kFarthest);
-  draw_bodies(geometry, poses, false);
+  draw_bodies(geometry, {poses, {}}, false);
 }
 
 // A depth just behind the nearest surfaces, beyond which no colour needs to be made: it decides nothing else,
 // and so the image is the same as without.
-void Renderer::State::draw_hull(const ScenePoses& poses, RowRange rows) const {
+void Renderer::State::draw_hull(const ColorStep& step) const {
   gl.PolygonOffset(-kHullSlope, -kHullPlaces);
   gl.Enable(GL_POLYGON_OFFSET_FILL);
-  draw_bodies({hull.matte, hull.shiny, rows}, poses, false);
+  draw_bodies(hull, step, false);
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
-// Colour alone in some rows, each pixel the mean of its samples.
-void Renderer::State::draw_color(const ScenePoses& poses, RowRange rows) {
+// Colour alone, each pixel the mean of its samples.
+void Renderer::State::draw_color(const ColorStep& step) {
   constexpr float kFarthest = 0;
-  cast_shadows(poses);
-  if (rows.count < targets.height) gl.Enable(GL_SCISSOR_TEST);
-  gl.Scissor(0, rows.first, targets.width, rows.count);
+  cast_shadows(step.poses);
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.samples);
   gl.ClearBufferfv(GL_COLOR, 0, sky.data());
   gl.ClearBufferfv(GL_DEPTH, 0, &kFarthest);
-  if (!is_multisampled) draw_hull(poses, rows);  // of several samples it costs what it saves
-  draw_bodies({color.matte, color.shiny, rows}, poses, false);
-  gl.Disable(GL_SCISSOR_TEST);
-  resolve_samples(gl, targets, rows);
+  if (!is_multisampled) draw_hull(step);  // of several samples it costs what it saves
+  draw_bodies(color, step, false);
+  resolve_samples(gl, targets);
 }
 
-// What is drawn for these rows of the image.
-RowRange Renderer::State::drawn_rows(RowRange rows) const {
-  return lens ? ideal_rows(*lens, rows) : rows;
-}
-
-void Renderer::State::read_rows(RowRange rows, cv::Mat& rgba) {
-  read_color_rows(gl, targets, drawn_rows(rows), lens ? ideal_rgba : rgba);
-  if (lens) see_color(*lens, rows, ideal_rgba, rgba);
+void Renderer::State::read_image_color(cv::Mat& rgba) {
+  read_color(gl, targets, lens ? ideal_rgba : rgba);
+  if (lens) see_color(*lens, ideal_rgba, rgba);
 }
 
 void Renderer::State::read_geometry(cv::Mat& ids, cv::Mat& depth_m) {
@@ -258,22 +320,16 @@ void Renderer::State::read_geometry(cv::Mat& ids, cv::Mat& depth_m) {
   see_depth(*lens, ideal_m, ideal_ids, depth_m);
 }
 
-// The mean over each row's steps, rounded.
+// The mean of the steps' images, rounded.
 void Renderer::State::expose(const std::vector<ColorStep>& steps) {
-  const std::size_t row_size = 4 * static_cast<std::size_t>(frame.rgba.cols);
-  const auto height = static_cast<std::size_t>(frame.rgba.rows);
-  sums.assign(row_size * height, 0);
-  std::size_t row_count = 0;
+  sums.assign(frame.rgba.total() * frame.rgba.elemSize(), 0);
   for (const ColorStep& s : steps) {
-    const RowRange rows{s.first_row, s.rows};
-    row_count += static_cast<std::size_t>(rows.count);
-    draw_color(s.poses, drawn_rows(rows));
-    read_rows(rows, step);
-    std::uint16_t* sum = &sums[row_size * static_cast<std::size_t>(rows.first)];
-    for (std::size_t i = 0; i < row_size * static_cast<std::size_t>(rows.count); ++i)
-      sum[i] = static_cast<std::uint16_t>(sum[i] + step.data[i]);
+    draw_color(s);
+    read_image_color(step);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      sums[i] = static_cast<std::uint16_t>(sums[i] + step.data[i]);
   }
-  divide_rounded(sums, static_cast<unsigned>(row_count / height), frame.rgba.data);
+  divide_rounded(sums, static_cast<unsigned>(steps.size()), frame.rgba.data);
 }
 
 std::vector<ObjectView> Renderer::State::view_objects(const ScenePoses& poses, const cv::Mat& ids) {
@@ -286,7 +342,9 @@ std::vector<ObjectView> Renderer::State::view_objects(const ScenePoses& poses, c
   }
   view_silhouettes(
       gl, targets, part,
-      [&](std::size_t i) { draw_body(geometry, objects[i], camera_from_world * poses.world_from_object[i]); },
+      [&](std::size_t i) {
+        draw_body(geometry, objects[i], at_once(camera_from_world * poses.world_from_object[i]));
+      },
       lens ? &*lens : nullptr, bits, views);
   count_visible(ids, views);
   return views;
@@ -323,7 +381,7 @@ void Renderer::draw(const ScenePoses& poses) {
   s.context->make_current();
   s.shadow_casters.reset();
   s.draw_image(poses, false);
-  if (!s.one_pass) s.draw_color(poses, {0, s.targets.height});
+  if (!s.one_pass) s.draw_color({poses, {}});
 }
 
 cv::Mat Renderer::depth_m(const ScenePoses& poses) {
@@ -348,7 +406,7 @@ std::string Renderer::device() const {
 void Renderer::read_back(cv::Mat& rgba, cv::Mat& ids, cv::Mat& depth_m) {
   State& s = *state_;
   s.context->make_current();
-  s.read_rows({0, s.lens ? s.lens->places.rows : s.targets.height}, rgba);
+  s.read_image_color(rgba);
   s.read_geometry(ids, depth_m);
   check_gl(s.gl, "drawing");
 }
@@ -358,7 +416,7 @@ const RenderedFrame& Renderer::render(const ScenePoses& poses, const std::vector
   s.context->make_current();
   s.shadow_casters.reset();  // images do not depend on what was drawn before
   s.draw_image(poses, true);
-  if (!s.one_pass && steps.empty()) s.draw_color(poses, {0, s.targets.height});
+  if (!s.one_pass && steps.empty()) s.draw_color({poses, {}});
   read_back(s.frame.rgba, s.frame.ids, s.frame.depth_m);
   if (!steps.empty()) s.expose(steps);
   s.frame.objects = s.view_objects(poses, s.frame.ids);

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,14 +42,14 @@ struct RenderedFrame {
   std::vector<ObjectView> objects;  ///< in the scene's order
 };
 
-/// Rows of the colour image as they are exposed at one time. A row is the mean of all steps that hold it, and
-/// all rows have as many.
+/// One of the images whose mean is the colour image.
 struct ColorStep {
-  ScenePoses poses;
-  int first_row = 0, rows = 0;
+  ScenePoses poses;  ///< when the middle row is exposed
+  /// Of a rolling shutter: when the image's upper and lower edge are exposed.
+  std::optional<std::array<ScenePoses, 2>> edges;
 };
-/// The steps of a frame: the middles of exposure_s' steps in each of the rolling shutter's bands. Empty when
-/// both times are 0.
+/// The steps of a frame: the middles of the steps of exposure_s. Empty when neither that nor the rolling
+/// shutter takes time.
 std::vector<ColorStep> color_steps(const Scene& scene, double time_s);
 
 /// Throws InputError when the camera's lens distortion cannot be drawn (lens_fault), or when an object's id

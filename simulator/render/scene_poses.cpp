@@ -29,16 +29,14 @@ ScenePoses poses_at(const Scene& scene, double time_s) {
 std::vector<ColorStep> color_steps(const Scene& scene, double time_s) {
   const Imaging& imaging = scene.imaging;
   if (!(imaging.exposure_s > 0 || imaging.rolling_shutter_s > 0)) return {};
-  const int height = scene.camera.height;
-  const int bands = imaging.rolling_shutter_s > 0 ? std::min(imaging.rolling_shutter_bands, height) : 1;
   const int exposures = imaging.exposure_s > 0 ? imaging.exposure_steps : 1;
+  const double half_s = imaging.rolling_shutter_s / 2;
   std::vector<ColorStep> steps;
-  for (int band = 0; band < bands; ++band) {
-    const int first = height * band / bands, end = height * (band + 1) / bands;
-    const double middle_s = time_s + imaging.rolling_shutter_s * ((first + end) / 2.0 / height - 0.5);
-    for (int i = 0; i < exposures; ++i)
-      steps.push_back({poses_at(scene, middle_s + imaging.exposure_s * ((i + 0.5) / exposures - 0.5)), first,
-                       end - first});
+  for (int i = 0; i < exposures; ++i) {
+    const double middle_s = time_s + imaging.exposure_s * ((i + 0.5) / exposures - 0.5);
+    steps.push_back({poses_at(scene, middle_s)});
+    if (half_s > 0)
+      steps.back().edges = {{poses_at(scene, middle_s - half_s), poses_at(scene, middle_s + half_s)}};
   }
   return steps;
 }

@@ -65,7 +65,6 @@ const std::vector<RealismRow>& realism_rows() {
 
       {"image.rolling_shutter_s", "0.15", "0.45", "0.9", true,
        "Ringaby and Forssen, IJCV 2012: 30.6 ms of 33.3 ms for a Kinect"},
-      {"image.rolling_shutter_bands", "3", "4", "8", false, "ours: as few as the speed of `real` allows"},
       {"image.exposure_s", "", "0.15", "0.5", true, "ours: 5 ms in a lit room, 17 ms in a dim one"},
       {"image.exposure_steps", "", "2", "4", false, kOurs},
       {"image.samples", "", "1", "1", false, "the mean over the exposure makes edges smooth"},

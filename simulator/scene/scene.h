@@ -66,7 +66,6 @@ struct Imaging {
   /// Time in which the rows are exposed one after the other from the top, the middle one at the stamp; 0: all
   /// at once.
   double rolling_shutter_s = 0;
-  int rolling_shutter_bands = 24;  ///< ours: strips of rows of one time each, 20 rows of 480
   double auto_exposure_level = 0;  ///< mean grey level that every image is brought to; 0: fixed exposure
   double exposure_drift = 0;       ///< standard deviation of the slow change of the gain's logarithm
   double white_balance_drift = 0;  ///< the same of the gains of red and blue against green's

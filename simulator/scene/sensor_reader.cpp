@@ -135,11 +135,6 @@ void read_imaging(const ConfigNode& node, const Scene& scene, Imaging& imaging) 
   imaging.stamp_offset_s = stamp_error(node, "stamp_offset_s", rate_hz);
   imaging.stamp_jitter_s =
       read_at_least_0(node, "stamp_jitter_s", stamp_error(node, "stamp_jitter_s", rate_hz));
-  imaging.rolling_shutter_bands = node.get<int>("rolling_shutter_bands", imaging.rolling_shutter_bands);
-  const int rows = scene.camera.height;
-  if (node.has("rolling_shutter_bands") &&
-      (imaging.rolling_shutter_bands < 1 || imaging.rolling_shutter_bands > rows))
-    node.at("rolling_shutter_bands").fail(fmt::format("expected 1 to {}, the image's rows", rows));
 }
 
 void read_image_noise(const ConfigNode& node, ImageNoise& noise) {
@@ -204,7 +199,6 @@ void warn_of_idle_keys(const ConfigNode& given, const Scene& scene) {
   const SegmenterNoise& segmenter = scene.segmenter;
   const Need needs[] = {
       {"image", "exposure_steps", "exposure_s above 0", scene.imaging.exposure_s > 0},
-      {"image", "rolling_shutter_bands", "rolling_shutter_s above 0", scene.imaging.rolling_shutter_s > 0},
       {"segmenter", "leak_px", "leak_probability above 0", segmenter.leak_probability > 0},
       {"segmenter", "outage_s", "outage_every_s above 0", segmenter.outage_every_s > 0},
       {"segmenter", "boundary_length_px", "boundary_sigma_px above 0", segmenter.boundary_sigma_px > 0},

@@ -22,8 +22,7 @@ Scene read_with(const std::string& sections) {
 
 TEST(ReadImaging, TakesEveryKey) {
   const Scene scene = read_with(
-      "image: {samples: 1, gain: 1.5, exposure_s: 0.02, exposure_steps: 12, rolling_shutter_s: 0.03,\n"
-      "        rolling_shutter_bands: 48}\n"
+      "image: {samples: 1, gain: 1.5, exposure_s: 0.02, exposure_steps: 12, rolling_shutter_s: 0.03}\n"
       "image_noise: {sigma: 1, electrons_per_level: 40}\n"
       "depth_noise: {model: stereo, shadow: false, max_incidence_deg: 75, flying_pixels: 0.1}\n");
   EXPECT_EQ(scene.imaging.samples, 1);
@@ -31,7 +30,6 @@ TEST(ReadImaging, TakesEveryKey) {
   EXPECT_EQ(scene.imaging.exposure_s, 0.02);
   EXPECT_EQ(scene.imaging.exposure_steps, 12);
   EXPECT_EQ(scene.imaging.rolling_shutter_s, 0.03);
-  EXPECT_EQ(scene.imaging.rolling_shutter_bands, 48);
   EXPECT_EQ(scene.image_noise.electrons_per_level, 40);
   EXPECT_FALSE(scene.depth_noise.shadow);
   EXPECT_EQ(scene.depth_noise.max_incidence_deg, 75);
@@ -48,8 +46,6 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
       {"image: {exposure_steps: 257}", "expected 1 to 256"},
       {"image: {rolling_shutter_s: -0.1}", "cannot be negative"},
       {"image: {rolling_shutter_s: 0.06}", "longer than a frame, 0.05 s"},
-      {"image: {rolling_shutter_bands: 0}", "rolling_shutter_bands: expected 1 to 480, the image's rows"},
-      {"image: {rolling_shutter_bands: 481}", "rolling_shutter_bands: expected 1 to 480, the image's rows"},
       {"depth_noise: {smear_px: 0.4}", "smear_px: expected whole pixels"},
       {"image: {iso: 100}", "iso"},
       {"image_noise: {electrons_per_level: -1}", "cannot be negative"},
@@ -76,7 +72,7 @@ TEST(ReadImaging, RefusesWhatNoCameraDoes) {
     EXPECT_NE(message.find(said), std::string::npos) << section << ": " << message;
     EXPECT_NE(message.find("scene.yaml:5"), std::string::npos) << message;
   }
-  EXPECT_EQ(cases.size(), 30u);
+  EXPECT_EQ(cases.size(), 28u);
 }
 
 // A key that changes no byte is named with what it needs; a level's own keys are not.
@@ -89,7 +85,6 @@ TEST(ReadSensors, WarnsOfKeysThatCountForNothing) {
   const std::string nothing = ": counts for nothing, for it needs ";
   const std::vector<std::array<std::string, 4>> cases = {
       {"image", "exposure_steps: 4", "exposure_s above 0", "exposure_s: 0.01"},
-      {"image", "rolling_shutter_bands: 4", "rolling_shutter_s above 0", "rolling_shutter_s: 0.01"},
       {"segmenter", "leak_px: 40", "leak_probability above 0", "leak_probability: 0.1"},
       {"segmenter", "outage_s: 1", "outage_every_s above 0", "outage_every_s: 5"},
       {"segmenter", "boundary_length_px: 9, boundary_sigma_px: 0", "boundary_sigma_px above 0", ""},

@@ -223,12 +223,13 @@ TEST(Lens, RollingShutterOfAWorldAtRestChangesNothing) {
     scene.imaging.rolling_shutter_s = scene.imaging.exposure_s = 0;
     const RenderedFrame at_once = Renderer(scene).render(poses_at(scene, 0.4));
     scene.imaging.rolling_shutter_s = 0.02;
-    scene.imaging.rolling_shutter_bands = 9;
     scene.imaging.exposure_s = 0.005;
     const RenderedFrame rolling = Renderer(scene).render(poses_at(scene, 0.4), color_steps(scene, 0.4));
-    EXPECT_TRUE(same(at_once.rgba, rolling.rgba));
     EXPECT_TRUE(same(at_once.ids, rolling.ids));
-    EXPECT_TRUE(same(at_once.depth_m, rolling.depth_m));
+    cv::Mat difference;  // of more and smaller triangles
+    cv::absdiff(at_once.rgba, rolling.rgba, difference);
+    EXPECT_LT(cv::mean(difference)[0], 1e-2);
+    EXPECT_LT(cv::norm(at_once.depth_m, rolling.depth_m, cv::NORM_INF), 1e-4);
   }
 }
 

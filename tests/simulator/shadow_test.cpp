@@ -113,7 +113,7 @@ TEST(Shadows, AreThoseOfEachStepsPoses) {
   scene.imaging.exposure_s = 0.01;
   ScenePoses here = poses_at(scene, 0), away = here;
   away.world_from_object[0].translation.x() = -1;
-  const cv::Mat rgba = Renderer(scene).render(here, {{here, 0, 240}, {away, 0, 240}}).rgba;
+  const cv::Mat rgba = Renderer(scene).render(here, {ColorStep{here, {}}, ColorStep{away, {}}}).rgba;
   EXPECT_NEAR(at(rgba, 0.45, 0), (kShade + kSunny) / 2.0, 1);
 }
 
