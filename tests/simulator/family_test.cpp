@@ -208,8 +208,8 @@ void expect_shares(const std::map<std::string, int>& counts, const std::map<std:
 // The shares that scenes/families.md says, in scenes so short that some kinds seldom come into view.
 TEST(Street, ActorsHaveTheirShares) {
   std::map<std::string, int> actors, vehicles;
-  for (std::uint64_t seed = 0; seed < 45; ++seed) {
-    const std::string text = generate_scene({"street", seed, {{"frames", "30"}}});
+  for (std::uint64_t seed = 0; seed < 70; ++seed) {
+    const std::string text = generate_scene({"street", seed, {{"frames", "30"}, {"difficulty", "0.5"}}});
     std::vector<std::filesystem::path> files;
     for (const ConfigNode& object : ConfigNode::parse(text, "street").at("objects").items()) {
       const Body body = read_object(object, {.is_painted = false}, files);
