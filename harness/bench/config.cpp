@@ -226,46 +226,40 @@ void leave_out_absent(const ConfigNode& root, std::vector<BenchScene>& scenes) {
   if (scenes.empty()) root.at("scenes").fail("none of them is there");
 }
 
-// Without the folders of this machine.
-std::string prompt_name(const std::string& prompt) {
+std::string relative_path(const fs::path& path, const fs::path& folder) {
+  return yaml_quoted(fs::proximate(path, folder).generic_string());
+}
+
+std::string prompt_entry(const std::string& prompt, const fs::path& folder) {
   const std::size_t colon = prompt.find(':');
-  return yaml_quoted(prompt.substr(0, colon + 1) + fs::path(prompt.substr(colon + 1)).filename().string());
+  return yaml_quoted(prompt.substr(0, colon + 1) +
+                     fs::proximate(prompt.substr(colon + 1), folder).generic_string());
 }
 
-std::vector<std::string> set_entries(const std::vector<ConfigOverride>& set) {
-  std::vector<std::string> result;
+// `name` is said anyway, and so not one of them.
+std::string set_entry(const std::vector<ConfigOverride>& set) {
+  std::vector<std::string> values;
   for (const ConfigOverride& value : set)
-    result.push_back(fmt::format("{}: {}", yaml_quoted(value.key), value.value));
-  return result;
+    if (value.key != "name") values.push_back(fmt::format("{}: {}", yaml_quoted(value.key), value.value));
+  return values.empty() ? "" : fmt::format(", set: {{{}}}", fmt::join(values, ", "));
 }
 
-// A scene's name, or a map where it differs from what stands for all.
-std::vector<std::string> scene_entries(const BenchConfig& config) {
-  std::vector<std::string> result;
-  for (const BenchScene& scene : config.scenes) {
-    std::string extra = scene.is_recording ? ", recording: true" : "";
-    if (!scene.prompt.empty()) extra += fmt::format(", prompt: {}", prompt_name(scene.prompt));
-    if (scene.noise_scale != 1) extra += fmt::format(", noise_scale: {}", scene.noise_scale);
-    if (!scene.set.empty()) extra += fmt::format(", set: {{{}}}", fmt::join(set_entries(scene.set), ", "));
-    if (scene.seeds != config.seeds) extra += fmt::format(", seeds: [{}]", fmt::join(scene.seeds, ", "));
-    if (!scene.judging.empty())
-      extra += fmt::format(", evaluate: {}", yaml_quoted(fmt::format("{}", fmt::join(scene.judging, " "))));
-    const std::string name = yaml_quoted(scene.name);
-    result.push_back(extra.empty() ? name : fmt::format("{{name: {}{}}}", name, extra));
-  }
-  return result;
+std::string scene_entry(const BenchScene& scene, const std::vector<std::uint64_t>& seeds,
+                        const fs::path& folder) {
+  std::string text = fmt::format("{{{}: {}, name: {}", scene.is_recording ? "recording" : "scene",
+                                 relative_path(scene.path, folder), yaml_quoted(scene.name));
+  text += set_entry(scene.set);
+  if (!scene.prompt.empty()) text += fmt::format(", prompt: {}", prompt_entry(scene.prompt, folder));
+  if (scene.noise_scale != 1) text += fmt::format(", noise_scale: {}", scene.noise_scale);
+  if (scene.seeds != seeds) text += fmt::format(", seeds: [{}]", fmt::join(scene.seeds, ", "));
+  for (std::size_t i = 0; i + 1 < scene.judging.size(); i += 2)  // --objects X --unlabelled Y
+    text += fmt::format(", {}: {}", scene.judging[i].substr(2), yaml_quoted(scene.judging[i + 1]));
+  return text + "}";
 }
 
-std::vector<std::string> variant_entries(const std::vector<BenchVariant>& variants) {
-  std::vector<std::string> result;
-  for (const BenchVariant& variant : variants) {
-    const std::string name = yaml_quoted(variant.name);
-    result.push_back(variant.set.empty() ? name
-                                         : fmt::format("{{variant: {}, set: {{{}}}}}",
-                                                       yaml_quoted(variant.path.stem().string()),
-                                                       fmt::join(set_entries(variant.set), ", ")));
-  }
-  return result;
+std::string variant_entry(const BenchVariant& variant, const fs::path& folder) {
+  return fmt::format("{{variant: {}, name: {}{}}}", relative_path(variant.path, folder),
+                     yaml_quoted(variant.name), set_entry(variant.set));
 }
 
 }  // namespace
@@ -292,13 +286,16 @@ BenchConfig load_bench_config(const std::filesystem::path& path) {
   return config;
 }
 
-std::string bench_yaml(const BenchConfig& config) {
-  std::string text =
-      fmt::format("name: {}\nscenes: [{}]\nvariants: [{}]\nseeds: [{}]\n", yaml_quoted(config.name),
-                  fmt::join(scene_entries(config), ", "), fmt::join(variant_entries(config.variants), ", "),
-                  fmt::join(config.seeds, ", "));
+std::string bench_yaml(const BenchConfig& config, const fs::path& folder) {
+  std::string text = fmt::format("name: {}\nscenes:\n", yaml_quoted(config.name));
+  for (const BenchScene& scene : config.scenes)
+    text += fmt::format("  - {}\n", scene_entry(scene, config.seeds, folder));
+  text += "variants:\n";
+  for (const BenchVariant& variant : config.variants)
+    text += fmt::format("  - {}\n", variant_entry(variant, folder));
+  if (!config.seeds.empty()) text += fmt::format("seeds: [{}]\n", fmt::join(config.seeds, ", "));
   if (config.frames) text += fmt::format("frames: {}\n", *config.frames);
-  return text;
+  return text + fmt::format("overlays: {}\nstage_limit_s: {}\n", config.overlays, config.stage_limit_s);
 }
 
 }  // namespace uniquadric

@@ -52,7 +52,7 @@ struct BenchConfig {
 /// or variant that is missing.
 BenchConfig load_bench_config(const std::filesystem::path& path);
 
-/// The resolved configuration as YAML.
-std::string bench_yaml(const BenchConfig& config);
+/// The resolved configuration as a bench file that stands in `folder`: what it names is named from there.
+std::string bench_yaml(const BenchConfig& config, const std::filesystem::path& folder);
 
 }  // namespace uniquadric

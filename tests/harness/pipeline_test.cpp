@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <regex>
 #include <set>
 #include <thread>
 
@@ -364,7 +365,8 @@ TEST_F(Pipeline, BenchSetsValuesOfAScene) {
   };
   ok({"bench", bench_file(item("two", "2") + ", " + item("three", "3")), out, "--quiet", "--keep"});
   EXPECT_NE(
-      read_text(out / "bench.yaml").find("{name: \"two\", set: {\"frames\": 2, \"camera.depth\": true}}"),
+      read_text(out / "bench.yaml")
+          .find("{scene: \"../small.yaml\", name: \"two\", set: {\"frames\": 2, \"camera.depth\": true}}"),
       std::string::npos);
   ok({"simulate", scene(), folder() / "hand", "--set", "frames=2", "--set", "camera.depth=true", "--seed",
       "1", "--quiet"});
@@ -373,6 +375,25 @@ TEST_F(Pipeline, BenchSetsValuesOfAScene) {
   };
   EXPECT_EQ(made("two"), folder_hash(folder() / "hand/sequence")) << "the same as by hand";
   EXPECT_NE(made("two"), made("three"));
+}
+
+// Scenes of files and of a family, with values set: the same scores, and the file says the same of itself.
+TEST_F(Pipeline, BenchRunsItsOwnBenchFileAgain) {
+  const fs::path out = folder() / "results/first", again = folder() / "results/again";
+  const std::string drawn =
+      "{family: room, name: room, count: 2, first_seed: 5, set: {frames: 4}, seeds: [3]}";
+  const std::string small = "{scene: small.yaml, name: short, set: {frames: 4}, noise_scale: 0.5}";
+  ok({"bench", bench_file(small + ", " + drawn), out, "--quiet"});
+  ok({"bench", out / "bench.yaml", again, "--quiet"});
+  EXPECT_EQ(read_text(out / "cells.csv"), read_text(again / "cells.csv"));
+  const auto without_times = [](const std::string& csv) {
+    return std::regex_replace(csv, std::regex(".*(time|memory).*\n"), "");
+  };
+  EXPECT_EQ(without_times(read_text(out / "scores.csv")), without_times(read_text(again / "scores.csv")));
+  const std::string first = read_text(out / "bench.yaml");
+  EXPECT_NE(first.find("scenes/room_5.yaml"), std::string::npos) << first;
+  EXPECT_EQ(std::regex_replace(first, std::regex("\"scenes/"), "\"../first/scenes/"),
+            read_text(again / "bench.yaml"));
 }
 
 TEST_F(Pipeline, BenchTakesAScenesNoiseAndSeeds) {
@@ -385,7 +406,7 @@ TEST_F(Pipeline, BenchTakesAScenesNoiseAndSeeds) {
     EXPECT_NE(cells.find(row), std::string::npos) << cells;
   EXPECT_EQ(std::count(cells.begin(), cells.end(), '\n'), 4);
   const std::string resolved = read_text(out / "bench.yaml");
-  EXPECT_NE(resolved.find("{name: \"small_half_noise\", noise_scale: 0.5, seeds: [4, 5]}"), std::string::npos)
+  EXPECT_NE(resolved.find("name: \"small_half_noise\", noise_scale: 0.5, seeds: [4, 5]}"), std::string::npos)
       << resolved;
   EXPECT_NE(read_text(out / "report.md").find("| small_half_noise | box | single_frame_obb | 2/2 |"),
             std::string::npos);
