@@ -17,6 +17,7 @@ inline constexpr FileBound kTextFile{std::size_t{512} << 20, "a text file"};
 inline constexpr FileBound kYamlFile{std::size_t{16} << 20, "a YAML file"};
 inline constexpr FileBound kImageFile{std::size_t{512} << 20, "an image"};
 inline constexpr FileBound kMeshFile{std::size_t{1} << 30, "a mesh file"};
+inline constexpr FileBound kScanFile{std::size_t{256} << 20, "a scan"};
 inline constexpr FileBound kPointFile{std::size_t{1} << 31, "a file of points"};
 
 /// Throws InputError unless `path` leads to a regular file: not to a folder, pipe, device or socket.

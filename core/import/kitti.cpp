@@ -126,6 +126,9 @@ RecordedTruth describe_truth(const KittiRecording& recording, std::vector<std::s
     std::string name = fmt::format("{}_{}", labels.front()->type, id);
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
     truth.objects.push_back({id, name, median_size(labels), shape_of(labels.front()->type), ""});
+    if (labels.front()->id != id)
+      left_out.push_back(fmt::format("{}: track {} is object {} here, where ids begin at 1",
+                                     recording.file("label_02").string(), labels.front()->id, id));
     add_contradictions(recording.file("label_02"), labels, truth.objects.back(), left_out);
   }
   truth.camera = camera_trajectory(recording);

@@ -22,12 +22,13 @@ constexpr double kLongestScanS = 4;    // what 32 bits of nanoseconds hold
 constexpr std::array<std::string_view, 4> kTimes = {"t", "offset_time", "time", "timestamp"};
 
 std::vector<LidarPoint> read_bin(const fs::path& path, std::uint32_t end_ns) {
-  const std::string bytes = read_file(path, kPointFile);
+  const std::string bytes = read_file(path, kScanFile);
   constexpr std::size_t kPointSize = kValues * sizeof(float);
   if (bytes.size() % kPointSize != 0)
     throw InputError(path,
                      fmt::format("is {} bytes, no whole number of points of {}", bytes.size(), kPointSize));
   std::vector<LidarPoint> points;
+  points.reserve(bytes.size() / kPointSize);
   for (std::size_t at = 0; at < bytes.size(); at += kPointSize) {
     float v[kValues];
     std::memcpy(v, bytes.data() + at, sizeof v);

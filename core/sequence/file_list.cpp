@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
 
@@ -33,6 +34,8 @@ std::vector<ListedFile> read_file_list(const std::filesystem::path& folder, cons
       throw InputError(
           path, line,
           fmt::format("timestamp {} does not come after {}", fields[0], format_stamp(files.back().stamp_ns)));
+    if (entry.file.is_absolute() || std::ranges::find(entry.file, "..") != entry.file.end())
+      throw InputError(path, line, fmt::format("{} leads out of the folder", entry.file.string()));
     std::error_code too_long;
     if (!std::filesystem::is_regular_file(folder / entry.file, too_long))
       throw InputError(path, line, fmt::format("file {} is missing", entry.file.string()));

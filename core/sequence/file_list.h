@@ -18,7 +18,7 @@ struct ListedFile {
 
 /// Reads `name` in `folder`: lines `timestamp filename`, with `has_arrival` `timestamp filename arrival`.
 /// Throws InputError with the line for malformed lines, stamps that do not increase and files that are
-/// missing.
+/// missing or lead out of the folder.
 std::vector<ListedFile> read_file_list(const std::filesystem::path& folder, const std::string& name,
                                        bool has_arrival);
 

@@ -107,8 +107,12 @@ Sequence open_sequence(const fs::path& given_folder) {
     sequence.frames.push_back(frame);
   }
   if (sequence.frames.empty() && !sequence.lidar) throw InputError(folder / "rgb.txt", "names no image");
-  if (fs::exists(folder / "depth.txt"))
-    associate_depth(sequence.frames, read_file_list(folder, "depth.txt", false));
+  if (fs::exists(folder / "depth.txt")) {
+    const std::vector<ListedFile> depth = read_file_list(folder, "depth.txt", false);
+    if (depth.empty())
+      throw InputError(folder / "depth.txt", "names no image; a sequence without depth has none");
+    associate_depth(sequence.frames, depth);
+  }
   if (fs::exists(folder / "masks.txt"))
     associate_masks(folder, sequence.frames, read_file_list(folder, "masks.txt", true));
   if (sequence.imu && !fs::exists(folder / "imu.csv"))

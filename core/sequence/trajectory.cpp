@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -113,7 +114,7 @@ std::string format_stamp(std::int64_t stamp_ns) {
 
 Trajectory read_tum(const std::filesystem::path& path) {
   Trajectory trajectory;
-  std::size_t repeated = 0;
+  std::size_t repeated = 0, digits_before = 0, digits = 0;  // of the last number of a line
   for_each_line(path, [&](int line, const std::vector<std::string_view>& fields) {
     const StampedPose pose = parse_line(path, line, fields);
     if (!trajectory.empty() && pose.stamp_ns < trajectory.back().stamp_ns)
@@ -124,7 +125,13 @@ Trajectory read_tum(const std::filesystem::path& path) {
       ++repeated;
     else
       trajectory.push_back(pose);
+    digits_before = std::exchange(digits, fields.back().size());
   });
+  if (digits < digits_before && !read_text(path).ends_with('\n'))
+    warn(fmt::format(
+        "{}: the last line has no end, and its last number is shorter than the one before: the file may "
+        "be cut",
+        path.string()));
   if (repeated > 0)
     warn(fmt::format("{}: {} of {} poses repeat the timestamp before them: the first of each is kept",
                      path.string(), repeated, trajectory.size() + repeated));

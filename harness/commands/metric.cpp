@@ -1,9 +1,13 @@
 #include "harness/commands/commands.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <iostream>
 #include <memory>
 #include <set>
@@ -111,6 +115,14 @@ void add_surface(CLI::App& app, Common& common) {
       ->check(at_least_0());
 }
 
+// A folder or a descriptor that is closed has no lines, and nothing says so.
+void require_readable_input() {
+  struct stat status {};
+  if (fstat(STDIN_FILENO, &status) != 0)
+    throw InputError(fmt::format("standard input cannot be read: {}", std::strerror(errno)));
+  if (S_ISDIR(status.st_mode)) throw InputError("standard input is a folder");
+}
+
 }  // namespace
 
 void add_metric(CLI::App& app, Common& common) {
@@ -135,6 +147,7 @@ void add_metric(CLI::App& app, Common& common) {
     for (const char* name : {"--samples", "--seed"})
       if (sub->count(name) > 0 && options.method != "monte-carlo")
         throw InputError(fmt::format("{} requires --method monte-carlo", name));
+    require_readable_input();
     common.exit_code = run_metric(kind, options, std::cin, std::cout);
   });
 }

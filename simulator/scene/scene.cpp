@@ -12,6 +12,7 @@
 #include "core/base/read_file.h"
 #include "core/base/warning.h"
 #include "core/sequence/calibration.h"
+#include "core/sequence/trajectory.h"
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
 #include "simulator/scene/noise_scale.h"
@@ -54,7 +55,10 @@ void check_pose(const Pose& pose) {
 // better said now than amid the frames.
 void check_motion(const ConfigNode& node, const Motion& motion, const Scene& scene) {
   for (std::int64_t frame = 0; frame < scene.frames; ++frame) try {
-      check_pose(motion.at(static_cast<double>(scene.stamp_ns(frame)) * 1e-9));
+      const Pose pose = motion.at(static_cast<double>(scene.stamp_ns(frame)) * 1e-9);
+      check_pose(pose);
+      if (pose.translation.cwiseAbs().maxCoeff() > kMostCoordinate_m)  // the truth could not be read
+        throw InputError(fmt::format("is further than {} m from the origin", kMostCoordinate_m));
     } catch (const InputError& error) {
       node.fail(fmt::format("frame {}: {}", frame, error.what()));
     }
@@ -112,6 +116,17 @@ void read_world(const ConfigNode& list, MaterialDefaults defaults, Scene& scene,
   }
 }
 
+// A mesh in millimetres is a thousand times too large.
+void warn_of_units(const ConfigNode& item, const Body& body, const Scene& scene) {
+  if (body.shape != "mesh" || item.has("scale")) return;
+  const Eigen::Vector3d camera_m = body.motion.at(0).inverse() * scene.camera_motion.at(0).translation;
+  if ((camera_m.cwiseAbs().array() < body.semi_axes_m.array()).all())
+    warn(fmt::format(
+        "{}: the camera begins inside {}, which is {:.3g} m long: is its mesh in millimetres? Then it has "
+        "`scale: 0.001`",
+        item.at("mesh").place(), body.name, 2 * body.semi_axes_m.maxCoeff()));
+}
+
 void read_objects(const ConfigNode& list, const MaterialDefaults& defaults, Scene& scene,
                   std::vector<fs::path>& files) {
   std::set<int> ids;
@@ -125,6 +140,7 @@ void read_objects(const ConfigNode& list, const MaterialDefaults& defaults, Scen
     if (!names.insert(body.name).second)
       item.at("name").fail(fmt::format("'{}' is the name of another object", body.name));
     check_motion(item.at("motion"), body.motion, scene);
+    warn_of_units(item, body, scene);
   }
 }
 

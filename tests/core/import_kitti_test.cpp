@@ -10,6 +10,7 @@
 #include <functional>
 #include <numbers>
 #include <opencv2/core.hpp>
+#include <regex>
 
 #include "core/base/files.h"
 #include "core/sequence/pcd.h"
@@ -92,6 +93,12 @@ struct KittiFolder {
   }
 };
 
+// What was said since it is captured, but that track 0, which the recording has, has another id here.
+std::string captured_beside_track_0() {
+  return std::regex_replace(testing::internal::GetCapturedStderr(),
+                            std::regex("[^\n]*track 0 is object 4 here[^\n]*\n"), "");
+}
+
 class ImportKitti : public testing::Test {
  protected:
   ImportKitti() : source_(temp_.path() / "recording") {}
@@ -143,7 +150,7 @@ TEST_F(ImportKitti, SaysWhatFramesHaveNoFile) {
   const auto said = [&] {
     testing::internal::CaptureStderr();
     import();
-    return testing::internal::GetCapturedStderr();
+    return captured_beside_track_0();
   };
   const auto line = [&](const char* folder, const std::string& what) {
     return "uniquadric: " + (source_.folder / folder / "0007").string() + ": " + what + "\n";
@@ -284,7 +291,7 @@ TEST_F(ImportKitti, PcdTimesInSecondsAreTakenAndOthersTold) {
     testing::internal::CaptureStderr();
     fs::remove_all(out());
     import();
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << field.name << field.type << field.size;
+    EXPECT_EQ(captured_beside_track_0(), "") << field.name << field.type << field.size;
     std::vector<double> times_ms;
     for (const LidarPoint& p : read_lidar_points(out() / "sequence/lidar/000001.pcd"))
       times_ms.push_back(p.offset_ns * 1e-6);
@@ -313,9 +320,9 @@ TEST_F(ImportKitti, PcdTimesInSecondsAreTakenAndOthersTold) {
   testing::internal::CaptureStderr();
   fs::remove_all(out());
   import();
-  EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "uniquadric: " + path.string() + ": field snr (F4) is not taken\nuniquadric: " + path.string() +
-                ": field timestamp (U8) is not taken\n");
+  EXPECT_EQ(captured_beside_track_0(), "uniquadric: " + path.string() +
+                                           ": field snr (F4) is not taken\nuniquadric: " + path.string() +
+                                           ": field timestamp (U8) is not taken\n");
   fs::remove_all(out());
   write_pcd_scan(path, {{"time", 8, 'F'}}, [](PcdFile& f, int i) { f.put(1.6e9 + 0.02 * i); });
   EXPECT_NE(input_error([&] { import(); }).find("000001.pcd: point 0: time 1600000000 is not within a scan"),
@@ -365,7 +372,8 @@ TEST_F(ImportKitti, SaysWhereLabelsContradictEachOther) {
   const std::string line = "uniquadric: " + labels.string() + ": ";
   EXPECT_EQ(
       testing::internal::GetCapturedStderr(),
-      line + "track 0 is a Car, in frame 1 a Van: taken as the former\n" + line +
+      line + "track 0 is object 4 here, where ids begin at 1\n" + line +
+          "track 0 is a Car, in frame 1 a Van: taken as the former\n" + line +
           "the box of track 0 in 1 of 4 frames, 2 the first, is off its median size by more than a factor "
           "2: taken is the median\n");
 }

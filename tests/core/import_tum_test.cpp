@@ -105,8 +105,9 @@ TEST(ImportTum, BadRecordingsAreRefusedAndLeaveNothing) {
        [](const auto& r) { append(r / "rgb.txt", "1.2 rgb/1.200000.png\n"); }},
       {"rgb.txt:5: file rgb/no.png is missing",
        [](const auto& r) { append(r / "rgb.txt", "2 rgb/no.png\n"); }},
-      {"leads out of the recording",
+      {"rgb.txt:5: ../recording/rgb/1.200000.png leads out of the folder",
        [](const auto& r) { append(r / "rgb.txt", "2 ../recording/rgb/1.200000.png\n"); }},
+      {"depth.txt: names no image", [](const auto& r) { write_text(r / "depth.txt", ""); }},
       {"depth.txt: 0 of 2 depth images lie within 0.02 s of one of the 4 of rgb.txt",
        [](const auto& r) {
          write_text(r / "depth.txt", "1100 depth/1.110000.png\n1200 depth/1.110000.png\n");
@@ -151,7 +152,7 @@ TEST(ImportTum, BadRecordingsAreRefusedAndLeaveNothing) {
     EXPECT_FALSE(fs::exists(out));
     EXPECT_FALSE(fs::exists(out.string() + ".partial"));
   }
-  EXPECT_EQ(refused, 16);
+  EXPECT_EQ(refused, 17);
 }
 
 }  // namespace

@@ -86,6 +86,21 @@ TEST(TumText, KeepsTheFirstOfEqualStampsAndCountsTheRest) {
   }
 }
 
+TEST(TumText, NamesAFileThatMayBeCut) {
+  const TempFolder temp;
+  const auto path = temp.path() / "t.tum";
+  const auto said = [&](const std::string& text) {
+    write_text(path, text);
+    testing::internal::CaptureStderr();
+    read_tum(path);
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string whole = "1 0 0 0 0 0 0.6 0.8000\n2 0 0 0 0 0 0.6 0.8000\n";
+  EXPECT_EQ(said(whole), "");
+  EXPECT_EQ(said(whole.substr(0, whole.size() - 1)), "") << "many files have no last line end";
+  EXPECT_NE(said(whole.substr(0, whole.size() - 3)).find("the file may be cut"), std::string::npos);
+}
+
 TEST(TumText, AsWrittenKeepsEveryPoseInTheFilesOrder) {
   const TempFolder temp;
   const auto path = temp.path() / "t.tum";

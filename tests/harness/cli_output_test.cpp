@@ -166,5 +166,14 @@ TEST_F(Cli, AFullOutputIsAnError) {
   }
 }
 
+TEST_F(Cli, MetricRefusesAnInputWithoutLines) {
+  for (const auto& [input, why] :
+       {std::pair{"</", "standard input is a folder"}, std::pair{"<&-", "standard input cannot be read"}}) {
+    const std::string call = std::string(UNIQUADRIC_PROGRAM " metric iou3d ") + input + " 2>";
+    EXPECT_EQ(std::system((call + (folder() / "err").string()).c_str()) >> 8, 2) << input;
+    EXPECT_NE(read_text(folder() / "err").find(why), std::string::npos) << input;
+  }
+}
+
 }  // namespace
 }  // namespace uniquadric

@@ -188,6 +188,10 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
       {"rpy_deg: [0, 0, 90]", "look_at_m: [0, 0, 0]", ":22: objects[0].motion.look_at_m: is for cameras"},
       {"rpy_deg: [0, 0, 90]", "quaternion_xyzw: [0, 0, 0, 2]",
        ":22: objects[0].motion.quaternion_xyzw: norm is 2"},
+      {"position_m: [0, 0, 1], rpy", "position_m: [1e30, 0, 1], rpy",
+       ":22: objects[0].motion: frame 0: is further than 1000000000 m from the origin"},
+      {"velocity_mps: [0.1, 0, 0], start: {position_m: [0, 1, 0.1]}, rolling_radius_m: 0.1",
+       "velocity_mps: [3e9, 0, 0]", ": objects[1].motion: frame 9: is further than 1000000000 m from the origin"},
       {"segments: 4", "sections: 4", ":27: unknown key 'objects[1].sections'"},
       {"segments: 4", "scored: maybe", ":27: objects[1].scored: "},
       {"segments: 4", "symmetry: round",
@@ -207,7 +211,7 @@ TEST(SceneFile, IsRefusedWithTheLineOfTheFault) {
     EXPECT_EQ(message.find('\n'), message.npos) << message;
     refused += message != "accepted";
   }
-  EXPECT_EQ(refused, 45);
+  EXPECT_EQ(refused, 47);
   EXPECT_NE(refusal(folder.path() / "absent.yaml").find("cannot be read"), std::string::npos);
 }
 
