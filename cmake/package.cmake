@@ -21,7 +21,7 @@ endif()
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "simulates, estimates and evaluates object-level SLAM with moving objects")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libuniquadric-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(needed libboost-dev libdeflate-dev libeigen3-dev libembree-dev libfmt-dev liboctomap-dev libopencv-dev
+set(needed libboost-dev libcairo2-dev libdeflate-dev libeigen3-dev libembree-dev libfmt-dev liboctomap-dev libopencv-dev
            libpolyclipping-dev libtbb-dev libxxhash-dev libyaml-cpp-dev nlohmann-json3-dev pkg-config)
 list(JOIN needed ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "core and evaluation libraries of uniquadric")

@@ -44,7 +44,7 @@ class TellingIterator {
 class StrictParser {
  public:
   StrictParser(const std::string& text, int most_levels)
-      : text_(text), told_(text.data()), most_levels_(most_levels) {}
+      : text_(text), told_(text.data()), counted_(text.data()), most_levels_(most_levels) {}
 
   json parse() {
     try {
@@ -80,8 +80,12 @@ class StrictParser {
     return path;
   }
 
-  // That of the last character taken.
-  int line() const { return 1 + static_cast<int>(std::count(text_.data(), told_, '\n')); }
+  // That of the last character taken. Counted on from the last time: it is asked for at every key.
+  int line() {
+    line_ += static_cast<int>(std::count(counted_, told_, '\n'));
+    counted_ = told_;
+    return line_;
+  }
   [[noreturn]] static void fail(int line, const std::string& what) { throw JsonFault(what, line, false); }
 
   void take(json::parse_event_t event, const json& value) {
@@ -105,7 +109,8 @@ class StrictParser {
   }
 
   const std::string& text_;
-  const char* told_;
+  const char *told_, *counted_;
+  int line_ = 1;
   int most_levels_;
   std::vector<Object> open_;  // lists, too, which have no keys
 };

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <thread>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/read_file.h"
@@ -31,26 +32,35 @@ fs::path aside_of(const fs::path& path) {
   return path.string() + ".partial";
 }
 
-void write_text(const fs::path& path, std::string_view text) {
-  const fs::path aside = aside_of(path);
-  {
-    std::ofstream out(aside, std::ios::binary);
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    out.close();
-    if (!out) {
-      const int reason = errno;  // before what follows can change it
-      std::error_code ignored;
-      fs::remove(aside, ignored);
-      errno = reason;
-      throw_unwritable(path);
-    }
-  }
+PendingText::PendingText(const fs::path& path) : path_(path), out_(aside_of(path), std::ios::binary) {
+  if (!out_) throw_unwritable(path);
+}
+
+PendingText::~PendingText() {
+  if (path_.empty()) return;
+  std::error_code ignored;
+  fs::remove(aside_of(path_), ignored);
+}
+
+void PendingText::keep() {
+  const fs::path path = std::exchange(path_, fs::path()), aside = aside_of(path);
+  out_.close();
+  int reason = errno;  // before what follows can change it
   std::error_code error, ignored;
-  fs::rename(aside, path, error);  // fails where a folder has the name
-  if (!error) return;
+  if (out_) {
+    fs::rename(aside, path, error);  // fails where a folder has the name
+    if (!error) return;
+    reason = error.value();
+  }
   fs::remove(aside, ignored);
-  errno = error.value();
+  errno = reason;
   throw_unwritable(path);
+}
+
+void write_text(const fs::path& path, std::string_view text) {
+  PendingText file(path);
+  file.stream().write(text.data(), static_cast<std::streamsize>(text.size()));
+  file.keep();
 }
 
 void duplicate_file(const fs::path& from, const fs::path& to) {

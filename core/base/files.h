@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,8 +18,25 @@ std::string read_text(const std::filesystem::path& path);
 /// Where write_text writes what is to become `path`; stays behind when the process is killed meanwhile.
 std::filesystem::path aside_of(const std::filesystem::path& path);
 
-/// Writes aside and renames, so that the file is never seen half-written; throws std::runtime_error on
-/// failure.
+/// A text file that is written aside, so that it is never seen half-written.
+class PendingText {
+ public:
+  /// Throws throw_unwritable.
+  explicit PendingText(const std::filesystem::path& path);
+  ~PendingText();  ///< removes what was not kept
+  PendingText(const PendingText&) = delete;
+  PendingText& operator=(const PendingText&) = delete;
+
+  std::ostream& stream() { return out_; }
+  /// Gives the file its name. Throws throw_unwritable where that, or what was written before, failed.
+  void keep();
+
+ private:
+  std::filesystem::path path_;
+  std::ofstream out_;
+};
+
+/// Writes a PendingText and keeps it.
 void write_text(const std::filesystem::path& path, std::string_view text);
 
 /// As write_text of read_text: what is wrong names the file that it is wrong of.

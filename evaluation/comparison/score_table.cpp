@@ -177,24 +177,28 @@ ScoreTable read_score_table(const fs::path& path, const ScoreSelection& selectio
   return table;
 }
 
-std::vector<std::pair<std::string, ScoreTable>> score_tables(const Results& results) {
-  std::vector<std::pair<std::string, ScoreTable>> tables;
-  std::map<std::string, std::size_t> index;
-  const auto table_of = [&](const std::string& variant) -> ScoreTable& {
-    const auto [at, is_new] = index.emplace(variant, tables.size());
-    if (is_new) tables.emplace_back(variant, ScoreTable{results.folder / "scores.csv", {}, {}});
-    return tables[at->second].second;
-  };
+ScoreTable& ScoreTables::table_of(const std::string& variant, const fs::path& folder) {
+  const auto [at, is_new] = places_.emplace(variant, tables_.size());
+  if (is_new) tables_.emplace_back(variant, ScoreTable{folder / "scores.csv", {}, {}});
+  return tables_[at->second].second;
+}
+
+void ScoreTables::add(const Results& results, std::span<const char* const> metrics) {
   for (const Cell& cell : results.cells)
-    if (ScoreTable& table = table_of(cell.variant); cell.status == CellStatus::missing)
+    if (ScoreTable& table = table_of(cell.variant, results.folder); cell.status == CellStatus::missing)
       table.not_run.insert({cell.variant, cell.scene, cell.seed});
   for (const Score& s : scores(results)) {
-    ScoreTable& table = table_of(s.variant);
-    table.lower_is_better.emplace(s.metric->name, s.metric->lower_is_better);
-    table.cells.emplace(ScoreKey{{s.variant, s.sequence, s.seed}, s.object, s.metric->name}, s.value);
+    const std::string metric = s.metric->name;
+    if (!metrics.empty() && std::ranges::find(metrics, metric) == metrics.end()) continue;
+    ScoreTable& table = table_of(s.variant, results.folder);
+    table.lower_is_better.emplace(metric, s.metric->lower_is_better);
+    table.cells.emplace(ScoreKey{{s.variant, s.sequence, s.seed}, s.object, metric}, s.value);
   }
-  for (auto& [variant, table] : tables) note_runs(table);
-  return tables;
+}
+
+std::vector<std::pair<std::string, ScoreTable>> ScoreTables::take() {
+  for (auto& [variant, table] : tables_) note_runs(table);
+  return std::move(tables_);
 }
 
 }  // namespace uniquadric

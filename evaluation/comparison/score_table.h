@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,6 +56,16 @@ ScoreTable read_score_table(const std::filesystem::path& path, const ScoreSelect
 
 /// The same of results in memory, one table a variant, in the order of their cells. `file` is the folder's
 /// scores.csv, which need not be there.
-std::vector<std::pair<std::string, ScoreTable>> score_tables(const Results& results);
+class ScoreTables {
+ public:
+  /// Adds the cells of some scenes. `metrics`: these alone; default: all.
+  void add(const Results& results, std::span<const char* const> metrics = {});
+  std::vector<std::pair<std::string, ScoreTable>> take();
+
+ private:
+  ScoreTable& table_of(const std::string& variant, const std::filesystem::path& folder);
+  std::vector<std::pair<std::string, ScoreTable>> tables_;
+  std::map<std::string, std::size_t> places_;  // of the variants
+};
 
 }  // namespace uniquadric

@@ -55,30 +55,21 @@ bool holds(const std::set<Place>& places, const Place& place) {
   return places.contains(place) || places.contains({place.first, ""});
 }
 
-std::vector<ObjectChange> judge_objects(const Results& results, const ScoreComparison& comparison) {
+std::vector<ObjectChange> judge_objects(const std::vector<Place>& places, const ScoreComparison& comparison) {
   const auto gains = gains_by_place(comparison);
   const auto lost = places_of(comparison.pairing.new_failures), mended = places_of(comparison.pairing.mended);
   std::vector<ObjectChange> objects;
-  for (const std::string& scene : scenes_of(results))
-    for (const std::string& object : subjects_of(results, scene)) {
-      const Place place{scene, object};
-      const auto found = gains.find(place);
-      if (object == "camera" || object == "all") continue;
-      if (holds(lost, place))
-        objects.push_back({scene, object, ObjectVerdict::lost});
-      else if (holds(mended, place))
-        objects.push_back({scene, object, ObjectVerdict::mended});
-      else if (found != gains.end())
-        objects.push_back({scene, object, found->second.verdict()});
-    }
+  for (const Place& place : places) {
+    const auto& [scene, object] = place;
+    const auto found = gains.find(place);
+    if (holds(lost, place))
+      objects.push_back({scene, object, ObjectVerdict::lost});
+    else if (holds(mended, place))
+      objects.push_back({scene, object, ObjectVerdict::mended});
+    else if (found != gains.end())
+      objects.push_back({scene, object, found->second.verdict()});
+  }
   return objects;
-}
-
-void keep_summary_metrics(ScoreTable& table) {
-  const auto shown = summary_metrics();
-  std::erase_if(table.cells, [&](const auto& cell) {
-    return std::none_of(shown.begin(), shown.end(), [&](const char* m) { return cell.first.metric == m; });
-  });
 }
 
 }  // namespace
@@ -101,22 +92,33 @@ const char* to_string(ObjectVerdict verdict) {
   return "";
 }
 
-std::vector<VariantVerdict> variant_verdicts(const Results& results, std::size_t most) {
-  auto tables = score_tables(results);
+void VariantVerdicts::add(const Results& results) {
+  tables_.add(results, summary_metrics());
+  for (const std::string& scene : scenes_of(results))
+    for (const std::string& object : subjects_of(results, scene))
+      if (object != "camera" && object != "all") objects_.emplace_back(scene, object);
+}
+
+std::vector<VariantVerdict> VariantVerdicts::verdicts(std::size_t most) {
+  auto tables = tables_.take();
   std::erase_if(tables, [](const auto& entry) { return !output_of(entry.first).empty(); });
-  for (auto& [variant, table] : tables) {
-    keep_summary_metrics(table);
+  for (auto& [variant, table] : tables)
     rename_variant(table, "both");  // so that the runs are each other's pairs
-  }
   std::vector<VariantVerdict> verdicts;
   for (const auto& [baseline, of_baseline] : tables)
     for (const auto& [variant, of_variant] : tables) {
       if (variant == baseline || (tables.size() > most && baseline != tables.front().first)) continue;
       ScoreComparison comparison = compare_scores(of_baseline, of_variant);
-      auto objects = judge_objects(results, comparison);
+      auto objects = judge_objects(objects_, comparison);
       verdicts.push_back({baseline, variant, std::move(objects), std::move(comparison.metrics)});
     }
   return verdicts;
+}
+
+std::vector<VariantVerdict> variant_verdicts(const Results& results, std::size_t most) {
+  VariantVerdicts verdicts;
+  verdicts.add(results);
+  return verdicts.verdicts(most);
 }
 
 }  // namespace uniquadric

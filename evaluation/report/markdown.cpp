@@ -120,11 +120,15 @@ std::string not_applicable(const Results& results) {
 
 }  // namespace
 
-std::string page_markdown(const Results& results, const std::vector<SummaryRow>& summary) {
+std::string page_markdown(const Results& results, const std::vector<SummaryRow>& summary,
+                          const Overview& overview) {
   std::string text = fmt::format(
       "# {}\nMedians over seeds; runs: with a result / all; the best of an object's variants with the most "
       "results in bold; given: poses of the camera that were not estimated.\n\n",
       results.name);
+  if (!overview.rows.empty())
+    text += fmt::format("## Over all {} scenes\nMedians over objects.\n\n{}\n## {} scenes\n{}\n\n",
+                        overview.scenes, table(overview.rows), overview.shown.size(), kShownNote);
   text += table(summary) + against_the_paper(summary) + arc_markdown(results) +
           lidar_markdown(results.lidar) + sizes(results) + failures(results) + not_applicable(results) +
           "\n## How it was made\n";

@@ -48,7 +48,7 @@ std::string arc_section(const std::string& plots) {
 }  // namespace
 
 std::string page_html(const Results& results, const std::vector<SummaryRow>& summary,
-                      const PageOptions& options) {
+                      const Overview& overview, const PageOptions& options) {
   std::string scripts;
   for (const char* name :
        {"data.js", "verdict.js", "table.js", "ratios.js", "ablation.js", "charts.js", "lidar.js", "times.js",
@@ -60,7 +60,7 @@ std::string page_html(const Results& results, const std::vector<SummaryRow>& sum
                {"arcs_link", arcs.empty() ? "" : "<a href=\"#arcs\">Arc of views</a>"},
                {"arcs", arcs},
                {"style", std::string(page_asset("page.css"))},
-               {"data", inside_script(page_data(results, summary, options))},
+               {"data", inside_script(page_data(results, summary, overview, options))},
                {"images", inside_script(page_images(results, options))},
                {"motion", inside_script(page_motion(results, options))},
                {"scenery", inside_script(page_scenery(results, options))},

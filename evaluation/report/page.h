@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/report/overview.h"
 #include "evaluation/results/results.h"
 #include "evaluation/results/summary.h"
 
 namespace uniquadric {
 
 struct PageOptions {
+  std::size_t summary_rows = 1000;     ///< ours: of all scenes shown, 1.5 kB each
   std::size_t image_bytes = 800'000;   ///< ours: of all frames with overlays; a third more in base64
   std::size_t film_bytes = 1'200'000;  ///< ours: of all films together: with all else 8 MB a page
   std::size_t motion_frames =
@@ -21,13 +23,14 @@ struct PageOptions {
 
 /// The page as one file that needs nothing else (page/ and Chart.js inlined).
 std::string page_html(const Results& results, const std::vector<SummaryRow>& summary,
-                      const PageOptions& options = {});
+                      const Overview& overview, const PageOptions& options = {});
 
-/// The page's data: everything but the pictures. JSON text, keys sorted. A column of a series is one value
-/// where it is constant. With more than `options.series_values` in all, plots have every second frame, every
-/// third and so on; beyond every eighth the first seeds alone have plots, and of these the first runs.
+/// The page's data: everything but the pictures. JSON text, keys sorted. A figure of a single run is a
+/// number, that of several an object. A column of a series is one value where it is constant. With more than
+/// `options.series_values` in all, plots have every second frame, every third and so on; beyond every eighth
+/// the first seeds alone have plots, and of these the first runs.
 std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
-                      const PageOptions& options);
+                      const Overview& overview, const PageOptions& options);
 
 /// The frames with overlays as JSON text: [{"scene", "variant", "seed", "available", "frames": [{"frame",
 /// "jpeg" (base64)}]}], for each scene and variant those of its first good seed. When they exceed
@@ -50,7 +53,8 @@ std::string page_scenery(const Results& results, const PageOptions& options);
 std::string page_motion(const Results& results, const PageOptions& options);
 
 /// The report as Markdown: the summary, the failures, how it was made.
-std::string page_markdown(const Results& results, const std::vector<SummaryRow>& summary);
+std::string page_markdown(const Results& results, const std::vector<SummaryRow>& summary,
+                          const Overview& overview);
 
 /// `total` evenly spaced down to `count` (first and last kept), as indices. Asserts 0 <= count <= total.
 std::vector<std::size_t> evenly_spaced(std::size_t total, std::size_t count);

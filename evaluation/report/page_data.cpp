@@ -7,7 +7,6 @@
 
 #include "core/base/text.h"
 #include "core/base/version.h"
-#include "evaluation/comparison/variant_verdicts.h"
 #include "evaluation/report/page.h"
 #include "evaluation/results/metrics.h"
 #include "evaluation/results/paper_ratios.h"
@@ -31,6 +30,8 @@ constexpr const char* kPlotted[] = {"ape_translation_m",
                                     "rpe_translation_m",
                                     "rpe_rotation_rad",
                                     "visible_fraction"};
+
+constexpr int kFigureDigits = 6;  // ours: more than any table shows
 
 json metrics_json() {
   json list = json::array();
@@ -73,18 +74,24 @@ json ratios_json(const std::vector<SummaryRow>& summary) {
   return list;
 }
 
-// Rounded to what a plot shows: the page stays small. Figures in tables keep all their digits.
+// Rounded to what is shown: the page stays small.
 json rounded(const std::optional<double>& value, int digits) {
   return value ? json(*parse_double(fmt::format("{:.{}g}", *value, digits))) : json(nullptr);
 }
 
+// What a run alone says is the whole figure: page/data.js makes the rest.
 json spread_json(const Spread& s, int digits) {
+  if (s.n == 1 && !s.best) return rounded(s.median, kFigureDigits);
   json values = json::array();
   for (const double value : s.values) values.push_back(rounded(value, digits));
-  return {{"median", s.median}, {"min", s.min},
-          {"max", s.max},       {"n", s.n},
-          {"best", s.best},     {"mean", rounded(s.mean, digits)},
-          {"values", values},   {"interval", rounded(s.interval, digits)}};
+  return {{"median", rounded(s.median, kFigureDigits)},
+          {"min", rounded(s.min, kFigureDigits)},
+          {"max", rounded(s.max, kFigureDigits)},
+          {"n", s.n},
+          {"best", s.best},
+          {"mean", rounded(s.mean, digits)},
+          {"values", values},
+          {"interval", rounded(s.interval, digits)}};
 }
 
 json row_json(const SummaryRow& row, int digits) {
@@ -215,14 +222,20 @@ json change_json(const MetricChange& change, int digits) {
           {"verdict", to_string(change.verdict)}};
 }
 
-json verdict_json(const VariantVerdict& verdict, int digits) {
-  json objects = json::array(), metrics = json::array();
-  for (const ObjectChange& o : verdict.objects)
-    objects.push_back({{"scene", o.scene}, {"object", o.object}, {"verdict", to_string(o.verdict)}});
+// Of the objects shown, with the counts of all.
+json verdict_json(const VariantVerdict& verdict, const std::set<std::string>& shown, int digits) {
+  json objects = json::array(), metrics = json::array(), counts = json::object();
+  for (const ObjectChange& o : verdict.objects) {
+    if (shown.contains(o.scene))
+      objects.push_back({{"scene", o.scene}, {"object", o.object}, {"verdict", to_string(o.verdict)}});
+    json& count = counts[to_string(o.verdict)];
+    count = count.is_null() ? 1 : count.get<int>() + 1;
+  }
   for (const MetricChange& change : verdict.metrics) metrics.push_back(change_json(change, digits));
   return {{"baseline", verdict.baseline},
           {"variant", verdict.variant},
           {"objects", objects},
+          {"counts", counts},
           {"metrics", metrics}};
 }
 
@@ -261,11 +274,12 @@ json lidar_json(const LidarRoutes& r) {
 }  // namespace
 
 std::string page_data(const Results& results, const std::vector<SummaryRow>& summary,
-                      const PageOptions& options) {
+                      const Overview& overview, const PageOptions& options) {
   json rows = json::array(), paper = json::array(), cells = json::array(), lidar = json::array(),
-       verdicts = json::array();
-  for (const VariantVerdict& verdict : variant_verdicts(results))
-    verdicts.push_back(verdict_json(verdict, options.series_digits));
+       verdicts = json::array(), overall = json::array();
+  for (const VariantVerdict& verdict : overview.verdicts)
+    verdicts.push_back(verdict_json(verdict, overview.shown, options.series_digits));
+  for (const SummaryRow& row : overview.rows) overall.push_back(row_json(row, options.series_digits));
   for (const SummaryRow& row : summary) rows.push_back(row_json(row, options.series_digits));
   for (const PaperRow& row : paper_rows()) paper.push_back(paper_json(row));
   const SeriesShare share = series_share(results, options.series_values);
@@ -290,6 +304,13 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
                      {"ratios", ratios_json(summary)},
                      {"ratio_note", kRatioNote},
                      {"verdicts", verdicts},
+                     {"overall", overall},
+                     {"shown_note", kShownNote},
+                     {"counts",
+                      {{"scenes", overview.scenes},
+                       {"objects", overview.objects},
+                       {"runs", overview.runs},
+                       {"failed", overview.failed}}},
                      {"descriptions", results.descriptions},
                      {"lidar", lidar},
                      {"cells", cells}};

@@ -45,6 +45,9 @@ struct Picture {
 /// An SVG file's text, for light and dark.
 std::string picture_svg(const Picture& picture);
 
+/// A PDF file's bytes, its text as text: in the light colours.
+std::string picture_pdf(const Picture& picture);
+
 /// A PNG file's bytes: in the light colours, two pixels a unit.
 std::string picture_png(const Picture& picture);
 

@@ -5,11 +5,17 @@
 
 namespace uniquadric {
 
+/// What is written on demand.
+struct ReportExtras {
+  bool latex = false;    ///< report.tex: the summary as a table (booktabs)
+  bool figures = false;  ///< figures/: every plot over time (figures_of) as SVG and as PDF
+};
+
 /// Writes `report.html` (self-contained: no network when it is looked at), `report.md`, `scores.csv` and,
 /// where evaluations have arcs of views, `iou3d_by_arc.svg` into a results folder of `bench`
 /// (docs/report.md). The same folder gives the same bytes. Throws InputError for a folder that is no results
 /// folder, and with file and field or line for results that cannot be read.
-void write_report(const std::filesystem::path& results, bool latex = false);
+void write_report(const std::filesystem::path& results, const ReportExtras& extras = {});
 
 /// The table `bench` prints: per scene, object and variant the medians over seeds, the paper's figures beside
 /// where it has the object. Plain text, ends in a newline. Throws as `write_report`.

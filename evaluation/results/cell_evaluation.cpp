@@ -179,7 +179,7 @@ std::vector<SizeSteadiness> read_sizes(const fs::path& file, const json& root) {
 
 }  // namespace
 
-CellEvaluation read_cell_evaluation(const fs::path& folder) {
+CellEvaluation read_cell_evaluation(const fs::path& folder, Frames frames) {
   const fs::path file = folder / "evaluation.json";
   const json root = parse_json(file);
   if (!root.is_object()) throw InputError(file, "expected an object with named values");
@@ -203,7 +203,7 @@ CellEvaluation read_cell_evaluation(const fs::path& folder) {
   evaluation.isolation = read_isolation(root);
   if (names.empty()) evaluation.sizes = read_sizes(file, root);
   evaluation.stage_ms = read_stages(file, root);
-  evaluation.series = read_series(folder / "frames.csv", names);
+  if (frames == Frames::read) evaluation.series = read_series(folder / "frames.csv", names);
   return evaluation;
 }
 

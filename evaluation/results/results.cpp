@@ -134,6 +134,33 @@ void add_later_outputs(Results& results) {
   results.cells = std::move(cells);
 }
 
+// All but evaluations and LiDAR.
+Results read_plan(const fs::path& folder) {
+  require_results_folder(folder);
+  Results results;
+  results.folder = folder;
+  for (Cell& cell : read_cells(folder / "cells.csv"))
+    (cell.status == CellStatus::not_applicable ? results.not_applicable : results.cells)
+        .push_back(std::move(cell));
+  results.config = read_optional(folder / "bench.yaml");
+  results.command = read_optional(folder / "command.txt");
+  results.hardware = read_optional(folder / "hardware.txt");
+  results.program = read_optional(folder / "program.txt");
+  results.inputs = read_inputs(folder / "inputs.csv");
+  results.descriptions = read_descriptions(folder / "variants.csv");
+  results.name = "bench";
+  if (!results.config.empty())
+    results.name = ConfigNode::parse(results.config, folder / "bench.yaml").get<std::string>("name", "bench");
+  add_later_outputs(results);
+  return results;
+}
+
+void read_evaluations(Results& results, Frames frames) {
+  for (Cell& cell : results.cells)
+    if (cell.status == CellStatus::ok)
+      cell.evaluation = read_cell_evaluation(evaluation_folder(results, cell), frames);
+}
+
 }  // namespace
 
 fs::path evaluation_folder(const Results& results, const Cell& cell) {
@@ -162,30 +189,43 @@ std::vector<Cell> read_cells(const fs::path& file) {
   return cells;
 }
 
-Results read_results(const fs::path& folder) {
+void require_results_folder(const fs::path& folder) {
   if (!fs::is_directory(folder)) throw InputError(folder, "is not a folder");
   if (!fs::exists(folder / "cells.csv"))
     throw InputError(folder, "is no results folder: it has no cells.csv");
-  Results results;
-  results.folder = folder;
-  for (Cell& cell : read_cells(folder / "cells.csv"))
-    (cell.status == CellStatus::not_applicable ? results.not_applicable : results.cells)
-        .push_back(std::move(cell));
-  results.config = read_optional(folder / "bench.yaml");
-  results.command = read_optional(folder / "command.txt");
-  results.hardware = read_optional(folder / "hardware.txt");
-  results.program = read_optional(folder / "program.txt");
-  results.inputs = read_inputs(folder / "inputs.csv");
-  results.descriptions = read_descriptions(folder / "variants.csv");
-  results.name = "bench";
-  if (!results.config.empty())
-    results.name = ConfigNode::parse(results.config, folder / "bench.yaml").get<std::string>("name", "bench");
-  add_later_outputs(results);
-  for (Cell& cell : results.cells)
-    if (cell.status == CellStatus::ok)
-      cell.evaluation = read_cell_evaluation(evaluation_folder(results, cell));
+}
+
+Results read_results(const fs::path& folder, const std::optional<std::set<std::string>>& scenes) {
+  Results results = read_plan(folder);
+  if (scenes)
+    for (auto* const cells : {&results.cells, &results.not_applicable})
+      std::erase_if(*cells, [&](const Cell& cell) { return !scenes->contains(cell.scene); });
+  read_evaluations(results, Frames::read);
   results.lidar = read_all_lidar_routes(results);
   return results;
+}
+
+void for_each_scene(const fs::path& folder, const std::function<void(const Results& scene)>& use) {
+  Results all = read_plan(folder), scene = all;
+  std::vector<std::vector<Cell>> by_scene;
+  std::map<std::string, std::size_t> places;
+  for (auto* const cells : {&all.cells, &all.not_applicable}) {
+    for (Cell& cell : *cells) {
+      const auto [place, is_new] = places.try_emplace(cell.scene, by_scene.size());
+      if (is_new) by_scene.emplace_back();
+      by_scene[place->second].push_back(std::move(cell));
+    }
+    cells->clear();
+  }
+  for (std::vector<Cell>& cells : by_scene) {
+    scene.cells.clear(), scene.not_applicable.clear();
+    for (Cell& cell : cells)
+      (cell.status == CellStatus::not_applicable ? scene.not_applicable : scene.cells)
+          .push_back(std::move(cell));
+    cells = {};
+    read_evaluations(scene, Frames::left);
+    use(scene);
+  }
 }
 
 std::vector<std::string> scenes_of(const Results& results) {

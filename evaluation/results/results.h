@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,7 +36,7 @@ struct CellEvaluation {
   bool camera_given = false;               ///< the camera's poses were given to the estimator, not estimated
   std::vector<SubjectFigures> subjects;    ///< objects in their order, then `camera`, then `all`
   std::vector<SizeSteadiness> sizes;       ///< of estimated objects, where no true one is known
-  std::vector<ObjectSeries> series;        ///< objects in order of their ids
+  std::vector<ObjectSeries> series;        ///< objects in order of their ids; none where they were not read
   std::map<std::string, double> stage_ms;  ///< a frame, by stage; `frame` is all of them
 };
 
@@ -65,15 +67,26 @@ struct Results {
   std::vector<LidarRoutes> lidar;    ///< of scenes whose LiDAR took the paper's way, a (scene, seed) each
 };
 
-/// Reads a results folder with all its evaluations. Throws InputError: not a results folder, a line of
-/// cells.csv or frames.csv, a field of evaluation.json.
-Results read_results(const std::filesystem::path& folder);
+/// Throws InputError for what is no folder and for one without cells.csv.
+void require_results_folder(const std::filesystem::path& folder);
+
+/// Reads a results folder with all its evaluations, or with those of some scenes. Throws InputError: not a
+/// results folder, a line of cells.csv or frames.csv, a field of evaluation.json.
+Results read_results(const std::filesystem::path& folder,
+                     const std::optional<std::set<std::string>>& scenes = std::nullopt);
+
+/// Reads a results folder one scene after the other, so that no more than one is in memory, and calls `use`
+/// with each: all of the folder's but `lidar` and the objects' series. Throws as read_results.
+void for_each_scene(const std::filesystem::path& folder,
+                    const std::function<void(const Results& scene)>& use);
 
 /// Reads cells.csv, without any evaluation. Throws InputError with file and line.
 std::vector<Cell> read_cells(const std::filesystem::path& file);
 
-/// Reads one `evaluation` folder: evaluation.json and frames.csv. Throws InputError.
-CellEvaluation read_cell_evaluation(const std::filesystem::path& folder);
+enum class Frames { read, left };
+
+/// Reads one `evaluation` folder: evaluation.json and, unless they are left, frames.csv. Throws InputError.
+CellEvaluation read_cell_evaluation(const std::filesystem::path& folder, Frames frames = Frames::read);
 
 /// Where a cell's evaluation is.
 std::filesystem::path evaluation_folder(const Results& results, const Cell& cell);

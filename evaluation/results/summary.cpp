@@ -160,6 +160,29 @@ std::vector<SummaryRow> summarize(const Results& results) {
   return rows;
 }
 
+void OverallRows::add(const std::vector<SummaryRow>& summary) {
+  for (const SummaryRow& row : summary) {
+    if (row.object == "camera" || row.object == "all") continue;
+    auto of = std::ranges::find(variants_, row.variant, &OfVariant::variant);
+    if (of == variants_.end()) of = variants_.insert(of, {row.variant, 0, 0, 0, {}});
+    ++of->objects, of->runs += row.runs, of->good += row.good;
+    for (const auto& [metric, spread] : row.spread) of->medians[metric].push_back(spread.median);
+  }
+}
+
+std::vector<SummaryRow> OverallRows::rows(const std::string& scene) const {
+  std::vector<SummaryRow> rows;
+  for (const OfVariant& of : variants_) {
+    SummaryRow row{scene, fmt::format("{} objects", of.objects), of.variant, of.runs, of.good, false, {}, {}};
+    for (const auto& [metric, medians] : of.medians) {
+      const Statistics s = *statistics(medians);
+      row.spread[metric] = {s.median, s.min, s.max, static_cast<int>(s.n), false, s.mean, {}, {}};
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 std::string evaluation_text(const CellEvaluation& evaluation) {
   std::vector<std::vector<std::string>> lines = {{"object"}};
   for (const char* metric : summary_metrics()) lines[0].push_back(find_metric(metric).label);

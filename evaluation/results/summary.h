@@ -39,6 +39,24 @@ struct SummaryRow {
 /// metric: who loses the hard runs is not the better for it. Given cameras are left out.
 std::vector<SummaryRow> summarize(const Results& results);
 
+/// The rows of a summary over many objects: of each variant, with its later outputs, the medians of its
+/// objects' figures. `min`, `max` and `n` are over objects, `runs` and `good` over their runs; no row is
+/// best.
+class OverallRows {
+ public:
+  void add(const std::vector<SummaryRow>& summary);
+  /// In the order in which the variants came; `scene` is the rows' scene.
+  std::vector<SummaryRow> rows(const std::string& scene) const;
+
+ private:
+  struct OfVariant {
+    std::string variant;
+    int objects = 0, runs = 0, good = 0;
+    std::map<std::string, std::vector<double>> medians;
+  };
+  std::vector<OfVariant> variants_;
+};
+
 /// The variant's name without its later output.
 std::string_view without_output(std::string_view variant);
 

@@ -13,12 +13,14 @@ namespace uniquadric {
 void add_report(CLI::App& app, Common& common) {
   auto* sub = subcommand(app, "report", "results -> report.html, report.md, scores.csv", common);
   static std::string results;
-  static bool open = false, latex = false;
+  static ReportExtras extras;
+  static bool open = false;
   sub->add_option("RESULTS", results, "results folder of bench")->required();
-  sub->add_flag("--latex", latex, "write report.tex there, too: the summary as a table (booktabs)");
+  sub->add_flag("--latex", extras.latex, "write report.tex there, too: the summary as a table (booktabs)");
+  sub->add_flag("--pdf", extras.figures, "write figures/ there, too: every plot over time as PDF and as SVG");
   sub->add_flag("--open", open, "show it in the desktop's browser");
   sub->callback([] {
-    write_report(results, latex);
+    write_report(results, extras);
     std::cout << results << "/report.html\n";
     if (!open) return;
     const ProcessResult shown =

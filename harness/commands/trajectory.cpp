@@ -38,12 +38,14 @@ TrajectoryOptions trajectory_options(const std::string& align, const std::string
 // How the picture's file is to be written, by its name.
 std::string (*picture_writer(const std::string& file))(const Picture&) {
   if (file.ends_with(".svg")) return picture_svg;
+  if (file.ends_with(".pdf")) return picture_pdf;
   if (file.ends_with(".png")) return picture_png;
-  throw InputError(fmt::format("--plot: '{}' does not end in .svg or .png", file));
+  throw InputError(fmt::format("--plot: '{}' does not end in .svg, .pdf or .png", file));
 }
 
 FileKind picture_kind(const std::string& file) {
-  return file.ends_with(".svg") ? FileKind{"SVG picture", "<svg"} : FileKind{"PNG picture", "\x89PNG"};
+  if (file.ends_with(".svg")) return {"SVG picture", "<svg"};
+  return file.ends_with(".pdf") ? FileKind{"PDF file", "%PDF"} : FileKind{"PNG picture", "\x89PNG"};
 }
 
 // An option that would change nothing is taken for a mistake.
@@ -89,7 +91,7 @@ void add_trajectory(CLI::App& app, Common& common) {
   sub->add_flag("--kitti", kitti, "and KITTI's errors over 100 to 800 m");
   sub->add_option("--compat", compat, "choose steps as evo does")->check(CLI::IsMember({"evo"}));
   sub->add_flag("--json", as_json, "as JSON instead of a table");
-  sub->add_option("--plot", plot, "picture of the paths and errors to write: .svg or .png");
+  sub->add_option("--plot", plot, "picture of the paths and errors to write: .svg, .pdf or .png");
   add_force(sub, common)->description("replace the file of --plot");
   sub->callback([sub, &common] {
     require_used(*sub, align, relation);

@@ -55,7 +55,7 @@ TEST(LidarRoutes, StandInBothReports) {
   EXPECT_NE(text.find("| s | 1 | 3 | 0.6000 | 10 | 0.0075 |"), std::string::npos) << text;
   EXPECT_NE(text.find("| 90.00 | 7.500 | 12.00 |"), std::string::npos) << text;
   const Results results = read_results(folder.path());
-  const json lidar = json::parse(page_data(results, summarize(results), {})).at("lidar");
+  const json lidar = json::parse(page_data(results, summarize(results), {}, {})).at("lidar");
   ASSERT_EQ(lidar.size(), 1u);
   EXPECT_EQ(lidar[0].at("completeness"), 0.6);
   EXPECT_EQ(lidar[0].at("speed_ratio"), 12);

@@ -195,7 +195,7 @@ TEST(Page, ManyRunsAreThinned) {
   const auto plotted = [&](std::size_t values) {
     std::set<std::size_t> frames;
     int runs = 0;
-    const json data = json::parse(page_data(results, summarize(results), {.series_values = values}));
+    const json data = json::parse(page_data(results, summarize(results), {}, {.series_values = values}));
     for (const json& cell : data.at("cells")) {
       runs += cell.at("series").empty() ? 0 : 1;
       for (const json& series : cell.at("series")) {

@@ -99,7 +99,7 @@ TEST(PaperRatios, MarkdownAndPageHaveThem) {
   fabricate_results(folder.path(), {.frames = 3, .overlays = 0});
   const Results results = read_results(folder.path());
   const auto summary = summarize(results);
-  const std::string text = page_markdown(results, summary);
+  const std::string text = page_markdown(results, summary, {});
   const std::size_t at = text.find("\n## Against the paper, as ratios\n");
   ASSERT_NE(at, text.npos);
   EXPECT_NE(text.find("The paper's sequences are not ours, so only ratios compare.", at), text.npos);
@@ -111,7 +111,7 @@ TEST(PaperRatios, MarkdownAndPageHaveThem) {
                 at),
       text.npos)
       << text.substr(at);
-  const auto data = nlohmann::json::parse(page_data(results, summary, {}));
+  const auto data = nlohmann::json::parse(page_data(results, summary, {}, {}));
   ASSERT_EQ(data.at("ratios").size(), 4 * 2u);  // four objects: the paper's and ours
   EXPECT_EQ(data["ratios"][0].at("paper"), true);
   EXPECT_EQ(data["ratios"][1].at("system"), "rotbbox");
@@ -121,7 +121,7 @@ TEST(PaperRatios, MarkdownAndPageHaveThem) {
 TEST(PaperRatios, MarkdownWithoutABaselineHasNoTable) {
   Results results;
   results.cells = {run_of("cube_cuboid", "cube", "a", 0.1)};
-  EXPECT_EQ(page_markdown(results, summarize(results)).find("Against the paper"), std::string::npos);
+  EXPECT_EQ(page_markdown(results, summarize(results), {}).find("Against the paper"), std::string::npos);
 }
 
 }  // namespace

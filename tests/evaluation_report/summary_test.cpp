@@ -150,7 +150,7 @@ TEST(Summary, AGivenCameraIsNoEstimate) {
   EXPECT_FALSE(rows[1].given);
   EXPECT_FALSE(rows[0].spread.at("ape_translation_rmse_m").best);
   EXPECT_TRUE(rows[1].spread.at("ape_translation_rmse_m").best);
-  const std::string text = page_markdown(results, rows);
+  const std::string text = page_markdown(results, rows, {});
   EXPECT_NE(text.find("| s | camera | given | 1/1 | given | given | - | - | - | - | - | 1.000 |"), text.npos)
       << text;
   EXPECT_NE(text.find("| s | camera | rgbd | 1/1 | **0.0100** | **0.0100** |"), text.npos) << text;
@@ -160,7 +160,7 @@ TEST(Summary, MarkdownSaysWhatProgramAndInputsMadeIt) {
   const TempFolder folder;
   fabricate_results(folder.path(), {.frames = 3});
   const Results results = read_results(folder.path());
-  const std::string text = page_markdown(results, summarize(results));
+  const std::string text = page_markdown(results, summarize(results), {});
   EXPECT_NE(text.find("\n- gathered by: uniquadric 0.1.0, commit 0123abcd, changed since\n"), text.npos);
   EXPECT_NE(text.find("\n- inputs (hashes): bench fabricated 00112233, scene cube_cuboid 44556677\n"),
             text.npos);

@@ -135,7 +135,7 @@ TEST_F(TrajectoryCommand, WritesAPicture) {
   EXPECT_EQ(picture.find("nan"), std::string::npos);
   EXPECT_EQ(run({"--plot", path("out.png")}).exit_code, 0);
   EXPECT_TRUE(read_text(path("out.png")).starts_with("\x89PNG\r\n\x1a\n"));
-  expect_refused(run({"--plot", path("out.pdf")}), "out.pdf' does not end in .svg or .png");
+  expect_refused(run({"--plot", path("out.eps")}), "out.eps' does not end in .svg, .pdf or .png");
   EXPECT_FALSE(std::filesystem::exists(path("out.pdf")));
   const std::string before = read_text(path("ref.tum"));
   expect_refused(run({"--plot", path("ref.tum")}), "ref.tum");

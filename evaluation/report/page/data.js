@@ -1,6 +1,8 @@
 "use strict";
 // The page's data and small helpers that every part uses.
 const data = JSON.parse(document.getElementById("data").textContent);
+for (const { spread } of [...data.summary, ...data.overall]) // of a single run there is a number alone
+  for (const [name, s] of Object.entries(spread)) if (typeof s === "number") spread[name] = { median: s, min: s, max: s, n: 1, best: false, mean: s, values: [s], interval: null };
 const metric_of = new Map(data.metrics.map((metric) => [metric.name, metric]));
 
 // An element with attributes (functions become listeners) and children.

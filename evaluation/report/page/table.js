@@ -17,20 +17,27 @@ function is_shown(row) {
 }
 
 // The median over the shown objects of a variant, for each metric; a row a variant.
-function overall_rows(shown) {
+function overall_of_shown(shown) {
   const objects = shown.filter((row) => row.object !== "camera" && row.object !== "all");
   if (distinct(objects.map((row) => `${row.scene}/${row.object}`)).length < 2) return [];
-  const all = distinct(objects.map((row) => row.variant)).map((variant, i) => {
+  return distinct(objects.map((row) => row.variant)).map((variant) => {
     const rows = objects.filter((row) => row.variant === variant), spread = {};
     for (const { name } of data.metrics) {
       const values = rows.map((row) => row.spread[name]?.median).filter((v) => v !== undefined);
       if (values.length) spread[name] = { median: median_of(values), min: Math.min(...values), max: Math.max(...values), n: values.length };
     }
-    return { scene: "all", object: `${rows.length} objects`, variant, runs: rows.reduce((n, r) => n + r.runs, 0), good: rows.reduce((n, r) => n + r.good, 0), spread, overall: true, first: i === 0 };
+    return { scene: "all", object: `${rows.length} objects`, variant, runs: rows.reduce((n, r) => n + r.runs, 0), good: rows.reduce((n, r) => n + r.good, 0), spread };
   });
-  for (const output of distinct(all.map((row) => output_of(row.variant))))
+}
+
+// Of all scenes and of families of scenes where the page shows some of them; else of what is shown.
+function overall_rows(is_wanted) {
+  const whole = data.overall.length > 0 && summary_state.scene === kAll && summary_state.object === kAll;
+  const rows = whole ? data.overall.filter(is_wanted) : overall_of_shown(data.summary.filter(is_wanted));
+  const all = rows.map((row, i) => ({ ...row, spread: Object.fromEntries(Object.entries(row.spread).map(([name, s]) => [name, { ...s }])), overall: true, first: row.scene !== rows[i - 1]?.scene }));
+  for (const group of distinct(all.map((row) => `${row.scene} ${output_of(row.variant)}`)))
     for (const { name, better } of data.metrics)
-      mark_best(all.filter((row) => output_of(row.variant) === output).map((row) => row.spread[name]).filter(Boolean), better);
+      mark_best(all.filter((row) => `${row.scene} ${output_of(row.variant)}` === group).map((row) => row.spread[name]).filter(Boolean), better);
   return all;
 }
 
@@ -43,7 +50,7 @@ function mark_best(spreads, better) {
 
 // Rows of the table, the paper's behind the last variant of an object that it has.
 function table_rows() {
-  const shown = data.summary.filter(is_shown), rows = overall_rows(shown);
+  const shown = data.summary.filter(is_shown), rows = overall_rows(is_shown);
   const is_same = (a, b) => a && a.scene === b.scene && a.object === b.object;
   shown.forEach((row, i) => {
     rows.push({ ...row, first: !is_same(shown[i - 1], row) });
@@ -61,7 +68,7 @@ function table_rows() {
 function baseline_row(row) {
   if (summary_state.baseline === kAll || row.paper || own_name(row.variant) === summary_state.baseline) return null;
   const output = output_of(row.variant), name = summary_state.baseline + (output ? `@${output}` : "");
-  if (row.overall) return overall_rows(data.summary.filter((r) => is_shown({ ...r, variant: row.variant }) && r.variant === name))[0] ?? null;
+  if (row.overall) return overall_rows((r) => is_shown({ ...r, variant: row.variant }) && r.variant === name).find((r) => r.scene === row.scene) ?? null;
   return data.summary.find((r) => r.scene === row.scene && r.object === row.object && r.variant === name) ?? null;
 }
 
@@ -126,7 +133,7 @@ const breakable = (name) => name.split(/(?<=_)/).flatMap((part) => [part, el("wb
 function verdict_against_baseline(row) {
   const found = summary_state.baseline !== kAll && !row.paper && !output_of(row.variant) && duel(summary_state.baseline, row.variant);
   if (!found) return "";
-  if (row.overall) return `${found.better.length} better, ${found.worse.length} worse`;
+  if (row.overall) return row.scene === "all" ? `${found.count.better} better, ${found.count.worse} worse` : "";
   return found.objects.find((o) => o.scene === row.scene && o.object === row.object)?.verdict ?? "";
 }
 
@@ -172,6 +179,8 @@ function filter(id, state, choices) {
 }
 
 function start_table() {
+  by_id("shown-note").hidden = data.overall.length === 0;
+  by_id("shown-note").textContent = `${scenes.length} of ${data.counts.scenes} scenes are shown one by one, here and below. ${data.shown_note}`;
   const plain = (list) => list.map((value) => [value, value]), with_all = (text, list) => [[kAll, text], ...plain(list)];
   const outputs = distinct(data.summary.map((row) => output_of(row.variant)));
   const shown = data.metrics.filter((m) => data.summary.some((row) => m.name in row.spread));

@@ -4,15 +4,18 @@ const causal_variants = variants.filter((v) => !v.includes("@"));
 // How a variant fares against a baseline, by objects; null where the two were not compared.
 function duel(baseline, variant) {
   const found = data.verdicts.find((v) => v.baseline === baseline && v.variant === variant);
-  if (!found || found.objects.length === 0) return null;
   const of = (...names) => found.objects.filter((o) => names.includes(o.verdict));
-  return { ...found, better: of("better", "mended"), worse: of("worse", "lost"), mixed: of("mixed"), alike: of("alike") };
+  const count_of_all = (...names) => names.reduce((sum, name) => sum + (found.counts[name] ?? 0), 0);
+  const groups = { better: ["better", "mended"], worse: ["worse", "lost"], mixed: ["mixed"], alike: ["alike"] };
+  const made = (make) => Object.fromEntries(Object.entries(groups).map(([name, verdicts]) => [name, make(...verdicts)]));
+  if (!found || Object.keys(found.counts).length === 0) return null;
+  return { ...found, ...made(of), count: { ...made(count_of_all), all: count_of_all(...Object.values(groups).flat()) } }; // the objects shown, and the number of all
 }
 
 // The best first: by the number of others that it beats on more objects than it loses, then by how many more.
 function ranked_variants() {
   const score = (variant) => causal_variants.map((other) => duel(other, variant)).filter(Boolean)
-    .reduce(([wins, lead], d) => [wins + (d.better.length > d.worse.length), lead + d.better.length - d.worse.length], [0, 0]);
+    .reduce(([wins, lead], { count }) => [wins + (count.better > count.worse), lead + count.better - count.worse], [0, 0]);
   return causal_variants.map((variant, i) => ({ variant, i, score: score(variant) }))
     .sort((a, b) => b.score[0] - a.score[0] || b.score[1] - a.score[1] || a.i - b.i).map(({ variant }) => variant);
 }
@@ -20,8 +23,8 @@ function ranked_variants() {
 const count_of = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
 
 // "cube, ball and skateboard", or how many where there are more than three.
-function names_of(objects) {
-  if (objects.length > 3) return count_of(objects.length, "object");
+function names_of(objects, count) {
+  if (count > 3) return count_of(count, "object");
   const repeated = (o) => subjects.filter((s) => s.object === o.object).length > 1;
   const names = objects.map((o) => (repeated(o) ? `${o.object} (${o.scene})` : o.object));
   return names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`;
@@ -30,12 +33,13 @@ function names_of(objects) {
 const variant_name = (variant) => el("span", { class: "variant", style: `--color:${variant_color(variant)}` }, el("i", {}), ...breakable(variant));
 
 // Who is ahead and, unless it is short, on what it is not.
-function duel_sentence({ baseline, variant, objects, better, worse, mixed, alike }, short) {
-  const lead = Math.sign(better.length - worse.length), of = ` of ${count_of(objects.length, "object")}`;
+function duel_sentence(d, short) {
+  const { baseline, variant, count } = d;
+  const lead = Math.sign(count.better - count.worse), of = ` of ${count_of(count.all, "object")}`;
   const names = [variant_name(variant), [" is worse than ", " is level with ", " is better than "][lead + 1], variant_name(baseline)];
-  const part = (text, list) => (list.length ? [`${text} on ${names_of(list)}`] : []);
-  const rest = [...(lead <= 0 ? part("better", better) : []), ...(lead >= 0 ? part("worse", worse) : []), ...part("undecided", mixed), ...part("alike", alike)].join("; ");
-  return [...names, lead ? ` on ${(lead > 0 ? better : worse).length}${of}` : ` over ${count_of(objects.length, "object")}`, short || !rest ? "." : `; ${rest}.`];
+  const part = (text, kind) => (count[kind] ? [`${text} on ${names_of(d[kind], count[kind])}`] : []);
+  const rest = [...(lead <= 0 ? part("better", "better") : []), ...(lead >= 0 ? part("worse", "worse") : []), ...part("undecided", "mixed"), ...part("alike", "alike")].join("; ");
+  return [...names, lead ? ` on ${count[lead > 0 ? "better" : "worse"]}${of}` : ` over ${count_of(count.all, "object")}`, short || !rest ? "." : `; ${rest}.`];
 }
 
 // What the paired test says of all objects together.
@@ -52,6 +56,8 @@ function proof_sentence(d) {
 // The 3D IoU of an object's row: of the solid where there is one.
 const iou_of = (row) => (row.spread.iou3d_solid_mean ?? row.spread.iou3d_ellipsoid_mean)?.median;
 const iou_label = (row) => (row?.spread.iou3d_solid_mean ? "IoU solid" : "IoU ellipsoid");
+const whole_row = (variant) => data.overall.find((row) => row.scene === "all" && row.variant === variant); // where not all scenes are shown
+const median_iou = (variant) => (whole_row(variant) ? iou_of(whole_row(variant)) : median_of(object_rows(variant).map(iou_of).filter((v) => v !== undefined)));
 const object_rows = (variant) => data.summary.filter((row) => row.variant === variant && row.object !== "camera" && row.object !== "all");
 
 // Of a bench with one variant: how many objects it follows.
@@ -59,23 +65,21 @@ function alone_sentence(variant) {
   const rows = object_rows(variant), good = rows.map((row) => ({ row, iou: iou_of(row) })).filter(({ iou }) => iou !== undefined);
   if (good.length === 0) return [variant_name(variant), rows.length ? " followed no object." : " was run on scenes without true objects."];
   const worst = good.reduce((a, b) => (b.iou < a.iou ? b : a));
-  return [variant_name(variant), ` follows ${good.length} of ${count_of(rows.length, "object")}, with a median ${iou_label(good[0].row)} of ${format_figure(median_of(good.map(({ iou }) => iou)))}`,
+  const whole = whole_row(variant), followed = whole ? (whole.spread.iou3d_solid_mean ?? whole.spread.iou3d_ellipsoid_mean).n : good.length;
+  return [variant_name(variant), ` follows ${followed} of ${count_of(data.counts.objects, "object")}, with a median ${iou_label(good[0].row)} of ${format_figure(median_iou(variant))}`,
     good.length > 1 ? `; the worst is ${worst.row.object} in ${worst.row.scene}, ${format_figure(worst.iou)}.` : "."];
 }
 
-const object_count = () => distinct(data.summary.filter((row) => row.object !== "camera" && row.object !== "all").map((row) => `${row.scene}/${row.object}`)).length;
-
 function draw_compared() {
-  const good = runs.filter((cell) => cell.status === "ok").length, all = runs.filter((cell) => cell.status !== "not applicable").length;
-  const failed = all - good, n = causal_variants.length;
-  by_id("compared").replaceChildren(`${count_of(n, "variant")} on ${count_of(scenes.length, "scene")} with ${count_of(object_count(), "object")}, ${count_of(data.seeds.length, "seed")}: `,
-    failed ? el("b", { class: "bad" }, `${failed} of ${all} runs have no result`) : `all ${all} runs have a result`, ".");
+  const { scenes, objects, runs, failed } = data.counts;
+  by_id("compared").replaceChildren(`${count_of(causal_variants.length, "variant")} on ${count_of(scenes, "scene")} with ${count_of(objects, "object")}, ${count_of(data.seeds.length, "seed")}: `,
+    failed ? el("b", { class: "bad" }, `${failed} of ${runs} runs have no result`) : `all ${runs} runs have a result`, ".");
 }
 
 function draw_variant_lines() {
   by_id("variant-lines").replaceChildren(...ranked_variants().flatMap((variant) => {
-    const rows = object_rows(variant), ious = rows.map(iou_of).filter((v) => v !== undefined);
-    return [el("dt", {}, variant_name(variant), el("small", {}, ious.length ? `${iou_label(rows[0])} ${format_figure(median_of(ious))}` : "no result")),
+    const iou = median_iou(variant);
+    return [el("dt", {}, variant_name(variant), el("small", {}, iou === undefined ? "no result" : `${iou_label(object_rows(variant)[0])} ${format_figure(iou)}`)),
       el("dd", {}, data.descriptions[variant] || "No description: the variant's file begins with no comment.")];
   }));
 }
@@ -132,7 +136,7 @@ function draw_verdict() {
   const duels = others.map((other) => duel(other, winner)).filter(Boolean);
   by_id("verdict").replaceChildren(...(duels.length ? duel_sentence(duels[0], true) : alone_sentence(winner)));
   by_id("verdict-more").replaceChildren(...(duels.length ? [el("p", {}, proof_sentence(duels[0])),
-    ...duels.filter((d, i) => i > 0 || d.better.length < d.objects.length).map((d) => el("p", {}, ...duel_sentence(d, false)))].slice(0, 4) : []), ...weakest_line(winner));
+    ...duels.filter((d, i) => i > 0 || d.count.better < d.count.all).map((d) => el("p", {}, ...duel_sentence(d, false)))].slice(0, 4) : []), ...weakest_line(winner));
   draw_compared();
   draw_variant_lines();
 }

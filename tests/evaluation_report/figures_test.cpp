@@ -1,0 +1,76 @@
+#include "evaluation/report/figures.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/base/files.h"
+#include "evaluation/report/report.h"
+#include "evaluation/report/svg_colours.h"
+#include "tests/evaluation_report/fabricated_results.h"
+#include "tests/support/temp_folder.h"
+
+namespace uniquadric {
+namespace {
+namespace fs = std::filesystem;
+
+std::vector<PictureLine> lines_of(const Picture& picture, LineKind kind) {
+  std::vector<PictureLine> lines;
+  for (const auto& part : picture.parts)
+    if (const auto* line = std::get_if<PictureLine>(&part); line && line->kind == kind)
+      lines.push_back(*line);
+  return lines;
+}
+
+TEST(Figures, HaveALineAVariantInItsColour) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 20, .overlays = 0});
+  const std::vector<Figure> figures = figures_of(read_results(folder.path()));
+  const auto found = std::ranges::find(figures, "cube_cuboid_cube_ape_translation_m", &Figure::name);
+  ASSERT_NE(found, figures.end());
+  int variants[2] = {};
+  for (const PictureLine& line : lines_of(found->picture, LineKind::coloured))
+    for (std::size_t v = 0; v < 2; ++v)
+      if (line.colour == kLightSvg.variant[v] && line.points.size() > 2) {
+        ++variants[v];
+        EXPECT_EQ(line.points.size(), 20u);
+        EXPECT_TRUE(std::ranges::is_sorted(line.points, {}, &PicturePoint::x));
+      }
+  EXPECT_EQ(variants[0], 1);
+  EXPECT_EQ(variants[1], 1);
+}
+
+// The same bytes each time, of names that cannot leave the folder.
+TEST(Figures, AreWrittenAsSvgAndPdf) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 20, .overlays = 0});
+  write_report(folder.path(), {.figures = true});
+  const fs::path pdf = folder.path() / "figures/cube_cuboid_cube_iou3d.pdf";
+  const std::string bytes = read_text(pdf);
+  EXPECT_TRUE(bytes.starts_with("%PDF-1."));
+  EXPECT_NE(bytes.find("%%EOF"), std::string::npos);
+  std::size_t svgs = 0, pdfs = 0;
+  for (const auto& file : fs::directory_iterator(folder.path() / "figures")) {
+    svgs += file.path().extension() == ".svg";
+    pdfs += file.path().extension() == ".pdf";
+  }
+  EXPECT_EQ(svgs, figures_of(read_results(folder.path())).size());
+  EXPECT_EQ(pdfs, svgs);
+  EXPECT_GT(svgs, 4u);
+  write_report(folder.path(), {.figures = true});
+  EXPECT_EQ(read_text(pdf), bytes);
+}
+
+TEST(PicturePdf, IsAsLargeAsThePictureAndHoldsItsText) {
+  Picture picture{400, 300, "A picture", {}};
+  picture.parts.emplace_back(PictureText{TextKind::plain, TextAnchor::middle, {200, 100}, "words"});
+  picture.parts.emplace_back(PictureLine{LineKind::reference, {{10, 10}, {300, 200}}, ""});
+  picture.parts.emplace_back(PictureBox{{5, 5}, 10, 10, "#ff0000"});
+  const std::string bytes = picture_pdf(picture);
+  EXPECT_NE(bytes.find("/MediaBox [ 0 0 300 225 ]"), std::string::npos);  // three quarters of a point a unit
+  EXPECT_NE(bytes.find("/Type /Font"), std::string::npos);
+  EXPECT_NE(bytes.find("(A picture)"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace uniquadric
