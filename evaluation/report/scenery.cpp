@@ -124,7 +124,8 @@ struct Cloud {
 void add_depth(const Sequence& sequence, const SequenceFrame& frame, const Pose& world_from_camera,
                std::size_t count, Cloud& cloud) {
   const cv::Mat depth = read_depth(sequence, frame), color = read_rgb(sequence, frame);
-  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(depth.total()) / static_cast<double>(count))));
+  const int step = std::max(
+      1, static_cast<int>(std::sqrt(static_cast<double>(depth.total()) / static_cast<double>(count))));
   std::vector<float> depths;
   for (int v = step / 2; v < depth.rows; v += step)
     for (int u = step / 2; u < depth.cols; u += step)

@@ -185,7 +185,8 @@ int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& 
   BenchPlan plan = plan_bench(config_file, out, options.quiet);
   fs::create_directories(out);
   const FolderLock lock(out, out);
-  write_text(out / "bench.yaml", bench_yaml(plan.config, out));  // at once: what is cut short can be gone on with
+  write_text(out / "bench.yaml",
+             bench_yaml(plan.config, out));  // at once: what is cut short can be gone on with
   write_scenes(plan);
   if (!options.collect) run_all(plan, options);
   const int failed = options.collect ? find_failures(plan) : count_failures(plan);

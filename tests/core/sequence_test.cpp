@@ -183,7 +183,8 @@ TEST_F(SequenceFolder, RefusesBadIndexes) {
   fs::remove(folder() / "depth/1.png");
   expect_error("depth.txt", ":3: file depth/1.png is missing");
   SetUp();
-  write_text(folder() / "depth.txt", "# timestamp filename\r0 depth/0.png\r");  // of old Macs: a comment alone
+  write_text(folder() / "depth.txt",
+             "# timestamp filename\r0 depth/0.png\r");  // of old Macs: a comment alone
   expect_error("depth.txt", ": names no image; a sequence without depth has none");
   SetUp();
   replace("rgb.txt", "rgb/1.png", "../rgb/1.png");
