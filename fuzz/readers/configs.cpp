@@ -32,7 +32,7 @@ const Target variant("variant_yaml", "variant.yaml", [](const fs::path& file) { 
 
 const Target bench("bench_yaml", "bench.yaml", [](const fs::path& file) {
   for (const char* other : {"a.yaml", "b.yaml"}) beside(file, other, "");
-  bench_yaml(load_bench_config(file));
+  bench_yaml(load_bench_config(file), file.parent_path());
 });
 
 }  // namespace
