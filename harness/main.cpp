@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "core/base/error.h"
+#include "core/base/interrupt.h"
 #include "core/base/version.h"
 #include "harness/bench/program.h"
 #include "harness/commands/commands.h"
@@ -72,5 +73,6 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file larger than may be is a write that fails, and is said
+  uniquadric::say_what_is_left_when_interrupted();
   return uniquadric::run(argc, argv);
 }

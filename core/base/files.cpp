@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/interrupt.h"
 #include "core/base/read_file.h"
 
 namespace uniquadric {
@@ -165,6 +166,14 @@ FolderLock::FolderLock(const fs::path& folder, const fs::path& shown)
   throw InputError(shown, "is being written by another process");
 }
 
+bool FolderLock::is_held(const fs::path& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return true;
+  const bool is_free = flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+  close(descriptor);
+  return !is_free;
+}
+
 FolderLock::~FolderLock() {
   if (descriptor_ >= 0) close(descriptor_);
 }
@@ -195,9 +204,14 @@ PendingFolder::PendingFolder(fs::path final_path, std::string kind, bool replace
   lock_.emplace(partial_, final_);
   if (!std::ofstream(partial_ / kPartialMarker))
     throw_unwritable(partial_);  // at once: it is empty or has it
+  leave_when_interrupted(
+      keep_partial_
+          ? fmt::format("what is done is kept in {}: the same command goes on with it", partial_.string())
+          : fmt::format("{} is left, which the same command clears away", partial_.string()));
 }
 
 PendingFolder::~PendingFolder() {
+  leave_when_interrupted("");
   if (!committed_ && !keep_partial_) remove_partial(partial_);
 }
 

@@ -68,6 +68,8 @@ class FolderLock {
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
+  /// Whether a process holds the folder now; what cannot be opened counts as held.
+  static bool is_held(const std::filesystem::path& folder);
 
  private:
   int descriptor_;

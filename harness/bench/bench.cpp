@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/interrupt.h"
 #include "core/base/progress.h"
 #include "core/base/threads.h"
 #include "harness/bench/keys.h"
@@ -185,6 +186,8 @@ int bench(const fs::path& config_file, const fs::path& out, const BenchOptions& 
   BenchPlan plan = plan_bench(config_file, out, options.quiet);
   fs::create_directories(out);
   const FolderLock lock(out, out);
+  leave_when_interrupted(
+      fmt::format("what is done is kept in {}: the same command goes on with it", out.string()));
   write_text(out / "bench.yaml",
              bench_yaml(plan.config, out));  // at once: what is cut short can be gone on with
   write_scenes(plan);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 
 #include "core/base/apart.h"
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 // Folders that the program writes to, gone when it has ended.
 class Workplace {
  public:
-  explicit Workplace(fs::path folder) : folder_(std::move(folder)) {
+  explicit Workplace(fs::path folder) : folder_(std::move(folder)), lock_(folder_, folder_) {
     for (const char* part : {"out", "tmp", "shm"}) fs::create_directories(folder_ / part);
   }
   ~Workplace() {
@@ -39,10 +40,26 @@ class Workplace {
 
  private:
   fs::path folder_;
+  FolderLock lock_;  // while the process lives
 };
 
+constexpr const char* kTemporaryName = "uniquadric-cell-";
+
+// Of processes that were killed: nobody holds them, and they are older than one that is being made.
+void clear_temporary_folders() {
+  constexpr std::chrono::minutes kYoung{1};
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(fs::temp_directory_path(), ignored)) {
+    const bool is_ours = entry.path().filename().string().starts_with(kTemporaryName);
+    if (is_ours && entry.last_write_time(ignored) + kYoung < fs::file_time_type::clock::now() &&
+        !FolderLock::is_held(entry.path()))
+      fs::remove_all(entry.path(), ignored);
+  }
+}
+
 fs::path new_temporary_folder() {
-  std::string pattern = (fs::temp_directory_path() / "uniquadric-cell-XXXXXX").string();
+  clear_temporary_folders();
+  std::string pattern = (fs::temp_directory_path() / (kTemporaryName + std::string("XXXXXX"))).string();
   if (!mkdtemp(pattern.data())) throw_unwritable(pattern);
   return pattern;
 }

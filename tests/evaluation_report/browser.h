@@ -23,4 +23,8 @@ struct BrowserRun {
 BrowserRun run_in_browser(const std::filesystem::path& chromium, const std::filesystem::path& page,
                           int width_px, int height_px, bool dark);
 
+/// Prints `page` to the file `pdf`; whether that went well.
+bool print_in_browser(const std::filesystem::path& chromium, const std::filesystem::path& page,
+                      const std::filesystem::path& pdf);
+
 }  // namespace uniquadric

@@ -425,5 +425,21 @@ TEST_F(Browser, ErrorsOfAPageAreSeen) {
   EXPECT_NE(run.console[1].find("ReferenceError"), std::string::npos);
 }
 
+// Two scenes with two objects each are a few pages, not one object a page.
+TEST_F(Browser, PrintsOnPagesOfA4) {
+  const fs::path pdf = folder_.path() / "report.pdf";
+  ASSERT_TRUE(print_in_browser(*chromium_, folder_.path() / "report.html", pdf));
+  const std::string bytes = read_text(pdf);
+  const std::regex box(R"(/MediaBox \[0 0 (\d+\.?\d*) (\d+\.?\d*)\])");
+  int pages = 0;
+  for (auto at = std::sregex_iterator(bytes.begin(), bytes.end(), box); at != std::sregex_iterator();
+       ++at, ++pages) {
+    EXPECT_NEAR(std::stod((*at)[1]), 210 / 25.4 * 72, 1);
+    EXPECT_NEAR(std::stod((*at)[2]), 297 / 25.4 * 72, 1);
+  }
+  EXPECT_GE(pages, 3);
+  EXPECT_LE(pages, 14);
+}
+
 }  // namespace
 }  // namespace uniquadric

@@ -1,8 +1,11 @@
 // The whole chain through the program, on a small scene.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -375,6 +378,43 @@ TEST_F(Pipeline, BenchSetsValuesOfAScene) {
   };
   EXPECT_EQ(made("two"), folder_hash(folder() / "hand/sequence")) << "the same as by hand";
   EXPECT_NE(made("two"), made("three"));
+}
+
+// The signal that ended a call of the program, sent as soon as `until` exists; its standard error in `err`.
+int interrupted_by(int signal, const std::vector<std::string>& arguments, const fs::path& until,
+                   const fs::path& err) {
+  const pid_t child = fork();
+  if (child == 0) {
+    if (!std::freopen(err.c_str(), "w", stderr)) _exit(99);
+    std::vector<char*> call = {const_cast<char*>(UNIQUADRIC_PROGRAM)};
+    for (const std::string& argument : arguments) call.push_back(const_cast<char*>(argument.c_str()));
+    call.push_back(nullptr);
+    execv(UNIQUADRIC_PROGRAM, call.data());
+    _exit(98);
+  }
+  for (int i = 0; i < 3000 && !fs::exists(until); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(child, signal);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFSIGNALED(status) ? WTERMSIG(status) : -1;
+}
+
+TEST_F(Pipeline, AnInterruptSaysWhatIsLeft) {
+  const fs::path err = folder() / "err", results = folder() / "results";
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const std::string out = folder() / ("data" + std::to_string(signal));
+    const std::vector<std::string> simulate = {"simulate", scene(), out, "--quiet", "--set", "frames=3000"};
+    EXPECT_EQ(interrupted_by(signal, simulate, out + ".partial/key", err), signal);
+    EXPECT_EQ(read_text(err), "\nuniquadric: interrupted; what is done is kept in " + out +
+                                  ".partial: the same command goes on with it\n");
+    EXPECT_TRUE(fs::exists(out + ".partial"));
+  }
+  EXPECT_EQ(interrupted_by(SIGTERM, {"bench", bench_file("small.yaml"), results, "--quiet"},
+                           results / "bench.yaml", err),
+            SIGTERM);
+  EXPECT_NE(read_text(err).find("what is done is kept in " + results.string()), std::string::npos);
+  ok({"bench", folder() / "bench.yaml", results, "--quiet"});
 }
 
 // Scenes of files and of a family, with values set: the same scores, and the file says the same of itself.
