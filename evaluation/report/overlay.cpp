@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <charconv>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -25,8 +26,25 @@ constexpr int kWidth_px = 640;
 constexpr int kTrue_px = 5, kEstimated_px = 2;  // of outlines: the estimated one on the true one shows both
 constexpr int kWithin_px = 3;                   // of the ellipsoid within a true body
 constexpr double kNoteHeight_px = 18;
-const cv::Scalar kTrueColor(80, 220, 60), kEstimatedColor(0, 140, 255), kBoxColor(60, 220, 255),
-    kTextColor(255, 255, 255);
+constexpr int kCasing_px = 7;  // of a white outline, so that it shows on white, too
+const cv::Scalar kTextColor(255, 255, 255), kCasingColor(0, 0, 0);
+
+struct Colors {
+  cv::Scalar truth{80, 220, 60}, estimate{0, 140, 255}, box{60, 220, 255};  // blue, green, red
+  bool is_cased = false;
+};
+
+// As the report has them: the truth white, the estimate and its box in the variant's colour.
+Colors colors_of(const std::string& hex) {
+  if (hex.empty()) return {};
+  unsigned value = 0;
+  const char* const end = hex.data() + hex.size();
+  const bool is_hex =
+      hex.size() == 7 && hex[0] == '#' && std::from_chars(hex.data() + 1, end, value, 16).ptr == end;
+  if (!is_hex) throw InputError(fmt::format("'{}' is no colour such as #0072b2", hex));
+  const cv::Scalar color(value & 0xff, value >> 8 & 0xff, value >> 16);
+  return {{255, 255, 255}, color, color, true};
+}
 
 enum class Whose { truth, estimate };
 
@@ -42,17 +60,18 @@ void draw_name(Canvas& canvas, const std::string& name, const std::vector<Eigen:
 }
 
 void draw_object(Canvas& canvas, const ObjectTrack& track, const ObjectState& state,
-                 const Pose& camera_from_world, Whose whose) {
+                 const Pose& camera_from_world, Whose whose, const Colors& colors) {
   const Pose camera_from_object = camera_from_world * state.ellipsoid.world_from_object;
   const Eigen::Vector3d& semi_axes_m = state.ellipsoid.semi_axes_m;
   const bool is_truth = whose == Whose::truth;
-  const cv::Scalar& color = is_truth ? kTrueColor : kEstimatedColor;
+  const cv::Scalar& color = is_truth ? colors.truth : colors.estimate;
   const bool is_box = state.exponents == SuperExponents{1, 1, 1};
   if (!is_truth || is_box)
-    draw_box(canvas, camera_from_object, semi_axes_m, is_truth ? kTrueColor : kBoxColor, 1);
+    draw_box(canvas, camera_from_object, semi_axes_m, is_truth ? colors.truth : colors.box, 1);
   const auto outline = superellipsoid_outline(canvas.camera, camera_from_object,
                                               {semi_axes_m, state.exponents, state.profile_axis});
   if (outline.empty()) return;
+  if (is_truth && colors.is_cased) draw_polygon(canvas, outline, kCasingColor, kCasing_px);
   draw_polygon(canvas, outline, color, is_truth ? kTrue_px : kEstimated_px);
   const EllipseProjection ellipse = project(canvas.camera, camera_from_object, semi_axes_m);
   if (!is_truth && state.exponents == SuperExponents{} && ellipse.status == ProjectionStatus::ok)
@@ -61,12 +80,13 @@ void draw_object(Canvas& canvas, const ObjectTrack& track, const ObjectState& st
   draw_name(canvas, label_of(track) + (is_occluded ? " (occluded)" : ""), outline, whose, color);
 }
 
-void draw_tracks(Canvas& canvas, const Tracks& tracks, std::int64_t stamp_ns, Whose whose) {
+void draw_tracks(Canvas& canvas, const Tracks& tracks, std::int64_t stamp_ns, Whose whose,
+                 const Colors& colors) {
   const Pose* camera = camera_pose_at(tracks.camera, stamp_ns);
   if (!camera) return;
   for (const ObjectTrack& track : tracks.objects)
     if (const ObjectState* state = state_at(track, stamp_ns))
-      draw_object(canvas, track, *state, camera->inverse(), whose);
+      draw_object(canvas, track, *state, camera->inverse(), whose, colors);
 }
 
 bool has_superellipsoids(const Tracks& tracks) {
@@ -95,7 +115,8 @@ Tracks read_truth(const fs::path& folder) {
 }
 
 // Beside estimated ellipsoids the ones within the true bodies, which they are compared with.
-void draw_ellipsoids_within(Canvas& canvas, const Tracks& truth, std::int64_t stamp_ns) {
+void draw_ellipsoids_within(Canvas& canvas, const Tracks& truth, std::int64_t stamp_ns,
+                            const Colors& colors) {
   const Pose* camera = camera_pose_at(truth.camera, stamp_ns);
   if (!camera) return;
   for (const ObjectTrack& track : truth.objects) {
@@ -104,7 +125,7 @@ void draw_ellipsoids_within(Canvas& canvas, const Tracks& truth, std::int64_t st
     const auto outline =
         superellipsoid_outline(canvas.camera, camera->inverse() * state->ellipsoid.world_from_object,
                                {state->ellipsoid.semi_axes_m, {}, 2});
-    if (!outline.empty()) draw_polygon(canvas, outline, kTrueColor, kWithin_px);
+    if (!outline.empty()) draw_polygon(canvas, outline, colors.truth, kWithin_px);
   }
 }
 
@@ -145,7 +166,9 @@ cv::Mat find_masks(const Sequence& sequence, const SequenceFrame& frame, const f
 }  // namespace
 
 void write_overlays(const fs::path& sequence_folder, const fs::path& truth_folder,
-                    const fs::path& estimate_folder, const fs::path& out, int count, bool force) {
+                    const fs::path& estimate_folder, const fs::path& out, int count, bool force,
+                    const std::string& color) {
+  const Colors colors = colors_of(color);
   const Sequence sequence = open_sequence(sequence_folder);
   if (sequence.frames.empty()) throw InputError(sequence_folder, "has no images to draw in");
   require_same_scene(sequence, truth_folder, estimate_folder);
@@ -163,9 +186,9 @@ void write_overlays(const fs::path& sequence_folder, const fs::path& truth_folde
     Canvas canvas = make_canvas(read_rgb(sequence, frame), sequence.camera, kWidth_px);
     const cv::Mat masks = find_masks(sequence, frame, estimate_folder);
     if (!masks.empty()) tint_masks(canvas, masks);
-    draw_tracks(canvas, truth, frame.stamp_ns, Whose::truth);
-    if (ellipsoids_alone) draw_ellipsoids_within(canvas, truth, frame.stamp_ns);
-    draw_tracks(canvas, estimate, frame.stamp_ns, Whose::estimate);
+    draw_tracks(canvas, truth, frame.stamp_ns, Whose::truth, colors);
+    if (ellipsoids_alone) draw_ellipsoids_within(canvas, truth, frame.stamp_ns, colors);
+    draw_tracks(canvas, estimate, frame.stamp_ns, Whose::estimate, colors);
     std::vector<std::string> notes =
         absence_notes(estimate, masks, frame.frame, frame.stamp_ns, truth, visibility);
     notes.insert(notes.begin(), fmt::format("frame {}", frame.frame));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace uniquadric {
 
@@ -12,10 +13,11 @@ namespace uniquadric {
 /// masks (`estimate`/masks/NNNNNN.png) come before the sequence's. Objects whose projection is no ellipse
 /// are not outlined. `truth` may be empty (recordings). Also writes `out`/sheet.jpg, all of them in one grid.
 /// Throws InputError for folders that cannot be read or that are of two scenes (require_one_scene), and for
-/// an `out` that exists, unless `force` replaces it.
+/// an `out` that exists, unless `force` replaces it. With a `color` ("#rrggbb", else InputError) the truth is
+/// white and the estimates and their boxes have this colour, as in the report.
 void write_overlays(const std::filesystem::path& sequence, const std::filesystem::path& truth,
                     const std::filesystem::path& estimate, const std::filesystem::path& out, int count,
-                    bool force);
+                    bool force, const std::string& color = "");
 
 /// All NNNNNN.jpg of a folder in one grid picture, in order of their names. Throws InputError when there is
 /// none or one cannot be read.

@@ -60,8 +60,12 @@ std::string scenery_key(const std::string& simulation_key) {
   return stage("scenery", kevaluation_sources).add(simulation_key).hex();
 }
 
-std::string overlay_key(const std::string& estimate_key, int count) {
-  return stage("overlay", kevaluation_sources).add(estimate_key).add(static_cast<std::uint64_t>(count)).hex();
+std::string overlay_key(const std::string& estimate_key, int count, const std::string& color) {
+  return stage("overlay", kevaluation_sources)
+      .add(estimate_key)
+      .add(static_cast<std::uint64_t>(count))
+      .add(color)
+      .hex();
 }
 
 bool is_current(const fs::path& folder, const std::string& key) {

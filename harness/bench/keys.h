@@ -20,7 +20,7 @@ std::string estimate_key(const std::string& simulation_key, const std::string& v
                          std::uint64_t seed);
 std::string evaluation_key(const std::string& estimate_key, const std::vector<std::string>& options);
 std::string scenery_key(const std::string& simulation_key);
-std::string overlay_key(const std::string& estimate_key, int count);
+std::string overlay_key(const std::string& estimate_key, int count, const std::string& color);
 
 /// Whether `folder` holds the result of the stage with this key, whole: FOLDER.key beside it has the key and
 /// the hashes of the stage's files, and none of these is missing or changed. Other files do not count.

@@ -10,6 +10,7 @@
 #include "core/base/files.h"
 #include "core/base/folder_hashes.h"
 #include "core/base/hash.h"
+#include "evaluation/report/svg_colours.h"
 #include "harness/bench/keys.h"
 #include "harness/bench/scene_data.h"
 #include "harness/external/external_variant.h"
@@ -245,15 +246,27 @@ std::optional<BenchStage> BenchPlan::scenery(const BenchSimulation& simulation) 
                with_suffix(folder, ".log"));
 }
 
+// The variants' colours in the report are given in the order in which its runs come.
+std::string BenchPlan::color(std::size_t variant) const {
+  std::vector<std::size_t> order;
+  for (const BenchSimulation& simulation : simulations)
+    for (const BenchCell& cell : simulation.cells)
+      if (cell.not_applicable.empty() && std::ranges::find(order, cell.variant) == order.end())
+        order.push_back(cell.variant);
+  const auto place = static_cast<std::size_t>(std::ranges::find(order, variant) - order.begin());
+  return kLightSvg.variant[place % kLightSvg.variant.size()];
+}
+
 BenchStage BenchPlan::overlay(const BenchSimulation& simulation, const BenchCell& cell) const {
   const fs::path folder = out / cell_folder(simulation, cell), estimate = folder / "estimate";
   std::vector<std::string> command = {"overlay", simulation.sequence, estimate, folder / "overlays"};
   if (!simulation.truth.empty()) command.insert(command.end(), {"--truth", simulation.truth});
-  command.insert(command.end(), {"--count", std::to_string(config.overlays)});
+  command.insert(command.end(),
+                 {"--count", std::to_string(config.overlays), "--colour", color(cell.variant)});
   std::vector<fs::path> inputs = made_data(*this, simulation);
   inputs.push_back(estimate);
-  return stage(folder / "overlays", overlay_key(cell.estimate_key, config.overlays), std::move(command),
-               std::move(inputs), folder / "log.txt");
+  return stage(folder / "overlays", overlay_key(cell.estimate_key, config.overlays, color(cell.variant)),
+               std::move(command), std::move(inputs), folder / "log.txt");
 }
 
 std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, const BenchCell& cell) const {

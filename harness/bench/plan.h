@@ -74,6 +74,7 @@ struct BenchPlan {
   BenchStage estimate(const BenchSimulation& simulation, const BenchCell& cell) const;
   /// What the report shows of a scene, of its first seed alone; nothing where it shows no pictures.
   std::optional<BenchStage> scenery(const BenchSimulation& simulation) const;
+  std::string color(std::size_t variant) const;  ///< in the report's light colours: "#0072b2"
   BenchStage overlay(const BenchSimulation& simulation, const BenchCell& cell) const;
   /// One after the other: estimate, evaluate, and overlay where the configuration wants some; none of a cell
   /// that is not applicable.

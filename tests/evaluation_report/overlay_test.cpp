@@ -229,6 +229,23 @@ TEST(Overlay, NoOutlineWithoutAnEllipse) {
   EXPECT_EQ(cases, 3);
 }
 
+TEST(Overlay, WithAColourTheTruthIsWhiteOnBlackAndTheEstimateHasIt) {
+  const GreyRecording recording(4, 3);
+  write_overlays(recording.sequence, recording.truth, recording.estimate, recording.out, 1, false, "#0072b2");
+  const cv::Mat image = recording.first();
+  EXPECT_EQ(count(image, is_green), 0);
+  EXPECT_EQ(count(image, is_orange), 0);
+  EXPECT_GT(
+      count(image, [](const cv::Vec3b& p) { return p[0] > 150 && p[1] > 90 && p[1] < 140 && p[2] < 40; }),
+      100);
+  EXPECT_GT(count(image, [](const cv::Vec3b& p) { return p[0] > 240 && p[1] > 240 && p[2] > 240; }), 200);
+  for (const char* bad : {"blue", "#12345", "#12345g"})
+    EXPECT_NE(input_error([&] {
+                write_overlays(recording.sequence, "", recording.estimate, recording.out, 1, true, bad);
+              }).find("is no colour such as #0072b2"),
+              std::string::npos);
+}
+
 bool is_yellow(const cv::Vec3b& p) {
   return std::min(p[1], p[2]) > p[0] + kColorMargin && std::abs(p[1] - p[2]) < kColorMargin;
 }
