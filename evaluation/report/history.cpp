@@ -102,6 +102,21 @@ std::string text_of(const std::vector<Point>& points) {
   return text;
 }
 
+// As in the report: a variant has one colour, its later outputs have dashes.
+std::size_t colour_of(const std::vector<std::string>& variants, std::size_t variant) {
+  std::vector<std::string_view> names;
+  for (std::size_t v = 0; v <= variant; ++v)
+    if (std::ranges::find(names, without_output(variants[v])) == names.end())
+      names.push_back(without_output(variants[v]));
+  const auto place = std::ranges::find(names, without_output(variants[variant])) - names.begin();
+  return static_cast<std::size_t>(place) % kLightSvg.variant.size();
+}
+
+const char* dashes_of(const std::string& variant) {
+  const std::string output = output_of(variant);
+  return output.empty() ? "" : output == "@final" ? " stroke-dasharray=\"2 3\"" : " stroke-dasharray=\"7 3\"";
+}
+
 // A curve a variant over the points; the best end of the axis is named.
 constexpr double kWidth = 420, kHeight = 150, kLeft = 56, kRight = 12, kTop = 26, kBottom = 26;
 
@@ -135,10 +150,11 @@ std::string curves_of(const std::vector<Point>& points, const std::string& metri
         path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x_of(i), y_of(*value));
         text += fmt::format(
             "<circle class=\"f{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"><title>{}, {}: {}</title></circle>",
-            v % 8, x_of(i), y_of(*value), escaped(points[i].name), escaped(variants[v]),
+            colour_of(variants, v), x_of(i), y_of(*value), escaped(points[i].name), escaped(variants[v]),
             format_figure(*value));
       }
-    text += fmt::format("<path class=\"s{}\" d=\"{}\"/>", v % 8, path);
+    text +=
+        fmt::format("<path class=\"s{}\"{} d=\"{}\"/>", colour_of(variants, v), dashes_of(variants[v]), path);
   }
   return text + "</svg>\n";
 }
@@ -161,7 +177,8 @@ std::string html_of(const std::vector<Point>& points) {
       "uniquadric</title>\n<style>\n{}</style>\n{}"
       "</head><body class=\"h\"><main>\n<h1>{} commits</h1>\n<p>Medians over the objects of all scenes, each "
       "over its seeds; oldest "
-      "first. The gate compares each with the one before.</p>\n<p>",
+      "first. The gate compares each with the one before. Dashes: what was known some time later (long) and "
+      "at the end (short).</p>\n<p>",
       page_asset("page.css"),
       svg_style(".h svg{width:420px;max-width:100%}.h path{fill:none;stroke-width:2}.h "
                 ".g{stroke:currentColor;opacity:.2;stroke-"
@@ -171,7 +188,8 @@ std::string html_of(const std::vector<Point>& points) {
                 colour_rules),
       points.size());
   for (std::size_t v = 0; v < variants.size(); ++v)
-    text += fmt::format("<i class=\"f{}\"></i>{}", v % 8, escaped(variants[v]));
+    if (output_of(variants[v]).empty())
+      text += fmt::format("<i class=\"f{}\"></i>{}", colour_of(variants, v), escaped(variants[v]));
   text += "</p>\n<div>\n";
   for (const char* metric : summary_metrics())
     if (std::any_of(points.begin(), points.end(), [&](const Point& point) {
