@@ -80,10 +80,12 @@ json rounded(const std::optional<double>& value, int digits) {
 }
 
 // What a run alone says is the whole figure: page/data.js makes the rest.
-json spread_json(const Spread& s, int digits) {
+json spread_json(const Spread& s, const PageOptions& options) {
+  const int digits = options.series_digits;
   if (s.n == 1 && !s.best) return rounded(s.median, kFigureDigits);
   json values = json::array();
-  for (const double value : s.values) values.push_back(rounded(value, digits));
+  for (const std::size_t i : evenly_spaced(s.values.size(), std::min(options.spread_values, s.values.size())))
+    values.push_back(rounded(s.values[i], digits));
   return {{"median", rounded(s.median, kFigureDigits)},
           {"min", rounded(s.min, kFigureDigits)},
           {"max", rounded(s.max, kFigureDigits)},
@@ -94,9 +96,9 @@ json spread_json(const Spread& s, int digits) {
           {"interval", rounded(s.interval, digits)}};
 }
 
-json row_json(const SummaryRow& row, int digits) {
+json row_json(const SummaryRow& row, const PageOptions& options) {
   json spread = json::object();
-  for (const auto& [metric, s] : row.spread) spread[metric] = spread_json(s, digits);
+  for (const auto& [metric, s] : row.spread) spread[metric] = spread_json(s, options);
   return {{"scene", row.scene}, {"object", row.object}, {"variant", row.variant}, {"runs", row.runs},
           {"good", row.good},   {"given", row.given},   {"spread", spread}};
 }
@@ -279,8 +281,8 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
        verdicts = json::array(), overall = json::array();
   for (const VariantVerdict& verdict : overview.verdicts)
     verdicts.push_back(verdict_json(verdict, overview.shown, options.series_digits));
-  for (const SummaryRow& row : overview.rows) overall.push_back(row_json(row, options.series_digits));
-  for (const SummaryRow& row : summary) rows.push_back(row_json(row, options.series_digits));
+  for (const SummaryRow& row : overview.rows) overall.push_back(row_json(row, options));
+  for (const SummaryRow& row : summary) rows.push_back(row_json(row, options));
   for (const PaperRow& row : paper_rows()) paper.push_back(paper_json(row));
   const SeriesShare share = series_share(results, options.series_values);
   for (const Cell& cell : results.cells) cells.push_back(cell_json(cell, share, options.series_digits));

@@ -32,7 +32,7 @@ void write_report(const std::filesystem::path& folder, const ReportExtras& extra
   const PageOptions options;
   PendingText scores(folder / "scores.csv");  // large: written as it is made
   const Overview overview = overview_of(folder, options.summary_rows, scores.stream());
-  const Results results = read_results(folder, overview.shown);
+  const Results results = read_results(folder, overview.shown, options.series_runs);
   const std::vector<SummaryRow> summary = summarize(results);
   const std::string html =
       page_html(results, summary, overview, options);  // all made before the first is there

@@ -155,10 +155,16 @@ Results read_plan(const fs::path& folder) {
   return results;
 }
 
-void read_evaluations(Results& results, Frames frames) {
-  for (Cell& cell : results.cells)
-    if (cell.status == CellStatus::ok)
-      cell.evaluation = read_cell_evaluation(evaluation_folder(results, cell), frames);
+// Of more runs than `most_frames` frames.csv is read of the first seeds alone.
+void read_evaluations(Results& results, std::size_t most_frames) {
+  std::set<std::pair<std::string, std::string>> seen;  // scene and variant
+  for (Cell& cell : results.cells) {
+    if (cell.status != CellStatus::ok) continue;
+    const bool is_first = seen.emplace(cell.scene, cell.variant).second;
+    const bool is_read = results.cells.size() <= most_frames || (is_first && most_frames > 0);
+    cell.evaluation =
+        read_cell_evaluation(evaluation_folder(results, cell), is_read ? Frames::read : Frames::left);
+  }
 }
 
 }  // namespace
@@ -195,12 +201,13 @@ void require_results_folder(const fs::path& folder) {
     throw InputError(folder, "is no results folder: it has no cells.csv");
 }
 
-Results read_results(const fs::path& folder, const std::optional<std::set<std::string>>& scenes) {
+Results read_results(const fs::path& folder, const std::optional<std::set<std::string>>& scenes,
+                     std::size_t most_frames) {
   Results results = read_plan(folder);
   if (scenes)
     for (auto* const cells : {&results.cells, &results.not_applicable})
       std::erase_if(*cells, [&](const Cell& cell) { return !scenes->contains(cell.scene); });
-  read_evaluations(results, Frames::read);
+  read_evaluations(results, most_frames);
   results.lidar = read_all_lidar_routes(results);
   return results;
 }
@@ -223,7 +230,7 @@ void for_each_scene(const fs::path& folder, const std::function<void(const Resul
       (cell.status == CellStatus::not_applicable ? scene.not_applicable : scene.cells)
           .push_back(std::move(cell));
     cells = {};
-    read_evaluations(scene, Frames::left);
+    read_evaluations(scene, 0);
     use(scene);
   }
 }

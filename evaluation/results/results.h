@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -70,10 +71,12 @@ struct Results {
 /// Throws InputError for what is no folder and for one without cells.csv.
 void require_results_folder(const std::filesystem::path& folder);
 
-/// Reads a results folder with all its evaluations, or with those of some scenes. Throws InputError: not a
+/// Reads a results folder with all its evaluations, or with those of some scenes; of more runs than
+/// `most_frames` the series of the first seeds alone. Throws InputError: not a
 /// results folder, a line of cells.csv or frames.csv, a field of evaluation.json.
 Results read_results(const std::filesystem::path& folder,
-                     const std::optional<std::set<std::string>>& scenes = std::nullopt);
+                     const std::optional<std::set<std::string>>& scenes = std::nullopt,
+                     std::size_t most_frames = std::numeric_limits<std::size_t>::max());
 
 /// Reads a results folder one scene after the other, so that no more than one is in memory, and calls `use`
 /// with each: all of the folder's but `lidar` and the objects' series. Throws as read_results.

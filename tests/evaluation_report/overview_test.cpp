@@ -124,5 +124,25 @@ TEST(Overview, ThePageShowsSomeScenesAndCountsAll) {
   EXPECT_NE(page_markdown(shown, summarize(shown), some).find("## Over all 60 scenes"), std::string::npos);
 }
 
+// A sweep of seeds: few rows, and many runs behind each.
+TEST(Overview, OfManySeedsTheFirstAloneHavePlots) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.seeds = 9, .frames = 20, .overlays = 0, .with_failure = false});
+  const Results few = read_results(folder.path(), std::nullopt, 10);
+  int plotted = 0;
+  for (const Cell& cell : few.cells) {
+    EXPECT_FALSE(cell.evaluation->subjects.empty());
+    plotted += !cell.evaluation->series.empty();
+  }
+  EXPECT_EQ(few.cells.size(), 2u * 2 * 9);
+  EXPECT_EQ(plotted, 2 * 2);
+  const auto summary = summarize(few);
+  const nlohmann::json data = nlohmann::json::parse(page_data(few, summary, {}, {.spread_values = 4}));
+  const auto& spread = data.at("summary")[0].at("spread").at("ape_translation_rmse_m");
+  EXPECT_EQ(spread.at("values").size(), 4u);
+  EXPECT_EQ(spread.at("n"), 9);
+  EXPECT_NEAR(spread.at("max").get<double>(), summary[0].spread.at("ape_translation_rmse_m").max, 1e-5);
+}
+
 }  // namespace
 }  // namespace uniquadric
