@@ -110,7 +110,7 @@ struct Renderer::State {
   Eigen::Vector3d sun_direction;
   std::array<float, 4> sky{};
   RenderedFrame frame;  // reused, as are these
-  cv::Mat bits, step;
+  cv::Mat bits, exposed;
   cv::Mat ideal_rgba, ideal_ids, ideal_m;  // of the lens
   std::vector<std::uint16_t> sums;
 
@@ -325,9 +325,9 @@ void Renderer::State::expose(const std::vector<ColorStep>& steps) {
   sums.assign(frame.rgba.total() * frame.rgba.elemSize(), 0);
   for (const ColorStep& s : steps) {
     draw_color(s);
-    read_image_color(step);
+    read_image_color(exposed);
     for (std::size_t i = 0; i < sums.size(); ++i)
-      sums[i] = static_cast<std::uint16_t>(sums[i] + step.data[i]);
+      sums[i] = static_cast<std::uint16_t>(sums[i] + exposed.data[i]);
   }
   divide_rounded(sums, static_cast<unsigned>(steps.size()), frame.rgba.data);
 }

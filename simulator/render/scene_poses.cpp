@@ -34,7 +34,7 @@ std::vector<ColorStep> color_steps(const Scene& scene, double time_s) {
   std::vector<ColorStep> steps;
   for (int i = 0; i < exposures; ++i) {
     const double middle_s = time_s + imaging.exposure_s * ((i + 0.5) / exposures - 0.5);
-    steps.push_back({poses_at(scene, middle_s)});
+    steps.push_back({poses_at(scene, middle_s), {}});
     if (half_s > 0)
       steps.back().edges = {{poses_at(scene, middle_s - half_s), poses_at(scene, middle_s + half_s)}};
   }
