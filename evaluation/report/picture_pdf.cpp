@@ -84,6 +84,7 @@ std::string picture_pdf(const Picture& picture) {
       cairo_pdf_surface_create_for_stream(append, &bytes, kUnit_pt * picture.width,
                                           kUnit_pt * picture.height),
       cairo_surface_destroy);
+  cairo_pdf_surface_restrict_to_version(surface.get(), CAIRO_PDF_VERSION_1_4);  // LaTeX warns of later ones
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, picture.label.c_str());
   // else it would be now, and the same call would not give the same bytes
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
