@@ -47,7 +47,8 @@ std::string lasting_bytes(const fs::path& file) {
   if (file.filename() == "scores.csv")
     return lines_without(text, {"frame_time_mean_ms", "wall_time_s", "cpu_time_s", "peak_memory_mb"});
   if (file.filename() == "report.md") return lines_without(text, {"- command: "});
-  if (file.filename() == "bench.yaml")  // paths are relative to the results, and faults have limits of their own
+  if (file.filename() ==
+      "bench.yaml")  // paths are relative to the results, and faults have limits of their own
     return std::regex_replace(lines_without(text, {"stage_limit_s"}), std::regex("\"[^\"]*/"), "\"");
   if (file.filename() == "report.html") return text.ends_with("</html>\n") ? "whole" : text;
   if (file.filename() != "evaluation.json") return text;
