@@ -18,8 +18,8 @@ void say(const char* text) {
 
 extern "C" void end_by(int signal) {
   const char* const left = left_behind;
-  say("\nuniquadric: interrupted; ");
-  say(left ? left : "nothing was written");
+  say("\nuniquadric: interrupted");
+  if (left) say("; "), say(left);
   say("\n");
   std::signal(signal, SIG_DFL);
   std::raise(signal);

@@ -96,7 +96,7 @@ void VariantVerdicts::add(const Results& results) {
   tables_.add(results, summary_metrics());
   for (const std::string& scene : scenes_of(results))
     for (const std::string& object : subjects_of(results, scene))
-      if (object != "camera" && object != "all") objects_.emplace_back(scene, object);
+      if (is_object(object)) objects_.emplace_back(scene, object);
 }
 
 std::vector<VariantVerdict> VariantVerdicts::verdicts(std::size_t most) {

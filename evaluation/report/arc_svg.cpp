@@ -135,14 +135,6 @@ Legend legend(const std::vector<std::string>& variants, double width) {
   return result;
 }
 
-std::vector<std::string> all_variants(const Results& results) {
-  std::vector<std::string> variants;
-  for (const Cell& cell : results.cells)
-    if (cell.output.empty() && std::find(variants.begin(), variants.end(), cell.variant) == variants.end())
-      variants.push_back(cell.variant);
-  return variants;
-}
-
 // Of what was known at each frame: a later output's curve says less, one of the end nothing.
 std::vector<ArcCurve> drawn_curves(const Results& results) {
   std::vector<ArcCurve> curves = arc_curves(results, edges());
@@ -177,7 +169,7 @@ std::string arc_svg(const Results& results) {
   const std::vector<ArcCurve> curves = drawn_curves(results);
   if (curves.empty()) return "";
   const auto panels = panels_of(curves);
-  const std::vector<std::string> variants = all_variants(results);
+  const std::vector<std::string> variants = causal_variants_of(results);
   const double columns = std::min<double>(kColumns, static_cast<double>(panels.size()));
   const double rows = std::ceil(static_cast<double>(panels.size()) / columns);
   const double width = columns * kPanelWidth;
@@ -197,7 +189,7 @@ std::string arc_svg(const Results& results) {
 std::string arc_html(const Results& results) {
   const std::vector<ArcCurve> curves = drawn_curves(results);
   if (curves.empty()) return "";
-  const std::vector<std::string> variants = all_variants(results);
+  const std::vector<std::string> variants = causal_variants_of(results);
   std::string text = svg_style(kRules, colour_rules) + "<p class=\"arc-legend\">";
   for (std::size_t i = 0; i < variants.size(); ++i)
     text += fmt::format(

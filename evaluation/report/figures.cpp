@@ -3,35 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <limits>
 #include <set>
 
 #include "core/base/seconds.h"
 #include "evaluation/report/plot_panel.h"
+#include "evaluation/report/plots.h"
 #include "evaluation/report/svg_colours.h"
 
 namespace uniquadric {
 namespace {
-
-// As page/charts.js has them.
-struct Plot {
-  const char *title, *column, *truth = nullptr;
-  bool is_share = false;  // from 0 to 1
-};
-constexpr std::array kPlots = {
-    Plot{"APE translation [m]", "ape_translation_m"},
-    Plot{"APE rotation [rad]", "ape_rotation_rad"},
-    Plot{"IoU solid", "iou3d_solid", nullptr, true},
-    Plot{"IoU ellipsoid", "iou3d", nullptr, true},
-    Plot{"2D IoU, rotated rectangles", "iou2d", nullptr, true},
-    Plot{"Semi-axis x [m]", "est_semi_axis_x_m", "true_semi_axis_x_m"},
-    Plot{"Semi-axis y [m]", "est_semi_axis_y_m", "true_semi_axis_y_m"},
-    Plot{"Semi-axis z [m]", "est_semi_axis_z_m", "true_semi_axis_z_m"},
-    Plot{"RPE translation [m]", "rpe_translation_m"},
-    Plot{"RPE rotation [rad]", "rpe_rotation_rad"},
-    Plot{"Share of the silhouette that is seen", "visible_fraction", nullptr, true}};
 
 constexpr double kWidth = 480, kLeft = 62, kTop = 52, kHeight = 210, kLegendLine = 18;
 
@@ -88,11 +70,10 @@ std::optional<Picture> picture_of(const Plot& plot, const std::string& where,
   PlotPanel panel{
       kLeft, kTop, kWidth - kLeft - 20, kHeight, {first, std::max(last, first + 1e-9)}, padded_range(values)};
   if (plot.is_share) panel.y = {0, 1};
+  const std::string title = (*plot.unit ? fmt::format("{} [{}]", plot.title, plot.unit) : plot.title) + where;
   const double legend = kTop + kHeight + 48;
-  Picture picture{
-      kWidth, legend + kLegendLine * static_cast<double>(curves.size()), std::string(plot.title) + where, {}};
-  picture.parts.emplace_back(
-      PictureText{TextKind::title, TextAnchor::start, {kLeft, 20}, plot.title + where});
+  Picture picture{kWidth, legend + kLegendLine * static_cast<double>(curves.size()), title, {}};
+  picture.parts.emplace_back(PictureText{TextKind::title, TextAnchor::start, {kLeft, 20}, title});
   draw_axes(picture, panel, "time [s]", "");
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const Curve& curve = curves[i];
@@ -119,18 +100,10 @@ std::string file_name(const std::string& text) {
   return name;
 }
 
-std::vector<std::string> causal_variants(const Results& results) {
-  std::vector<std::string> variants;
-  for (const Cell& cell : results.cells)
-    if (cell.output.empty() && std::ranges::find(variants, cell.variant) == variants.end())
-      variants.push_back(cell.variant);
-  return variants;
-}
-
 }  // namespace
 
 std::vector<Figure> figures_of(const Results& results) {
-  const std::vector<std::string> variants = causal_variants(results);
+  const std::vector<std::string> variants = causal_variants_of(results);
   std::vector<Figure> figures;
   std::set<std::string> names;
   for (const std::string& scene : scenes_of(results))

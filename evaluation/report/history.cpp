@@ -35,24 +35,25 @@ std::string name_of(const Results& results) {
   return results.program.find("changed", commit) == std::string::npos ? name : name + " (changed)";
 }
 
-Figures figures_of(const Results& results) {
-  std::map<std::pair<std::string, std::string>, std::vector<double>> values;
-  for (const SummaryRow& row : summarize(results))
-    if (row.object != "camera" && row.object != "all")
-      for (const char* metric : summary_metrics())
-        if (const auto found = row.spread.find(metric); found != row.spread.end())
-          values[{row.variant, metric}].push_back(found->second.median);
-  Figures figures;
-  for (const auto& [key, list] : values) figures[key] = median(list);
-  return figures;
+Point point_of(const fs::path& folder) {
+  Point point{"", {}, "", "the first"};
+  OverallRows all;
+  for_each_scene(folder, [&](const Results& scene) {
+    point.name = name_of(scene);
+    all.add(summarize(scene));
+  });
+  for (const SummaryRow& row : all.rows("all"))
+    for (const char* metric : summary_metrics())
+      if (const auto found = row.spread.find(metric); found != row.spread.end())
+        point.figures[{row.variant, metric}] = found->second.median;
+  return point;
 }
 
 std::vector<Point> points_of(const std::vector<fs::path>& folders) {
   std::vector<Point> points;
   std::optional<ScoreTable> before;
   for (const fs::path& folder : folders) {
-    const Results results = read_results(folder);
-    Point point{name_of(results), figures_of(results), "", "the first"};
+    Point point = point_of(folder);
     ScoreTable now = read_score_table(folder);
     leave_out_parts(now);
     if (before) {

@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -16,6 +15,7 @@
 #include "evaluation/report/jpeg.h"
 #include "evaluation/report/outline.h"
 #include "evaluation/report/page.h"
+#include "evaluation/report/svg_colours.h"
 #include "evaluation/run_record.h"
 
 namespace uniquadric {
@@ -37,12 +37,9 @@ struct Colors {
 // As the report has them: the truth white, the estimate and its box in the variant's colour.
 Colors colors_of(const std::string& hex) {
   if (hex.empty()) return {};
-  unsigned value = 0;
-  const char* const end = hex.data() + hex.size();
-  const bool is_hex =
-      hex.size() == 7 && hex[0] == '#' && std::from_chars(hex.data() + 1, end, value, 16).ptr == end;
-  if (!is_hex) throw InputError(fmt::format("'{}' is no colour such as #0072b2", hex));
-  const cv::Scalar color(value & 0xff, value >> 8 & 0xff, value >> 16);
+  const auto rgb = rgb_of(hex);
+  if (!rgb) throw InputError(fmt::format("'{}' is no colour such as #0072b2", hex));
+  const cv::Scalar color(rgb->blue, rgb->green, rgb->red);
   return {{255, 255, 255}, color, color, true};
 }
 

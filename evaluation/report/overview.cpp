@@ -88,7 +88,7 @@ Overview overview_of(const std::filesystem::path& folder, std::size_t most_rows,
     digests.push_back({name, std::max<std::size_t>(1, summary.size()), iou_of_scene(summary)});
     std::set<std::string> objects;
     for (const SummaryRow& row : summary)
-      if (row.object != "camera" && row.object != "all") objects.insert(row.object);
+      if (is_object(row.object)) objects.insert(row.object);
     overview.objects += objects.size();
     for (const Cell& cell : scene.cells) {
       if (!cell.output.empty()) continue;

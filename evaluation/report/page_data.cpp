@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "evaluation/report/page.h"
+#include "evaluation/report/plots.h"
 #include "evaluation/results/metrics.h"
 #include "evaluation/results/paper_ratios.h"
 
@@ -15,21 +16,26 @@ namespace uniquadric {
 namespace {
 using nlohmann::json;
 
-// Columns of frames.csv that page/charts.js plots.
-constexpr const char* kPlotted[] = {"ape_translation_m",
-                                    "ape_rotation_rad",
-                                    "iou3d",
-                                    "iou3d_solid",
-                                    "iou2d",
-                                    "est_semi_axis_x_m",
-                                    "est_semi_axis_y_m",
-                                    "est_semi_axis_z_m",
-                                    "true_semi_axis_x_m",
-                                    "true_semi_axis_y_m",
-                                    "true_semi_axis_z_m",
-                                    "rpe_translation_m",
-                                    "rpe_rotation_rad",
-                                    "visible_fraction"};
+// Columns of frames.csv that are plotted.
+std::vector<const char*> plotted_columns() {
+  std::vector<const char*> columns;
+  for (const Plot& plot : kPlots)
+    for (const char* column : {plot.column, plot.truth})
+      if (column) columns.push_back(column);
+  return columns;
+}
+
+json plots_json() {
+  json list = json::array();
+  for (const Plot& plot : kPlots) {
+    json item = {
+        {"title", plot.title}, {"unit", plot.unit}, {"column", plot.column}, {"error", plot.is_error}};
+    if (plot.truth) item["truth"] = plot.truth;
+    if (plot.is_share) item["range"] = {0, 1};
+    list.push_back(std::move(item));
+  }
+  return list;
+}
 
 constexpr int kFigureDigits = 6;  // ours: more than any table shows
 
@@ -124,7 +130,7 @@ json column_json(const std::vector<std::optional<double>>& all, std::size_t step
 
 json series_json(const ObjectSeries& series, std::size_t step, int digits) {
   json columns = json::object();
-  for (const char* name : kPlotted)
+  for (const char* name : plotted_columns())
     if (const auto found = series.columns.find(name); found != series.columns.end())
       columns[name] = column_json(found->second, step, digits);
   return {{"object", series.subject},
@@ -171,7 +177,7 @@ std::size_t values_of(const Cell& cell) {
   std::size_t values = 0;
   if (cell.evaluation)
     for (const ObjectSeries& series : cell.evaluation->series)
-      values += series.frames.size() * std::size(kPlotted);
+      values += series.frames.size() * plotted_columns().size();
   return values;
 }
 
@@ -300,6 +306,7 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
                      {"program", results.program},
                      {"inputs", results.inputs},
                      {"metrics", metrics_json()},
+                     {"plots", plots_json()},
                      {"summary_metrics", summary_metrics()},
                      {"summary", rows},
                      {"paper", paper},

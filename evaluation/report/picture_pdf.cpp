@@ -1,6 +1,5 @@
 #include <cairo-pdf.h>
 
-#include <charconv>
 #include <memory>
 #include <stdexcept>
 
@@ -14,9 +13,8 @@ constexpr double kUnit_pt = 0.75;  // a pixel of CSS
 constexpr double kPlain = 12, kTick = 11;
 
 void set_colour(cairo_t* page, const std::string& hex) {
-  unsigned value = 0;
-  std::from_chars(hex.data() + 1, hex.data() + hex.size(), value, 16);
-  cairo_set_source_rgb(page, (value >> 16) / 255.0, (value >> 8 & 0xff) / 255.0, (value & 0xff) / 255.0);
+  const Rgb rgb = rgb_of(hex).value();
+  cairo_set_source_rgb(page, rgb.red / 255.0, rgb.green / 255.0, rgb.blue / 255.0);
 }
 
 // Colour, width and dashes as the SVG has them.

@@ -1,4 +1,3 @@
-#include <charconv>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -17,9 +16,8 @@ constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr double kFontSize = 0.41;  // 12 units high, as the type of the SVG
 
 cv::Scalar colour_of(const std::string& hex) {
-  unsigned value = 0;
-  std::from_chars(hex.data() + 1, hex.data() + hex.size(), value, 16);
-  return cv::Scalar(value & 0xff, (value >> 8) & 0xff, value >> 16);
+  const Rgb rgb = rgb_of(hex).value();
+  return cv::Scalar(rgb.blue, rgb.green, rgb.red);
 }
 
 cv::Point fixed_point(const PicturePoint& point) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace uniquadric {
@@ -23,6 +24,12 @@ inline constexpr SvgColours kDarkSvg = {
     "#e8e6e3",
     "#9aa3ac",
     "#2f353b"};
+
+struct Rgb {
+  int red = 0, green = 0, blue = 0;  ///< 0 to 255
+};
+/// The colour of "#rrggbb"; nothing of any other text.
+std::optional<Rgb> rgb_of(const std::string& hex);
 
 /// A picture's style: `rules`, and `colour_rules` of the light colours, of the dark ones where those are
 /// preferred.

@@ -248,13 +248,23 @@ std::vector<std::string> variants_of(const Results& results, const std::string& 
   return variants;
 }
 
+std::vector<std::string> causal_variants_of(const Results& results) {
+  std::vector<std::string> variants;
+  for (const Cell& cell : results.cells)
+    if (cell.output.empty()) add_distinct(variants, cell.variant);
+  return variants;
+}
+
+bool is_object(const std::string& subject) {
+  return subject != "camera" && subject != "all";
+}
+
 std::vector<std::string> subjects_of(const Results& results, const std::string& scene) {
   std::vector<std::string> subjects;
   for (const Cell& cell : results.cells)
     if (cell.scene == scene && cell.evaluation)
       for (const SubjectFigures& figures : cell.evaluation->subjects) add_distinct(subjects, figures.subject);
-  std::stable_partition(subjects.begin(), subjects.end(),
-                        [](const std::string& s) { return s != "camera" && s != "all"; });
+  std::stable_partition(subjects.begin(), subjects.end(), is_object);
   return subjects;
 }
 

@@ -97,8 +97,13 @@ std::filesystem::path evaluation_folder(const Results& results, const Cell& cell
 /// Distinct values in order of their first appearance.
 std::vector<std::string> scenes_of(const Results& results);
 std::vector<std::string> variants_of(const Results& results, const std::string& scene);
+/// Of all scenes, without later outputs.
+std::vector<std::string> causal_variants_of(const Results& results);
 /// Subjects of a scene over all its runs: objects first, then `camera` and `all`.
 std::vector<std::string> subjects_of(const Results& results, const std::string& scene);
+
+/// Whether a subject is an object, and not `camera` or `all`.
+bool is_object(const std::string& subject);
 
 /// The figures of a subject in a run; null where the run has none.
 const SubjectFigures* find_subject(const Cell& cell, const std::string& subject);

@@ -162,7 +162,7 @@ std::vector<SummaryRow> summarize(const Results& results) {
 
 void OverallRows::add(const std::vector<SummaryRow>& summary) {
   for (const SummaryRow& row : summary) {
-    if (row.object == "camera" || row.object == "all") continue;
+    if (!is_object(row.object)) continue;
     auto of = std::ranges::find(variants_, row.variant, &OfVariant::variant);
     if (of == variants_.end()) of = variants_.insert(of, {row.variant, 0, 0, 0, {}});
     ++of->objects, of->runs += row.runs, of->good += row.good;
@@ -175,8 +175,9 @@ std::vector<SummaryRow> OverallRows::rows(const std::string& scene) const {
   for (const OfVariant& of : variants_) {
     SummaryRow row{scene, fmt::format("{} objects", of.objects), of.variant, of.runs, of.good, false, {}, {}};
     for (const auto& [metric, medians] : of.medians) {
-      const Statistics s = *statistics(medians);
-      row.spread[metric] = {s.median, s.min, s.max, static_cast<int>(s.n), false, s.mean, {}, {}};
+      Spread& spread = row.spread[metric] = spread_of(medians);
+      spread.interval.reset();
+      spread.values.clear();
     }
     rows.push_back(std::move(row));
   }

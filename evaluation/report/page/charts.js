@@ -1,17 +1,4 @@
 // Plots over time of one object: errors, IoU, semi-axes against truth.
-const kPlots = [
-  { title: "APE translation", unit: "m", column: "ape_translation_m", error: true },
-  { title: "APE rotation", unit: "rad", column: "ape_rotation_rad", error: true },
-  { title: "IoU solid", unit: "", column: "iou3d_solid", range: [0, 1] },
-  { title: "IoU ellipsoid", unit: "", column: "iou3d", range: [0, 1] },
-  { title: "2D IoU, rotated rectangles", unit: "", column: "iou2d", range: [0, 1] },
-  { title: "Semi-axis x", unit: "m", column: "est_semi_axis_x_m", truth: "true_semi_axis_x_m" },
-  { title: "Semi-axis y", unit: "m", column: "est_semi_axis_y_m", truth: "true_semi_axis_y_m" },
-  { title: "Semi-axis z", unit: "m", column: "est_semi_axis_z_m", truth: "true_semi_axis_z_m" },
-  { title: "RPE translation", unit: "m", column: "rpe_translation_m", error: true },
-  { title: "RPE rotation", unit: "rad", column: "rpe_rotation_rad", error: true },
-  { title: "Share of the silhouette that is seen", unit: "", column: "visible_fraction", range: [0, 1] },
-];
 const chart_state = { scene: null, object: null, variants: new Set(variants.filter((v) => output_of(v) === "")), seeds: new Set(data.seeds), log: false, time: null };
 let charts = [];
 
@@ -144,7 +131,7 @@ function draw_charts() {
   for (const chart of charts) chart.destroy();
   const all = series_of(chart_state.scene, chart_state.object);
   const start_ns = scene_start_ns(chart_state.scene);
-  const plots = kPlots.filter((plot) => all.some((s) => has_values(s.columns[plot.column])));
+  const plots = data.plots.filter((plot) => all.some((s) => has_values(s.columns[plot.column])));
   const canvases = plots.map(() => el("canvas", { role: "img" }));
   by_id("charts").replaceChildren(...plots.map((plot, i) => {
     canvases[i].setAttribute("aria-label", `${plot.title} of ${chart_state.object} in ${chart_state.scene} over time`);
