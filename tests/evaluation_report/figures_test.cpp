@@ -1,8 +1,10 @@
 #include "evaluation/report/figures.h"
 
 #include <gtest/gtest.h>
+#include <libdeflate.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "core/base/files.h"
 #include "evaluation/report/report.h"
@@ -59,6 +61,30 @@ TEST(Figures, AreWrittenAsSvgAndPdf) {
   EXPECT_GT(svgs, 4u);
   write_report(folder.path(), {.figures = true});
   EXPECT_EQ(read_text(pdf), bytes);
+}
+
+// What a PDF file draws: its streams, inflated.
+std::string drawing_in(const std::string& pdf) {
+  const std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> inflate(
+      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  std::string all, part(1 << 20, '\0');
+  const std::string begin = "\nstream\n";
+  for (std::size_t at = 0; (at = pdf.find(begin, at)) != std::string::npos;) {
+    at += begin.size();
+    std::size_t taken = 0, made = 0;
+    if (libdeflate_zlib_decompress_ex(inflate.get(), pdf.data() + at, pdf.size() - at, part.data(),
+                                      part.size(), &taken, &made) == LIBDEFLATE_SUCCESS)
+      all += part.substr(0, made);
+  }
+  return all;
+}
+
+TEST(PicturePdf, ALineBeginsAtItsFirstPointWhateverCameBefore) {
+  Picture picture{400, 300, "", {}};
+  picture.parts.emplace_back(PictureText{TextKind::plain, TextAnchor::start, {200, 100}, "words"});
+  picture.parts.emplace_back(PictureLine{LineKind::grid, {{12, 16}, {300, 200}}, ""});
+  const std::string drawing = drawing_in(picture_pdf(picture));
+  EXPECT_NE(drawing.find("9 12 m 225 150 l S"), std::string::npos) << drawing;
 }
 
 TEST(PicturePdf, IsAsLargeAsThePictureAndHoldsItsText) {
