@@ -43,7 +43,7 @@ void set_pen(cairo_t* page, const PictureLine& line) {
 void draw(cairo_t* page, const PictureLine& line) {
   if (line.points.empty()) return;
   set_pen(page, line);
-  cairo_new_path(page);  // a text leaves the pen at its end
+  cairo_new_path(page);                                              // a text leaves the pen at its end
   for (const auto& [x, y] : line.points) cairo_line_to(page, x, y);  // the first one begins
   cairo_stroke(page);
 }
