@@ -71,7 +71,8 @@ void discard_other_work(const Scene& scene, const std::string& key, const Pendin
 constexpr std::string_view kNoDepth = "no depth\n";  // in the frames' log, after a frame's visibility
 
 bool has_faint(const Scene& scene) {
-  return any_mesh(scene, [](const Mesh& mesh) { return mesh.depth_return < 1; });
+  return scene.depth_noise.dark_dropout > 0 ||
+         any_mesh(scene, [](const Mesh& mesh) { return mesh.depth_return < 1; });
 }
 
 // What a worker has to draw and write frames with, and what it does with one.
@@ -81,29 +82,26 @@ struct FrameMaker {
   Renderer renderer;
   FrameWriter writer;
 
-  // Depth of an earlier time, where it comes late. What surfaces return of it belongs to that time, too: it
-  // costs one more image, and is drawn where some surface does not return all.
-  RenderedFrame late_depth(double time_s) {
-    RenderedFrame late;
-    if (scene.depth_noise.delay_s <= 0) return late;
+  // Replaces the depth by that of an earlier time, where it comes late. What surfaces return of it belongs to
+  // that time, too, and matters where some return less than others.
+  void take_late_depth(double time_s, RenderedFrame& rendered) {
+    if (scene.depth_noise.delay_s <= 0) return;
     const ScenePoses poses = poses_at(scene, time_s - scene.depth_noise.delay_s);
     if (!has_faint(scene)) {
-      late.depth_m = renderer.depth_m(poses);
-      return late;
+      rendered.depth_m = renderer.depth_m(poses);
+      return;
     }
-    renderer.draw(poses);
-    renderer.read_back(late.rgba, late.ids, late.depth_m);
-    return late;
+    const RenderedFrame& late = renderer.returned(poses);
+    rendered.depth_m = late.depth_m;
+    rendered.returning_rgba = late.rgba;
   }
 
   void make(std::int64_t frame, FrameLog& log, FrameTimes& times) {
     LapTimer timer(times);
     const double time_s =
         frame_time_s(scene, frame) - stamp_error_s(scene.imaging, scene.rate_hz, seed, frame);
-    const RenderedFrame late = late_depth(time_s);
     RenderedFrame rendered = renderer.render(poses_at(scene, time_s), color_steps(scene, time_s));
-    if (!late.depth_m.empty()) rendered.depth_m = late.depth_m;
-    rendered.returning_rgba = late.rgba;
+    take_late_depth(time_s, rendered);
     timer.lap(FrameStage::draw);
     const bool has_depth = writer.write(frame, rendered, timer);
     log.add(frame, visibility_lines(scene, frame, rendered) + std::string(has_depth ? "" : kNoDepth));

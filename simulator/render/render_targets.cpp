@@ -62,16 +62,22 @@ RenderTargets make_render_targets(const GlFunctions& gl, int width, int height, 
       attach(gl, targets, targets.samples, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, samples);
   gl.CreateFramebuffers(1, &targets.depth);
   gl.NamedFramebufferRenderbuffer(targets.depth, GL_COLOR_ATTACHMENT2, GL_RENDERBUFFER, depth);
-  if (samples > 0)
-    attach(gl, targets, targets.depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F);
-  else
-    gl.NamedFramebufferRenderbuffer(targets.depth, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, reversed_z);
+  const unsigned depth_buffer =
+      samples > 0 ? attach(gl, targets, targets.depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F)
+                  : reversed_z;
+  gl.NamedFramebufferRenderbuffer(targets.depth, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_buffer);
   constexpr std::array<unsigned, 3> third = {GL_NONE, GL_NONE, GL_COLOR_ATTACHMENT2};
   gl.NamedFramebufferDrawBuffers(targets.depth, third.size(), third.data());
+  gl.CreateFramebuffers(1, &targets.returned);
+  gl.NamedFramebufferRenderbuffer(targets.returned, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
+  gl.NamedFramebufferRenderbuffer(targets.returned, GL_COLOR_ATTACHMENT2, GL_RENDERBUFFER, depth);
+  gl.NamedFramebufferRenderbuffer(targets.returned, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_buffer);
+  constexpr std::array<unsigned, 3> but_ids = {GL_COLOR_ATTACHMENT0, GL_NONE, GL_COLOR_ATTACHMENT2};
+  gl.NamedFramebufferDrawBuffers(targets.returned, but_ids.size(), but_ids.data());
   gl.CreateFramebuffers(1, &targets.color);
   gl.NamedFramebufferRenderbuffer(targets.color, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
   for (const unsigned framebuffer :
-       {targets.image, targets.depth, targets.silhouettes, targets.samples, targets.color})
+       {targets.image, targets.depth, targets.returned, targets.silhouettes, targets.samples, targets.color})
     check_complete(gl, targets, framebuffer);
   return targets;
 }

@@ -13,8 +13,9 @@ struct RenderTargets {
   /// Draw buffers 0 colour (8 bits), 1 id (16 bits), 2 depth [m]; beside them reversed-Z depth and 8 bits of
   /// stencil.
   unsigned image = 0;
-  unsigned depth = 0;  ///< draw buffer 2 alone, the image's; where `samples` has one sample a pixel, their
-                       ///< depth buffer is one
+  unsigned depth = 0;     ///< draw buffer 2 alone, the image's; where `samples` has one sample a pixel, their
+                          ///< depth buffer is one
+  unsigned returned = 0;  ///< draw buffers 0 and 2, the image's, with the depth buffer of `depth`
   unsigned silhouettes = 0;  ///< 8 bits of stencil alone
   /// Draw buffer 0 colour, several samples a pixel, with reversed-Z depth.
   unsigned samples = 0;

@@ -66,6 +66,13 @@ void divide_rounded(const std::vector<std::uint16_t>& sums, unsigned count, unsi
     means[i] = static_cast<unsigned char>((sum[i] + half) * inverse >> 24);
 }
 
+// What light surfaces are drawn in.
+struct Light {
+  bool shadows = false;
+  double ambient = 1, gain = 1;
+  bool shine = false;
+};
+
 // The programs that draw, each for meshes of its kind, and whether they know a rolling shutter.
 struct Pass {
   unsigned matte = 0, shiny = 0;
@@ -99,6 +106,7 @@ struct Renderer::State {
   GlFunctions gl;
   RenderTargets targets;
   Pass all, color, geometry, hull;  // all rows; as ProgramOutput has them, the hull being `none`
+  Pass returned;                    // what a depth sensor's light meets: all, evenly lit
   bool one_pass = true;  // render() draws colour, ids and depth at once, else ids and depth, then colour
   bool is_multisampled = false;
   std::vector<GpuBody> world, objects;
@@ -109,15 +117,18 @@ struct Renderer::State {
   std::optional<Lens> lens;                         // of a camera with distortion
   Eigen::Vector3d sun_direction;
   std::array<float, 4> sky{};
-  RenderedFrame frame;  // reused, as are these
+  RenderedFrame frame, late;  // reused, as are these
   cv::Mat bits, exposed;
   cv::Mat ideal_rgba, ideal_ids, ideal_m;  // of the lens
   std::vector<std::uint16_t> sums;
 
-  unsigned prepare_program(const Scene& scene, ProgramOutput output, bool shine) const;
-  Pass prepare_pass(const Scene& scene, ProgramOutput output) const;
+  unsigned prepare_program(const Scene& scene, ProgramOutput output, const Light& light) const;
+  Pass prepare_pass(const Scene& scene, ProgramOutput output, Light light) const;
   void upload(const Scene& scene);
   void draw_image(const ScenePoses& poses, bool silhouettes);
+  void draw_returned(const ScenePoses& poses) const;
+  void clear_image() const;
+  void clear_depth(unsigned framebuffer) const;
   void draw_depth(const ScenePoses& poses) const;
   void draw_color(const ColorStep& step);
   void draw_hull(const ColorStep& step) const;
@@ -133,14 +144,15 @@ struct Renderer::State {
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
 };
 
-unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput output, bool shine) const {
+unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput output,
+                                          const Light& light) const {
   const bool rolls = rolls_in(scene, output);
-  const unsigned program = make_program(gl, output, {scene.shadows, shine, rolls});
+  const unsigned program = make_program(gl, output, {light.shadows, light.shine, rolls});
   gl.UseProgram(program);
   const Eigen::Matrix4f clip = clip_from_camera(camera);
   gl.UniformMatrix4fv(uniform_clip_from_camera, 1, GL_FALSE, clip.data());
-  gl.Uniform1f(uniform_ambient, static_cast<float>(scene.ambient));
-  gl.Uniform1f(uniform_gain, static_cast<float>(drawn_gain(scene.imaging)));
+  gl.Uniform1f(uniform_ambient, static_cast<float>(light.ambient));
+  gl.Uniform1f(uniform_gain, static_cast<float>(light.gain));
   if (rolls) set_rows(scene.camera);
   return program;
 }
@@ -160,10 +172,11 @@ void Renderer::State::set_rows(const Camera& seen) const {
 }
 
 // Highlights cost a fifth of all that makes colour: where there are none, a program without them draws.
-Pass Renderer::State::prepare_pass(const Scene& scene, ProgramOutput output) const {
+Pass Renderer::State::prepare_pass(const Scene& scene, ProgramOutput output, Light light) const {
   const bool lit = output == ProgramOutput::all || output == ProgramOutput::color;
-  const unsigned matte = prepare_program(scene, output, false);
-  return {matte, lit && has_shine(scene) ? prepare_program(scene, output, true) : matte,
+  const unsigned matte = prepare_program(scene, output, light);
+  light.shine = true;
+  return {matte, lit && has_shine(scene) ? prepare_program(scene, output, light) : matte,
           rolls_in(scene, output)};
 }
 
@@ -263,27 +276,47 @@ void Renderer::State::draw_bodies(const Pass& pass, const ColorStep& step, bool 
     draw_body(pass, world[i], place([&](const ScenePoses&) { return world_from_static[i]; }));
 }
 
-// Ids and depth, which belong to pixel centres; in one pass colour looked up there too.
-void Renderer::State::draw_image(const ScenePoses& poses, bool silhouettes) {
+// But its colour.
+void Renderer::State::clear_image() const {
   constexpr float kNothing[4] = {0, 0, 0, 0};
   constexpr unsigned kNoId[4] = {0, 0, 0, 0};
-  if (one_pass) cast_shadows(poses);
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.image);
-  if (one_pass) gl.ClearBufferfv(GL_COLOR, 0, sky.data());
   gl.ClearBufferuiv(GL_COLOR, 1, kNoId);
   gl.ClearBufferfv(GL_COLOR, 2, kNothing);
   gl.StencilMask(0xff);
   gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, 0, 0);  // together they are cleared in one go
+}
+
+// Ids and depth, which belong to pixel centres; in one pass colour looked up there too.
+void Renderer::State::draw_image(const ScenePoses& poses, bool silhouettes) {
+  if (one_pass) cast_shadows(poses);
+  clear_image();
+  if (one_pass) gl.ClearBufferfv(GL_COLOR, 0, sky.data());
   draw_bodies(one_pass ? all : geometry, {poses, {}}, silhouettes);
+}
+
+void Renderer::State::clear_depth(unsigned framebuffer) const {
+  constexpr float kNothing[4] = {0, 0, 0, 0}, kFarthest = 0;
+  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  gl.ClearBufferfv(GL_COLOR, 2, kNothing);
+  gl.ClearBufferfv(GL_DEPTH, 0, &kFarthest);
 }
 
 // What draw_image() makes of depth. Ids and stencil would cost a third more.
 void Renderer::State::draw_depth(const ScenePoses& poses) const {
-  constexpr float kNothing[4] = {0, 0, 0, 0}, kFarthest = 0;
-  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.depth);
-  gl.ClearBufferfv(GL_COLOR, 2, kNothing);
-  gl.ClearBufferfv(GL_DEPTH, 0, &kFarthest);
+  clear_depth(targets.depth);
   draw_bodies(geometry, {poses, {}}, false);
+}
+
+// A depth sensor brings its own light: neither sun nor shadow counts, but what mirrors the sun blinds it.
+// Only a lens needs ids.
+void Renderer::State::draw_returned(const ScenePoses& poses) const {
+  if (lens)
+    clear_image();
+  else
+    clear_depth(targets.returned);
+  gl.ClearBufferfv(GL_COLOR, 0, sky.data());
+  draw_bodies(returned, {poses, {}}, false);
 }
 
 // A depth just behind the nearest surfaces, beyond which no colour needs to be made: it decides nothing else,
@@ -362,10 +395,12 @@ Renderer::Renderer(const Scene& scene, GlLibrary library) : state_(std::make_uni
   s.targets = make_render_targets(s.gl, s.camera.width, s.camera.height, samples > 1 ? samples : 0);
   s.one_pass = samples == 1 && color_steps(scene, 0).empty();
   s.is_multisampled = samples > 1;
-  s.geometry = s.prepare_pass(scene, ProgramOutput::geometry);
-  if (s.one_pass) s.all = s.prepare_pass(scene, ProgramOutput::all);
-  if (!s.one_pass) s.color = s.prepare_pass(scene, ProgramOutput::color);
-  if (!s.one_pass && !s.is_multisampled) s.hull = s.prepare_pass(scene, ProgramOutput::none);
+  const Light sunlight{scene.shadows, scene.ambient, drawn_gain(scene.imaging)};
+  s.geometry = s.prepare_pass(scene, ProgramOutput::geometry, sunlight);
+  if (s.one_pass) s.all = s.prepare_pass(scene, ProgramOutput::all, sunlight);
+  if (!s.one_pass) s.color = s.prepare_pass(scene, ProgramOutput::color, sunlight);
+  if (!s.one_pass && !s.is_multisampled) s.hull = s.prepare_pass(scene, ProgramOutput::none, sunlight);
+  if (scene.depth_noise.delay_s > 0) s.returned = s.prepare_pass(scene, ProgramOutput::all, {});
   s.gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   s.gl.DepthFunc(GL_GREATER);
   s.gl.FrontFace(GL_CW);  // rows run down here, up in OpenGL: what is counter-clockwise turns
@@ -396,6 +431,15 @@ cv::Mat Renderer::depth_m(const ScenePoses& poses) {
     read_depth(s.gl, s.targets, depth_m);
   }
   return depth_m;
+}
+
+const RenderedFrame& Renderer::returned(const ScenePoses& poses) {
+  State& s = *state_;
+  s.context->make_current();
+  s.draw_returned(poses);
+  s.read_image_color(s.late.rgba);
+  s.lens ? s.read_geometry(s.late.ids, s.late.depth_m) : read_depth(s.gl, s.targets, s.late.depth_m);
+  return s.late;
 }
 
 std::string Renderer::device() const {

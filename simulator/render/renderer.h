@@ -38,7 +38,7 @@ struct RenderedFrame {
                  ///< returns, 255 all; 0 where nothing is
   cv::Mat ids;   ///< 16UC1: the object's id, 0 for the world and where nothing is
   cv::Mat depth_m;                  ///< 32FC1: z along the optical axis [m], 0 where nothing is
-  cv::Mat returning_rgba;           ///< rgba when depth was taken; empty: at the same time
+  cv::Mat returning_rgba;           ///< Renderer::returned, where depth comes late; empty: rgba
   std::vector<ObjectView> objects;  ///< in the scene's order
 };
 
@@ -73,6 +73,11 @@ class Renderer {
 
   /// The depth alone, as RenderedFrame has it.
   cv::Mat depth_m(const ScenePoses& poses);
+
+  /// Depth, and as colour what surfaces return of a depth sensor's own light: their own colour whatever the
+  /// sun does, beside the fourth channel. For scenes with depth that comes late (DepthNoise::delay_s). The
+  /// images are the renderer's own, until the next call.
+  const RenderedFrame& returned(const ScenePoses& poses);
 
   /// What draws, in the words of OpenGL: "llvmpipe (LLVM ...)" or a graphics card.
   std::string device() const;

@@ -157,6 +157,26 @@ TEST(Highlights, AreNoneInShadow) {
   EXPECT_EQ(pixel[3], 204);  // of 255, 0.8
 }
 
+TEST(DepthReturn, IsOfSurfacesOwnColourInSunAndShadow) {
+  Scene scene = ground();
+  scene.objects = {white_box(1, {0.2, 0.3, 0.2}, {0, 0, 0.2})};
+  scene.objects[0].meshes[0].depth_return = 0.4f;
+  scene.imaging.gain = 0.5;
+  scene.depth_noise.delay_s = 0.1;
+  Mesh& floor = scene.world[0].meshes[0];
+  floor.color = Eigen::Vector3f::Constant(0.6f);
+  for (const bool lens : {false, true}) {
+    if (lens) scene.camera.distortion = {0.01, 0, 0, 0, 0};
+    Renderer renderer(scene);
+    const ScenePoses poses = poses_at(scene, 0);
+    ASSERT_LT(at(renderer.render(poses).rgba, 0.45, 0), at(renderer.render(poses).rgba, -0.45, 0));
+    const RenderedFrame& returned = renderer.returned(poses);
+    for (const double x_m : {-0.45, 0.45}) EXPECT_EQ(at(returned.rgba, x_m, 0), std::lround(255 * 0.6f));
+    EXPECT_EQ(at(returned.rgba, 0, 0), 255);
+    EXPECT_EQ(cv::countNonZero(returned.depth_m != renderer.depth_m(poses)), 0);
+  }
+}
+
 TEST(DepthReturn, IsTheFourthChannel) {
   Scene scene = white_square();
   for (const float share : {0.0f, 0.4f, 1.0f}) {
