@@ -71,8 +71,7 @@ void discard_other_work(const Scene& scene, const std::string& key, const Pendin
 constexpr std::string_view kNoDepth = "no depth\n";  // in the frames' log, after a frame's visibility
 
 bool has_faint(const Scene& scene) {
-  return scene.depth_noise.dark_dropout > 0 ||
-         any_mesh(scene, [](const Mesh& mesh) { return mesh.depth_return < 1; });
+  return any_mesh(scene, [](const Mesh& mesh) { return mesh.depth_return < 1; });
 }
 
 // What a worker has to draw and write frames with, and what it does with one.
@@ -83,7 +82,7 @@ struct FrameMaker {
   FrameWriter writer;
 
   // Replaces the depth by that of an earlier time, where it comes late. What surfaces return of it belongs to
-  // that time, too, and matters where some return less than others.
+  // that time, too: it costs a third more, and is drawn where some surface does not return all.
   void take_late_depth(double time_s, RenderedFrame& rendered) {
     if (scene.depth_noise.delay_s <= 0) return;
     const ScenePoses poses = poses_at(scene, time_s - scene.depth_noise.delay_s);
