@@ -30,7 +30,8 @@ struct LifecycleOptions {
   bool ends_outside = true;  // or where that leaves the image: nobody says how it goes on there
   bool ends_unplaced =
       true;  // or where nothing of it is seen and the prediction's sigma exceeds its longest radius
-  bool follows_points = true;  // without features it is sought where the middle of its points moved, too
+  bool weighs_evidence = true;  // a pose by features gives way to one that surface and motion speak for more
+  bool follows_points = true;   // without features it is sought where the middle of its points moved, too
 };
 
 /// What the quadric is fixed to.
@@ -123,6 +124,13 @@ class BodyEstimator {
                                                   const BodyObservation& body) const;
   Eigen::Vector3d body_center() const { return shape_.shape().body_from_object.translation; }
   void place_center(Pose& world_from_body, const Eigen::Vector3d& at) const;
+  std::vector<Pose> expected_at(const PerceivedFrame& frame, const BodyObservation& body) const;
+  std::vector<Disagreement> disagreements_of(const PerceivedFrame& frame, const BodyObservation& body,
+                                             const std::vector<Pose>& poses) const;
+  bool gives_way(const PerceivedFrame& frame, const BodyObservation& body,
+                 const Pose& camera_from_body) const;
+  std::optional<CloudAlignment> best_of(const PerceivedFrame& frame, const BodyObservation& body,
+                                        const std::vector<CloudAlignment>& ends) const;
   bool is_stale(const PerceivedFrame& frame) const;
   bool has_left(const PerceivedFrame& frame, const Pose& world_from_body, double sigma_m) const;
   PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame, std::int64_t since_ns) const;

@@ -100,6 +100,7 @@ void visit(Io& io, LifecycleOptions& o) {
   io.positive("lost_after_s", o.lost_after_s);
   io.flag("ends_outside", o.ends_outside);
   io.flag("ends_unplaced", o.ends_unplaced);
+  io.flag("weighs_evidence", o.weighs_evidence);
   io.flag("follows_points", o.follows_points);
 }
 

@@ -87,6 +87,13 @@ Vector6d line_row(const Camera& camera, const SupportLine& line, const Pose& cam
   return row;
 }
 
+// Of a pose away from where it was expected.
+double way_cost(const Pose& expected, const Pose& pose, const PoseSigmas& sigmas) {
+  const double shift = (pose.translation - expected.translation).norm() / sigmas.translation_m;
+  const double turn = expected.rotation.angularDistance(pose.rotation) / sigmas.rotation_rad;
+  return (shift * shift + turn * turn) / 2;
+}
+
 struct CauchyEquations : NormalEquations {
   double cost = 0;
 
@@ -152,6 +159,18 @@ class Aligner {
       if (2 * i > effort.iterations && step.norm() < kConverged) break;
     }
     return fit;
+  }
+
+  // Of cloud and outline; infinite where the body is not in front of the camera.
+  double surface_disagreement(const Pose& pose) const {
+    Fit fit;
+    fit.pose = pose;
+    CauchyEquations equations;
+    add_points(fit, options_.near_m, kFull.stride, equations);
+    if (!add_outline(fit, equations)) return std::numeric_limits<double>::infinity();
+    const double missing = (1 - fit.matched) * static_cast<double>(seen_.size());
+    return equations.cost +
+           kEvidence * missing * (cauchy_loss(options_.near_m / options_.point_sigma_m) - kUnmatched);
   }
 
   // Whether most of the points are where the body is: an outline alone fits a small body far away as well.
@@ -278,7 +297,7 @@ class Aligner {
     equations.information.diagonal().tail<3>().array() += r;
     equations.gradient.head<3>() += t * shift;
     equations.gradient.tail<3>() += r * turn;
-    return (t * shift.squaredNorm() + r * turn.squaredNorm()) / 2;
+    return way_cost(predicted_, pose, sigmas_);
   }
 
   const Camera& camera_;
@@ -368,6 +387,32 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
     return std::nullopt;
   return CloudAlignment{
       best.pose, best.information, best.matched, best.distance_m, aligner.distance_at(predicted), !known};
+}
+
+std::vector<Disagreement> disagreements(const Camera& camera, const BodyObservation& body,
+                                        const SurfaceModel& model,
+                                        const std::vector<LandmarkSighting>& sightings,
+                                        const PoseSolverOptions& solver, const std::vector<Pose>& expected,
+                                        const PoseSigmas& sigmas, const std::vector<Pose>& poses,
+                                        const CloudAlignmentOptions& options) {
+  std::optional<Aligner> aligner;
+  if (model.points.cols() >= kLeastModel)
+    aligner.emplace(camera, body, model, expected.front(), sigmas, options);
+  const double most = solver.gate_sigmas * solver.gate_sigmas;
+  std::vector<Disagreement> result;
+  for (const Pose& pose : poses) {
+    Disagreement d;
+    if (aligner) d.surface = aligner->surface_disagreement(pose);
+    d.way = std::numeric_limits<double>::infinity();
+    for (const Pose& from : expected) d.way = std::min(d.way, way_cost(from, pose, sigmas));
+    for (const LandmarkSighting& sighting : sightings) {
+      if (sighting.rim) continue;
+      const LinearisedSighting l = linearise(camera, sighting, pose, solver.pixel_sigma_px);
+      d.sightings += 0.5 * (l.valid ? std::min(most, l.residual.squaredNorm()) : most);
+    }
+    result.push_back(d);
+  }
+  return result;
 }
 
 Matrix6d surface_information(const Camera& camera, const BodyObservation& body, const Pose& camera_from_body,

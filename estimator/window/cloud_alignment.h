@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "core/geometry/camera.h"
 #include "core/geometry/pose.h"
@@ -9,6 +10,7 @@
 #include "estimator/factors/pose_jacobian.h"
 #include "estimator/factors/pose_prior.h"
 #include "estimator/observation/perception.h"
+#include "estimator/window/pose_solver.h"
 
 namespace uniquadric {
 
@@ -61,6 +63,23 @@ std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObs
                                              const SurfaceModel& model, const Pose& predicted,
                                              const PoseSigmas& sigmas, bool stale,
                                              const CloudAlignmentOptions& options);
+
+/// What a frame has against a pose, as halves of sums of squared sigmas: its cloud and outline about the
+/// known surface, the way from where the body was expected, and the sightings of its points.
+struct Disagreement {
+  double surface = 0, way = 0, sightings = 0;
+  double all() const { return surface + way + sightings; }
+};
+
+/// Of each of `poses` (camera_from_body). The body is expected at one of `expected`, with one of those
+/// sigmas. A point of the cloud without a partner counts as one at the end of its reach, a sighting off its
+/// point no more than one at the gate: those about the outline, which vouch for nothing, not at all.
+std::vector<Disagreement> disagreements(const Camera& camera, const BodyObservation& body,
+                                        const SurfaceModel& model,
+                                        const std::vector<LandmarkSighting>& sightings,
+                                        const PoseSolverOptions& solver, const std::vector<Pose>& expected,
+                                        const PoseSigmas& sigmas, const std::vector<Pose>& poses,
+                                        const CloudAlignmentOptions& options);
 
 /// What a frame's cloud and outline say of the pose of a body of known shape: of a right-hand perturbation of
 /// camera_from_body (translation, rotation vector). Normals are the shape's, as noise of measured ones would

@@ -71,44 +71,52 @@ void ShortWindow::start(const PerceivedFrame& frame, const BodyObservation& body
   add_keyframe(frame, std::move(features), world_from_body, shows_whole(body));
 }
 
-std::optional<BodyPose> ShortWindow::track(const PerceivedFrame& frame, const BodyObservation& body,
-                                           const Pose& predicted_world_from_body, bool search,
-                                           RandomStream& random) {
+std::vector<LandmarkSighting> ShortWindow::sightings(const BodyObservation& body) const {
   std::vector<LandmarkSighting> sightings;
-  std::vector<const Feature*> features;
-  for (const Feature& feature : body.features) {
-    const auto landmark = landmarks_.find(feature.track);
-    if (landmark == landmarks_.end()) continue;
-    sightings.push_back(sighting_of(feature, landmark->second));
-    features.push_back(&feature);
-  }
-  const Pose& world_from_camera = *frame.world_from_camera;
-  auto solution = search ? std::nullopt
-                         : solve_pose(camera_, sightings,
-                                      world_from_camera.inverse() * predicted_world_from_body, options_.pose);
-  const bool few = !solution || 2 * solution->inlier_count < std::ssize(sightings);
+  for (const Feature& feature : body.features)
+    if (const auto landmark = landmarks_.find(feature.track); landmark != landmarks_.end())
+      sightings.push_back(sighting_of(feature, landmark->second));
+  return sightings;
+}
+
+std::optional<PoseSolution> ShortWindow::find(const PerceivedFrame& frame, const BodyObservation& body,
+                                              const Pose& predicted_world_from_body, bool search,
+                                              RandomStream& random) const {
+  const std::vector<LandmarkSighting> seen = sightings(body);
+  auto solution =
+      search ? std::nullopt
+             : solve_pose(camera_, seen, frame.world_from_camera->inverse() * predicted_world_from_body,
+                          options_.pose);
+  const bool few = !solution || 2 * solution->inlier_count < std::ssize(seen);
   if (few)
-    if (auto found = find_pose(camera_, sightings, options_.pose, random);
+    if (auto found = find_pose(camera_, seen, options_.pose, random);
         found && (!solution || found->inlier_count > solution->inlier_count))
       solution = std::move(found);
-  if (!solution) return std::nullopt;
+  return solution;
+}
 
+BodyPose ShortWindow::take(const PerceivedFrame& frame, const BodyObservation& body,
+                           const PoseSolution& solution) {
   BodyPose result;
-  result.world_from_body = world_from_camera * solution->camera_from_body;
+  result.world_from_body = *frame.world_from_camera * solution.camera_from_body;
   result.world_from_body.rotation.normalize();
   result.sighted = result.world_from_body;
-  result.information = solution->information;
+  result.information = solution.information;
   // what is under a mask that is not known to be the body's may be another's
-  result.keyframe = body.silhouette && keyframe_is_due(frame, shows_whole(body), solution->camera_from_body,
-                                                       solution->inlier_count);
+  result.keyframe = body.silhouette && keyframe_is_due(frame, shows_whole(body), solution.camera_from_body,
+                                                       solution.inlier_count);
   std::vector<Feature> kept;
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    BodyPoint& landmark = landmarks_.at(features[i]->track);
-    if (solution->inliers[i]) {
+  auto is_inlier_of = solution.inliers.begin();
+  for (const Feature& feature : body.features) {
+    const auto known = landmarks_.find(feature.track);
+    if (known == landmarks_.end()) continue;
+    BodyPoint& landmark = known->second;
+    const bool agrees = *is_inlier_of++;
+    if (agrees) {
       landmark.last_frame = frame.frame;
-      kept.push_back(*features[i]);
+      kept.push_back(feature);
     }
-    if (result.keyframe) landmark.misses = solution->inliers[i] ? 0 : landmark.misses + 1;
+    if (result.keyframe) landmark.misses = agrees ? 0 : landmark.misses + 1;
   }
   if (!result.keyframe) return result;
   forget_missed();

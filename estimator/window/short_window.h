@@ -66,10 +66,17 @@ class ShortWindow {
   /// in view are kept.
   void start(const PerceivedFrame& frame, const BodyObservation& body, const Pose& world_from_body);
 
-  /// The body's pose in this frame, from the points known, and a keyframe where one is due. Nothing when too
-  /// few points are seen again. `search`: without trust in the prediction.
-  std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body,
-                                const Pose& predicted_world_from_body, bool search, RandomStream& random);
+  /// The sightings of points that are known.
+  std::vector<LandmarkSighting> sightings(const BodyObservation& body) const;
+
+  /// The body's pose in this frame from the points known. Nothing when too few are seen again. `search`:
+  /// without trust in the prediction.
+  std::optional<PoseSolution> find(const PerceivedFrame& frame, const BodyObservation& body,
+                                   const Pose& predicted_world_from_body, bool search,
+                                   RandomStream& random) const;
+
+  /// Goes on from the pose that find() found in the same frame, with a keyframe where one is due.
+  BodyPose take(const PerceivedFrame& frame, const BodyObservation& body, const PoseSolution& solution);
 
   /// What a body that is known to stand still may move by from keyframe to keyframe; nothing: it moves. From
   /// the next solution on.

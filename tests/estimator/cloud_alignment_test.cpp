@@ -232,5 +232,55 @@ TEST(CloudAlignment, OutlineDoesNotPutABodyBehindItsPoints) {
   EXPECT_FALSE(align());
 }
 
+// Sightings of points of the body, as seen from a pose of it.
+std::vector<LandmarkSighting> sightings_at(const Scene& scene, const Pose& camera_from_body, int count) {
+  std::vector<LandmarkSighting> sightings;
+  for (int k = 0; k < count; ++k) {
+    LandmarkSighting s;
+    s.point_in_body = scene.body.points.col(7 * k);
+    const Eigen::Vector3d seen = camera_from_body * s.point_in_body;
+    s.pixel = *scene.perception.camera.project(seen);
+    s.depth_m = seen.z();
+    s.depth_sigma_m = 0.002;
+    s.point_sigma_m = 0.001;
+    sightings.push_back(s);
+  }
+  return sightings;
+}
+
+// A few sightings that agree on a place where the body is not, as those of a highlight, are outweighed by
+// surface, outline and the way there. Many are not.
+TEST(CloudAlignment, WeighsSightingsAgainstSurfaceOutlineAndWay) {
+  const Scene scene;
+  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000), {}};
+  const Pose& truth = scene.camera_from_body;
+  const Pose wrong = moved(truth, {0.12, 0.05, 0}, {0, 0, 0});
+  for (const int count : {6, 40}) {
+    const auto against =
+        disagreements(scene.perception.camera, scene.seen(), model, sightings_at(scene, wrong, count), {},
+                      {truth}, {0.02, 0.02}, {truth, wrong}, {});
+    ASSERT_EQ(against.size(), 2u);
+    EXPECT_LT(against[0].surface, 5);
+    EXPECT_EQ(against[0].way, 0);
+    EXPECT_NEAR(against[1].way, 0.5 * (0.13 * 0.13) / (0.02 * 0.02), 1e-6);
+    EXPECT_NEAR(against[1].sightings, 0, 1e-6);
+    EXPECT_EQ(against[0].sightings, count * 0.5 * 3.5 * 3.5);  // each at the gate
+    if (count == 6) EXPECT_LT(against[0].all() + 10, against[1].all());
+    if (count == 40) EXPECT_GT(against[0].all(), against[1].all() + 10);
+  }
+}
+
+// Those about the outline vouch for nothing.
+TEST(CloudAlignment, WeighsNoSightingsAboutTheOutline) {
+  const Scene scene;
+  const SurfaceModel model{scene.body.points.leftCols(2000), scene.body.normals.leftCols(2000), {}};
+  const Pose wrong = moved(scene.camera_from_body, {0.05, 0, 0}, {0, 0, 0});
+  auto sightings = sightings_at(scene, wrong, 10);
+  for (LandmarkSighting& s : sightings) s.rim = true;
+  const auto against = disagreements(scene.perception.camera, scene.seen(), model, sightings, {},
+                                     {scene.camera_from_body}, {0.02, 0.02}, {scene.camera_from_body}, {});
+  EXPECT_EQ(against.front().sightings, 0);
+}
+
 }  // namespace
 }  // namespace uniquadric

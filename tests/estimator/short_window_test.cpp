@@ -51,10 +51,11 @@ TEST(ShortWindow, ALandmarkThatIsGivenUpLeavesNoSightings) {
       seen.features[0].pixel.x() += 25;
       seen.features[0].depth_m = 0;
     }
-    const auto pose = window.track(body.frame(i), seen, Pose{}, false, random);
-    ASSERT_TRUE(pose);
-    ASSERT_TRUE(pose->keyframe);
-    EXPECT_LT(pose->world_from_body.translation.norm(), 1e-6);
+    const auto found = window.find(body.frame(i), seen, Pose{}, false, random);
+    ASSERT_TRUE(found);
+    const BodyPose pose = window.take(body.frame(i), seen, *found);
+    ASSERT_TRUE(pose.keyframe);
+    EXPECT_LT(pose.world_from_body.translation.norm(), 1e-6);
   }
   for (const BodyKeyframe& keyframe : window.keyframes())
     for (const Feature& feature : keyframe.features) EXPECT_NE(feature.track, 0) << keyframe.frame;
