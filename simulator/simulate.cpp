@@ -82,7 +82,7 @@ struct FrameMaker {
   FrameWriter writer;
 
   // Replaces the depth by that of an earlier time, where it comes late. What surfaces return of it belongs to
-  // that time, too: it costs a third more, and is drawn where some surface does not return all.
+  // that time, too: drawing it takes some ms more, and is left out where all surfaces return all.
   void take_late_depth(double time_s, RenderedFrame& rendered) {
     if (scene.depth_noise.delay_s <= 0) return;
     const ScenePoses poses = poses_at(scene, time_s - scene.depth_noise.delay_s);

@@ -18,8 +18,7 @@ constexpr PoseSigmas kSettleSigmas{0.01, 0.03};  // of a pose by features agains
 constexpr PoseSigmas kAnySigmas{1, 1.8};         // of what a frame does not tell: any turn is as likely
 constexpr PoseSigmas kStraySigmas{0.03, 0.1};    // of a pose that goes by a new face
 constexpr PoseSigmas kAgainSigmas{0.03, 0.1};    // of a trajectory where its poses were guessed
-constexpr double kClearly = 10;  // by which a pose must be likelier than another: as 20 of chi-square
-constexpr double kBack = 0.7;    // share of the points on the surface of before
+constexpr double kBack = 0.7;                    // share of the points on the surface of before
 constexpr double kSlid = 1.5,
                  kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
 constexpr double kLeastBase = 0.2, kMostBase = 0.6;  // [s] of the time that the velocity is taken from
@@ -230,40 +229,6 @@ std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const 
   return pose;
 }
 
-// camera_from_body of a body that goes on as before, comes to rest, or is where its points are.
-std::vector<Pose> BodyEstimator::expected_at(const PerceivedFrame& frame, const BodyObservation& body) const {
-  std::vector<Pose> expected = {predict(frame, nullptr), recent_.back().world_from_body};
-  if (const auto center = center_by_points(frame, body))
-    place_center(expected.emplace_back(expected.front()), *center);
-  for (Pose& pose : expected) pose = frame.world_from_camera->inverse() * pose;
-  return expected;
-}
-
-std::vector<Disagreement> BodyEstimator::disagreements_of(const PerceivedFrame& frame,
-                                                          const BodyObservation& body,
-                                                          const std::vector<Pose>& poses) const {
-  return disagreements(camera_, body, shape_.surface(), short_window_.sightings(body),
-                       options_.short_window.pose, expected_at(frame, body),
-                       prediction_sigmas_at(frame, recent_.back().stamp_ns), poses, options_.alignment);
-}
-
-// Whether all that is seen speaks for another pose than the features': few of them, as those of a highlight
-// or a shadow, may agree on a motion that is not the body's.
-bool BodyEstimator::gives_way(const PerceivedFrame& frame, const BodyObservation& body,
-                              const Pose& camera_from_body) const {
-  if (!options_.lifecycle.weighs_evidence || !body.silhouette || is_stale(frame)) return false;
-  const Disagreement own = disagreements_of(frame, body, {camera_from_body}).front();
-  if (own.surface + own.way < kClearly) return false;  // of what features do not say; they are at their best
-  std::vector<Pose> rivals;
-  for (const Pose& expected : expected_at(frame, body))
-    if (const auto rival =
-            align_to_cloud(camera_, body, shape_.surface(), expected,
-                           prediction_sigmas_at(frame, recent_.back().stamp_ns), false, options_.alignment))
-      rivals.push_back(rival->camera_from_body);
-  const auto theirs = disagreements_of(frame, body, rivals);
-  return std::ranges::any_of(theirs, [&](const Disagreement& d) { return d.all() + kClearly < own.all(); });
-}
-
 // Where the surface that is known says that the features have slid off it, it counts.
 void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose) {
   if (come_back(frame, body, pose.world_from_body)) {
@@ -343,31 +308,17 @@ std::optional<Eigen::Vector3d> BodyEstimator::center_by_points(const PerceivedFr
   return Eigen::Vector3d(last.world_from_body * body_center() + *middle - *last.middle);
 }
 
-std::optional<CloudAlignment> BodyEstimator::best_of(const PerceivedFrame& frame, const BodyObservation& body,
-                                                     const std::vector<CloudAlignment>& ends) const {
-  if (ends.empty()) return std::nullopt;
-  if (!options_.lifecycle.weighs_evidence || is_stale(frame))
-    return *std::ranges::max_element(ends, {}, &CloudAlignment::matched);
-  std::vector<Pose> poses;
-  for (const CloudAlignment& end : ends) poses.push_back(end.camera_from_body);
-  const auto against = disagreements_of(frame, body, poses);
-  return ends[std::ranges::min_element(against, {}, &Disagreement::all) - against.begin()];
-}
-
 // The body is in view and too few of its points are found again: its surface places it. When that goes on,
 // the short window starts anew from there. It may be on from the last pose, or where its points are.
 std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
   const bool stale = is_stale(frame);
   const SurfaceModel surface = shape_.surface();
-  const auto found_from = [&](const Pose& world_from_body, std::int64_t since_ns) {
-    return align_to_cloud(camera_, body, surface, frame.world_from_camera->inverse() * world_from_body,
-                          prediction_sigmas_at(frame, since_ns), stale, options_.alignment);
-  };
-  Pose predicted = predict(frame, &body);
   std::vector<CloudAlignment> ends;
   const auto try_from = [&](const Pose& world_from_body, std::int64_t since_ns) {
-    if (auto end = found_from(world_from_body, since_ns)) ends.push_back(*end);
+    const Pose start = frame.world_from_camera->inverse() * world_from_body;
+    if (const auto end = aligned_from(frame, body, surface, start, since_ns)) ends.push_back(*end);
   };
+  Pose predicted = predict(frame, &body);
   try_from(predicted, recent_.back().stamp_ns);
   if (!stale && options_.lifecycle.weighs_evidence)
     try_from(recent_.back().world_from_body, recent_.back().stamp_ns);
@@ -376,7 +327,7 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
     place_center(predicted, *center);
     try_from(predicted, stale ? sure_ns_ : recent_.back().stamp_ns);
   }
-  const auto found = best_of(frame, body, ends);
+  const auto found = best_of(frame, body, surface, ends);
   if (!found) return std::nullopt;
   BodyPose pose;
   pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);

@@ -125,11 +125,16 @@ class BodyEstimator {
   Eigen::Vector3d body_center() const { return shape_.shape().body_from_object.translation; }
   void place_center(Pose& world_from_body, const Eigen::Vector3d& at) const;
   std::vector<Pose> expected_at(const PerceivedFrame& frame, const BodyObservation& body) const;
+  std::optional<CloudAlignment> aligned_from(const PerceivedFrame& frame, const BodyObservation& body,
+                                             const SurfaceModel& surface, const Pose& camera_from_body,
+                                             std::int64_t since_ns) const;
   std::vector<Disagreement> disagreements_of(const PerceivedFrame& frame, const BodyObservation& body,
+                                             const SurfaceModel& surface,
                                              const std::vector<Pose>& poses) const;
   bool gives_way(const PerceivedFrame& frame, const BodyObservation& body,
                  const Pose& camera_from_body) const;
   std::optional<CloudAlignment> best_of(const PerceivedFrame& frame, const BodyObservation& body,
+                                        const SurfaceModel& surface,
                                         const std::vector<CloudAlignment>& ends) const;
   bool is_stale(const PerceivedFrame& frame) const;
   bool has_left(const PerceivedFrame& frame, const Pose& world_from_body, double sigma_m) const;

@@ -77,6 +77,30 @@ TEST(BodyEstimator, FollowsThePointsOfABodyThatIsThrown) {
   EXPECT_GT(largest_errors(perception, body, options, kThrown_s, without).translation_m, 0.2);
 }
 
+// Six sightings of a box at rest that agree on a motion of its own, as of a highlight that wanders over it.
+TEST(BodyEstimator, DoesNotFollowFewFeaturesThatLeaveTheSurface) {
+  const SyntheticBody body = box_body(kAxes, [](double) { return tumbling(0); });
+  const SyntheticOptions options = three_seconds();
+  SyntheticPerception perception = synthetic_perception({body}, options);
+  for (PerceivedFrame& frame : perception.frames) {
+    BodyObservation& seen = frame.bodies.at(0);
+    seen.motion.reset();
+    std::erase_if(seen.features, [](const Feature& f) { return f.track % 7 != 0; });
+    if (seen.features.size() > 6) seen.features.resize(6);
+    const double t = 1e-9 * static_cast<double>(frame.stamp_ns);
+    if (t < 1.5) continue;
+    const Eigen::Vector3d wanders_m(0.3, 0, 0);  // in the camera's frame, at once
+    for (Feature& feature : seen.features) {
+      const Eigen::Vector3d at = feature.depth_m * *perception.camera.unproject(feature.pixel) + wanders_m;
+      feature.pixel = *perception.camera.project(at);
+    }
+  }
+  BodyOptions without;
+  without.lifecycle.weighs_evidence = false;
+  EXPECT_LT(largest_errors(perception, body, options, 1.5).translation_m, 0.02);
+  EXPECT_GT(largest_errors(perception, body, options, 1.5, without).translation_m, 0.2);
+}
+
 // One exponent makes it a box or an egg.
 TEST(BodyEstimator, AndOfADisc) {
   const SyntheticBody disc = cylinder_body(0.25, 0.04, tumbling);

@@ -169,7 +169,8 @@ TEST(DepthReturn, IsOfSurfacesOwnColourInSunAndShadow) {
     if (lens) scene.camera.distortion = {0.01, 0, 0, 0, 0};
     Renderer renderer(scene);
     const ScenePoses poses = poses_at(scene, 0);
-    ASSERT_LT(at(renderer.render(poses).rgba, 0.45, 0), at(renderer.render(poses).rgba, -0.45, 0));
+    const cv::Mat& rgba = renderer.render(poses).rgba;
+    ASSERT_LT(at(rgba, 0.45, 0), at(rgba, -0.45, 0));
     const RenderedFrame& returned = renderer.returned(poses);
     for (const double x_m : {-0.45, 0.45}) EXPECT_EQ(at(returned.rgba, x_m, 0), std::lround(255 * 0.6f));
     EXPECT_EQ(at(returned.rgba, 0, 0), 255);
