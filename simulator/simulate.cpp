@@ -70,10 +70,6 @@ void discard_other_work(const Scene& scene, const std::string& key, const Pendin
 
 constexpr std::string_view kNoDepth = "no depth\n";  // in the frames' log, after a frame's visibility
 
-bool has_faint(const Scene& scene) {
-  return any_mesh(scene, [](const Mesh& mesh) { return mesh.depth_return < 1; });
-}
-
 // What a worker has to draw and write frames with, and what it does with one.
 struct FrameMaker {
   const Scene& scene;
@@ -86,7 +82,7 @@ struct FrameMaker {
   void take_late_depth(double time_s, RenderedFrame& rendered) {
     if (scene.depth_noise.delay_s <= 0) return;
     const ScenePoses poses = poses_at(scene, time_s - scene.depth_noise.delay_s);
-    if (!has_faint(scene)) {
+    if (!has_faint_surface(scene)) {
       rendered.depth_m = renderer.depth_m(poses);
       return;
     }

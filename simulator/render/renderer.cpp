@@ -4,14 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <cassert>
 #include <optional>
 
 #include "core/base/vector_clones.h"
 #include "simulator/render/box_pixels.h"
 #include "simulator/render/gpu_mesh.h"
 #include "simulator/render/lens.h"
-#include "simulator/render/program.h"
+#include "simulator/render/pass.h"
 #include "simulator/render/render_targets.h"
 #include "simulator/render/shadow_maps.h"
 #include "simulator/render/silhouettes.h"
@@ -20,40 +20,14 @@
 namespace uniquadric {
 namespace {
 
-constexpr float kNear_m =
-    0.01f;  // ours: nearer than any sensor focuses; with reversed Z it costs no precision
-
 // How far the hull lies behind the surfaces: a tenth of what their depth changes by in a pixel, and some last
 // places. Rounding errs by 1e-3 of the one, for depth is extrapolated from the image's corner, and by few of
 // the others.
 constexpr float kHullSlope = 0.1f, kHullPlaces = 64;
 
-// Depth runs from 1 at kNear_m to 0 at infinity. OpenGL's row 0 is our top row, and pixel (u, v) lies at
-// (u + 0.5, v + 0.5) of its window: hence c + 0.5.
-Eigen::Matrix4f clip_from_camera(const Camera& camera) {
-  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
-  clip(0, 0) = 2 * camera.fx / camera.width;
-  clip(0, 2) = 2 * (camera.cx + 0.5) / camera.width - 1;
-  clip(1, 1) = 2 * camera.fy / camera.height;
-  clip(1, 2) = 2 * (camera.cy + 0.5) / camera.height - 1;
-  clip(2, 3) = kNear_m;
-  clip(3, 2) = 1;
-  return clip.cast<float>();
-}
-
 // Of all that is drawn.
 double drawn_gain(const Imaging& imaging) {
   return imaging.changes_exposure() ? 1 : imaging.gain;
-}
-
-// Ids and depth are those of one time, and so what draws them.
-bool rolls_in(const Scene& scene, ProgramOutput output) {
-  const bool apart = output == ProgramOutput::color || output == ProgramOutput::none;
-  return apart && scene.imaging.rolling_shutter_s > 0;
-}
-
-bool has_shine(const Scene& scene) {
-  return any_mesh(scene, [](const Mesh& mesh) { return mesh.shine > 0; });
 }
 
 // Sums of `count` bytes each become their means. The product is exact: of sums below 2^16 and counts below
@@ -65,19 +39,6 @@ void divide_rounded(const std::vector<std::uint16_t>& sums, unsigned count, unsi
   for (std::size_t i = 0, end = sums.size(); i < end; ++i)
     means[i] = static_cast<unsigned char>((sum[i] + half) * inverse >> 24);
 }
-
-// What light surfaces are drawn in.
-struct Light {
-  bool shadows = false;
-  double ambient = 1, gain = 1;
-  bool shine = false;
-};
-
-// The programs that draw, each for meshes of its kind, and whether they know a rolling shutter.
-struct Pass {
-  unsigned matte = 0, shiny = 0;
-  bool rolls = false;
-};
 
 // camera_from_object when the middle row is exposed, and the image's upper and lower edge.
 struct Place {
@@ -122,8 +83,6 @@ struct Renderer::State {
   cv::Mat ideal_rgba, ideal_ids, ideal_m;  // of the lens
   std::vector<std::uint16_t> sums;
 
-  unsigned prepare_program(const Scene& scene, ProgramOutput output, const Light& light) const;
-  Pass prepare_pass(const Scene& scene, ProgramOutput output, Light light) const;
   void upload(const Scene& scene);
   void draw_image(const ScenePoses& poses, bool silhouettes);
   void draw_returned(const ScenePoses& poses) const;
@@ -137,48 +96,11 @@ struct Renderer::State {
   bool has_shadows_of(const std::vector<Pose>& poses) const;
   void draw_body(const Pass& pass, const GpuBody& body, const Place& place) const;
   bool is_beside_image(const GpuMesh& mesh, const Place& place) const;
-  void set_rows(const Camera& seen) const;
   void read_image_color(cv::Mat& rgba);
   void read_geometry(cv::Mat& ids, cv::Mat& depth_m);
   void expose(const std::vector<ColorStep>& steps);
   std::vector<ObjectView> view_objects(const ScenePoses& poses, const cv::Mat& ids);
 };
-
-unsigned Renderer::State::prepare_program(const Scene& scene, ProgramOutput output,
-                                          const Light& light) const {
-  const bool rolls = rolls_in(scene, output);
-  const unsigned program = make_program(gl, output, {light.shadows, light.shine, rolls});
-  gl.UseProgram(program);
-  const Eigen::Matrix4f clip = clip_from_camera(camera);
-  gl.UniformMatrix4fv(uniform_clip_from_camera, 1, GL_FALSE, clip.data());
-  gl.Uniform1f(uniform_ambient, static_cast<float>(light.ambient));
-  gl.Uniform1f(uniform_gain, static_cast<float>(light.gain));
-  if (rolls) set_rows(scene.camera);
-  return program;
-}
-
-// Where rows are in the image that the sensor exposes, behind its lens.
-void Renderer::State::set_rows(const Camera& seen) const {
-  const double steepest = lens ? lens->steepest : std::numeric_limits<float>::max();
-  const auto& [k1, k2, p1, p2, k3] = seen.distortion;
-  const Eigen::Vector3f row = Eigen::Vector3d(2 * seen.fy / seen.height,
-                                              2 * (seen.cy + 0.5) / seen.height - 1, steepest)
-                                  .cast<float>(),
-                        radial = Eigen::Vector3d(k1, k2, k3).cast<float>(),
-                        tangential = Eigen::Vector3d(p1, p2, 0).cast<float>();
-  gl.Uniform3fv(uniform_row, 1, row.data());
-  gl.Uniform3fv(uniform_lens_radial, 1, radial.data());
-  gl.Uniform3fv(uniform_lens_tangential, 1, tangential.data());
-}
-
-// Highlights cost a fifth of all that makes colour: where there are none, a program without them draws.
-Pass Renderer::State::prepare_pass(const Scene& scene, ProgramOutput output, Light light) const {
-  const bool lit = output == ProgramOutput::all || output == ProgramOutput::color;
-  const unsigned matte = prepare_program(scene, output, light);
-  light.shine = true;
-  return {matte, lit && has_shine(scene) ? prepare_program(scene, output, light) : matte,
-          rolls_in(scene, output)};
-}
 
 void Renderer::State::upload(const Scene& scene) {
   const auto upload_one = [&](const Body& body) {
@@ -395,12 +317,15 @@ Renderer::Renderer(const Scene& scene, GlLibrary library) : state_(std::make_uni
   s.targets = make_render_targets(s.gl, s.camera.width, s.camera.height, samples > 1 ? samples : 0);
   s.one_pass = samples == 1 && color_steps(scene, 0).empty();
   s.is_multisampled = samples > 1;
+  const auto pass = [&](ProgramOutput output, const Light& light) {
+    return make_pass(s.gl, scene, s.camera, s.lens ? &*s.lens : nullptr, output, light);
+  };
   const Light sunlight{scene.shadows, scene.ambient, drawn_gain(scene.imaging)};
-  s.geometry = s.prepare_pass(scene, ProgramOutput::geometry, sunlight);
-  if (s.one_pass) s.all = s.prepare_pass(scene, ProgramOutput::all, sunlight);
-  if (!s.one_pass) s.color = s.prepare_pass(scene, ProgramOutput::color, sunlight);
-  if (!s.one_pass && !s.is_multisampled) s.hull = s.prepare_pass(scene, ProgramOutput::none, sunlight);
-  if (scene.depth_noise.delay_s > 0) s.returned = s.prepare_pass(scene, ProgramOutput::all, {});
+  s.geometry = pass(ProgramOutput::geometry, sunlight);
+  if (s.one_pass) s.all = pass(ProgramOutput::all, sunlight);
+  if (!s.one_pass) s.color = pass(ProgramOutput::color, sunlight);
+  if (!s.one_pass && !s.is_multisampled) s.hull = pass(ProgramOutput::none, sunlight);
+  if (scene.depth_noise.delay_s > 0 && has_faint_surface(scene)) s.returned = pass(ProgramOutput::all, {});
   s.gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   s.gl.DepthFunc(GL_GREATER);
   s.gl.FrontFace(GL_CW);  // rows run down here, up in OpenGL: what is counter-clockwise turns
@@ -435,6 +360,7 @@ cv::Mat Renderer::depth_m(const ScenePoses& poses) {
 
 const RenderedFrame& Renderer::returned(const ScenePoses& poses) {
   State& s = *state_;
+  assert(s.returned.matte);
   s.context->make_current();
   s.draw_returned(poses);
   s.read_image_color(s.late.rgba);

@@ -75,8 +75,8 @@ class Renderer {
   cv::Mat depth_m(const ScenePoses& poses);
 
   /// Depth, and as colour what surfaces return of a depth sensor's own light: their own colour whatever the
-  /// sun does, beside the fourth channel. For scenes with depth that comes late (DepthNoise::delay_s). The
-  /// images are the renderer's own, until the next call.
+  /// sun does, beside the fourth channel. For scenes with faint surfaces whose depth comes late
+  /// (has_faint_surface, DepthNoise::delay_s). The images are the renderer's own, until the next call.
   const RenderedFrame& returned(const ScenePoses& poses);
 
   /// What draws, in the words of OpenGL: "llvmpipe (LLVM ...)" or a graphics card.
