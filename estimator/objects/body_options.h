@@ -47,6 +47,7 @@ void visit(Io& io, ShapeOptions& o) {
   io.section("surface_cloud", [&](auto& inner) { visit(inner, o.surface); });
   io.section("axis_fusion", [&](auto& inner) { visit(inner, o.fusion); });
   io.positive("sphere_sigma", o.sphere_sigma, kSigmaOfRatio);
+  io.flag("plain_shapes", o.plain_shapes);
   io.number("search_keyframes", o.search_keyframes, 0, 1000);
 }
 

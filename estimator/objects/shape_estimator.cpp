@@ -22,7 +22,10 @@ constexpr double kClearlyBetter = 0.8;  // share of the cost below which another
 constexpr PoseSigmas kBoxSigmas{0.01, 0.02};  // of the box that most of Alg. 1's agree with
 constexpr int kEnoughSegmented = 3;           // views, without which carried outlines count
 constexpr double kLargestLook = 2;  // of its largest semi-axis: across a box's diagonal, and what is unseen
-constexpr double kClearGain = 10;   // and what it must be lower by besides: as 20 of chi-square, no chance
+constexpr double kEdge = 1.005;     // exponent of a sharp edge, which still has a normal
+constexpr SuperExponents kPlain[] = {{kEdge, kEdge, kEdge}, {2, kEdge, kEdge}, {2, 2, 2}};
+constexpr double kPlainGain = 20;  // cost by which free exponents have to fit better: views share their noise
+constexpr double kClearGain = 10;  // and what it must be lower by besides: as 20 of chi-square, no chance
 
 double median_depth(const Eigen::Matrix3Xd& points) {
   return upper_median(std::vector<double>(points.row(2).begin(), points.row(2).end()));
@@ -219,6 +222,7 @@ AxisFusionOptions ShapeEstimator::fusion() const {
 
 ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evidence, bool turns) const {
   LongWindowOptions options = options_.long_window;
+  options.held_exponents = plain_;
   DepthEvidence depth;
   if (options.surface_points) depth.surface_points = evidence.surface_points;
   depth.contacts = evidence.contacts;
@@ -234,6 +238,23 @@ ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evi
   ShapeSolution solution = solve_shape(camera_, views_, depth, axis_beliefs(), from, options);
   watch.stop(kLongWindowStage);
   return solution;
+}
+
+// Round edges and larger axes look much like sharp edges and smaller ones. Of what fits alike the simplest is
+// the likeliest: most of what is made is a box or a cylinder.
+void ShapeEstimator::choose_plain(ShapeSolution& best, const Evidence& evidence) {
+  const Shape start = best.shape;
+  double least = best.cost + kPlainGain;
+  std::optional<SuperExponents> chosen;
+  for (const SuperExponents& exponents : kPlain) {
+    plain_ = exponents;
+    ShapeSolution other = solve_from(start, evidence);
+    if (other.cost >= least) continue;
+    least = other.cost;
+    chosen = plain_;
+    best = std::move(other);
+  }
+  plain_ = chosen;
 }
 
 std::optional<Shape> ShapeEstimator::solve_by_extents() const {
@@ -260,6 +281,10 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
   if (window.contacts) evidence.contacts = contact_sides(views_);
   if (window.segmented_outlines) drop_beside_outlines(camera_, views_, evidence.surface_points);
   for (const ShapeView& view : views_) evidence.views.push_back(point_view(camera_, view));
+  if (searches && plain_) {
+    plain_.reset();
+    shape_.exponents = {};
+  }
   ShapeSolution best = solve_from(shape_, evidence);
   const auto is_clearly_better = [](const ShapeSolution& other, const ShapeSolution& before) {
     return other.cost < kClearlyBetter * before.cost - kClearGain;
@@ -288,6 +313,7 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
     if (held.cost < best.cost + kTurnGain) best = std::move(held);
   }
   turns_ = (turns_ + turns) % 3;
+  if (searches && options_.plain_shapes && window.exponents == 3) choose_plain(best, evidence);
   shape_ = window.extents ? with_seen_extents(best.shape, evidence.views, radius_m_, evidence.contacts)
                           : best.shape;
 }

@@ -26,6 +26,7 @@ struct ShapeOptions {
   // ours: of each semi-axis about the sphere's radius, relative: a face seen head-on says nothing of the
   // depth behind it; a centimetre of evidence outweighs it
   double sphere_sigma = 0.5;
+  bool plain_shapes = true;  // ours: a box, cylinder or ellipsoid where other exponents fit hardly better
   int search_keyframes =
       12;  // ours: for so many, and each so manyth, other starts are tried: Alg. 1's axes, turned ones
 };
@@ -76,6 +77,7 @@ class ShapeEstimator {
     std::vector<ContactSide> contacts;
   };
   ShapeSolution solve_from(const Shape& start, const Evidence& evidence, bool turns = true) const;
+  void choose_plain(ShapeSolution& best, const Evidence& evidence);
   std::optional<Shape> solve_by_extents() const;
   void solve(bool searches, const std::optional<Shape>& box);
 
@@ -83,9 +85,10 @@ class ShapeEstimator {
   Camera camera_;
   ShapeOptions options_;
   std::uint64_t seed_;
-  Shape shape_;          // z is the profile's axis
-  int turns_ = 0;        // of the axes' names since the start
-  double radius_m_ = 0;  // of the first sphere
+  Shape shape_;                          // z is the profile's axis
+  std::optional<SuperExponents> plain_;  // of the box, cylinder or ellipsoid that it is taken for
+  int turns_ = 0;                        // of the axes' names since the start
+  double radius_m_ = 0;                  // of the first sphere
   int keyframes_ = 0;
   std::vector<ShapeView> views_, waiting_;
   std::deque<AxisEstimate> axes_;  // of single keyframes by Alg. 1

@@ -133,12 +133,12 @@ Blocks make_blocks(const std::vector<ShapeView>& views, const Shape& start,
   for (const ShapeView& view : views) blocks.bodies.push_back(pose_block(view.world_from_body));
   blocks.offset = pose_block(start.body_from_object);
   blocks.axes = axes_block(start.semi_axes_m);
-  const bool fresh = start.exponents.outline == 2 && start.exponents.upper == 2;
-  const auto block = [&](double q) {
-    return exponent_block(options.exponents == 0 ? 2 : fresh ? kFirstExponent : q);
+  const SuperExponents q = options.held_exponents.value_or(start.exponents);
+  const bool fresh = !options.held_exponents && q.outline == 2 && q.upper == 2;
+  const auto block = [&](double exponent) {
+    return exponent_block(options.exponents == 0 ? 2 : fresh ? kFirstExponent : exponent);
   };
-  blocks.exponents = {block(start.exponents.outline), block(start.exponents.upper),
-                      block(start.exponents.lower)};
+  blocks.exponents = {block(q.outline), block(q.upper), block(q.lower)};
   return blocks;
 }
 
@@ -212,7 +212,7 @@ ceres::ResidualBlockId add_priors(ceres::Problem& problem, const std::vector<Axi
     problem.AddResidualBlock(
         axis_prior_factor(belief.semi_axes_m, belief.sigma_m, AxisScale::logarithmic).release(), nullptr,
         blocks.axes.data());
-  if (options.exponents == 0)
+  if (options.exponents == 0 || options.held_exponents)
     problem.SetParameterBlockConstant(blocks.exponents.data());
   else
     problem.AddResidualBlock(

@@ -55,6 +55,7 @@ struct LongWindowOptions {
   // ours: 0 is the ellipsoid (q = 2), 1 the superellipsoid, 3 the one whose outline and profiles along z have
   // exponents of their own
   int exponents = 3;
+  std::optional<SuperExponents> held_exponents;  // of a body that is known to be of this kind
   double profile_sigma = 0.02;    // ours: of three, by which the profiles above and below z = 0 differ
   double outline_sigma_px = 1.0;  // ours: of one tangent, docs/estimator/perception.md
   OutlineNoise outline_noise = OutlineNoise::given;

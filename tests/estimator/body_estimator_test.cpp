@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "body_run.h"
+#include "core/geometry/superquadric.h"
 
 namespace uniquadric {
 namespace {
@@ -178,6 +179,31 @@ TEST(BodyEstimator, ABlankCylinderAtRestDoesNotMove) {
   EXPECT_LT(std::sqrt(across.dot(turn * across)), 0.05);
   EXPECT_GT((R * state->shape.variances.tail<3>().cwiseSqrt().asDiagonal() * R.transpose() * axis).norm(),
             0.2);  // nor are its axes across
+}
+
+// A box or a cylinder of few centimetres. Of rounder edges and larger axes its outlines are hardly others.
+TEST(BodyEstimator, TakesWhatMayBeABoxForABox) {
+  SyntheticOptions options = three_seconds();
+  options.outline_sigma_px = 1.5;
+  options.point_sigma_m = 0.004;
+  BodyOptions free;
+  free.shape.plain_shapes = false;
+  for (const SyntheticBody& body : {box_body(0.2 * kAxes, tumbling), cylinder_body(0.03, 0.05, tumbling)})
+    EXPECT_LT(largest_errors(body, options, 1.5).axes_m,
+              0.95 * largest_errors(body, options, 1.5, free).axes_m);
+}
+
+TEST(BodyEstimator, AndLeavesAPillowItsRoundEdges) {
+  constexpr double kExponent = 1.5;
+  SyntheticBody pillow = ellipsoid_body(kAxes, tumbling);
+  for (Eigen::Index i = 0; i < pillow.points.cols(); ++i)
+    pillow.points.col(i) = superellipsoid_support_point(kAxes, kExponent, pillow.normals.col(i));
+  const SyntheticPerception perception = synthetic_perception({pillow}, three_seconds());
+  BodyEstimator estimator(1, perception.camera, {}, 1);
+  std::optional<BodyState> state;
+  for (const PerceivedFrame& frame : perception.frames) state = estimator.step(frame, &frame.bodies[0]);
+  const SuperExponents& q = state->shape.exponents;
+  for (const double exponent : {q.outline, q.upper, q.lower}) EXPECT_NEAR(exponent, kExponent, 0.15);
 }
 
 // Its axes come out a tenth to a half too long.
