@@ -15,12 +15,14 @@ using Eigen::Vector3d;
 // way-points
 constexpr int kStopsToRest = 40;
 constexpr double kRest_s = 0.1;
+constexpr double kGrip_m = 0.02;                                      // ours: of a hand, inside what it holds
 constexpr double kUsualWay_m = 0.4, kScreen_m[] = {0.45, 0.04, 0.4};  // hides what is put away behind it
 
-// The hand that holds it: an ellipsoid that sticks out of its lower side. It moves with the object.
-std::string held_by_hand(RandomStream& random, const Thing& thing, const std::string& motion) {
+// The hand at its lower side, whose fingers reach about it. It moves with the object.
+std::string held_by_hand(RandomStream& random, const Thing& thing, double hand_m, const std::string& motion) {
   const double side = random.below(2) ? 1 : -1;
-  const Vector3d at_m(0, side * 0.5 * thing.size_m.y(), -0.35 * thing.size_m.z());
+  const double apart_m = 0.5 * (thing.size_m.y() + hand_m) - std::min(kGrip_m, 0.5 * thing.size_m.y());
+  const Vector3d at_m(0, side * apart_m, -0.35 * thing.size_m.z());
   return motion + fmt::format("        - {{kind: static, position_m: {}, rpy_deg: [{}, 0, {}]}}\n",
                               yaml_vector(at_m), yaml_number(random.uniform(-40, 10), 1), side > 0 ? 0 : 180);
 }
@@ -62,9 +64,16 @@ Thing limb(const std::string& name, const std::string& primitive, const Vector3d
 void add_arm(RandomStream& random, const Thing& thing, const std::string& motion, SceneDraft& draft) {
   const Thing hand = limb("hand", "ellipsoid", {0.085, 0.13, 0.045});  // sizes: ours, about a man's
   const Thing forearm = limb("forearm", "cylinder", {0.075, 0.075, 0.28});
-  const std::string held = held_by_hand(random, thing, motion);
+  const std::string held = held_by_hand(random, thing, hand.size_m.y(), motion);
   draft.add_unscored(hand, held);
   draft.add_unscored(forearm, bends_behind(random, forearm, hand, held));
+}
+
+// A look is its seed's, which by default is each object's own.
+void give_look(Thing& thing, int seed) {
+  const std::string material = "material: {";
+  if (const std::size_t at = thing.keys.find(material); at != std::string::npos)
+    thing.keys.insert(at + material.size(), fmt::format("seed: {}, ", seed));
 }
 
 std::string stop_text(double time_s, const Vector3d& at_m, const Vector3d& rpy_deg, double hold_s) {
@@ -144,7 +153,10 @@ std::string handled_scene(RandomStream& random, const FamilyOptions& options) {
   Thing thing;
   for (int k = 0; k < count; ++k) {
     const bool is_twin = k > 0 && random.uniform() < 0.5;  // of the one before
-    if (!is_twin) thing = draw_thing(random, options);
+    if (!is_twin) {
+      thing = draw_thing(random, options);
+      give_look(thing, draft.next_id());
+    }
     const double x_m = count > 1 ? -0.45 + 0.9 * k / (count - 1) : 0;
     const Vector3d home_m(x_m, -0.3, kTable_m.z() + 0.5 * thing.size_m.norm() + 0.2);
     const auto motion = draft.add_drawn(thing, [&] { return draw_motion(random, thing, home_m, options); });

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/warning.h"
+#include "core/sequence/calibration.h"
 #include "simulator/scene/body_reader.h"
 #include "simulator/scene/motion_reader.h"
 
@@ -59,6 +60,8 @@ SceneDraft::SceneDraft(const FamilyOptions& options, const std::string& camera, 
     : options_(options), clear_m_(clear_m), camera_(options.lens + camera) {
   const ConfigNode node = ConfigNode::parse("camera:\n" + camera_, "family");
   std::vector<std::filesystem::path> files;  // remains empty: nothing recorded is drawn
+  if (const auto calibration = node.at("camera").find("calibration"))
+    sensors_.camera = read_camera(*calibration);
   sensors_.camera_motion = read_motion(node.at("camera").at("motion"), {Mover::camera, files});
 }
 

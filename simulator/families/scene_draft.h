@@ -50,6 +50,7 @@ class SceneDraft {
   void add_unscored(const Thing& thing, const std::string& motion);
 
   int count() const { return count_; }
+  int next_id() const { return next_id_; }
   /// `camera`, `world` and `objects`. Warns where fewer objects than FamilyOptions::count found a place, and
   /// throws InputError where none did.
   std::string text() const;

@@ -38,10 +38,11 @@ int Painter::count(double per_square_unit) const {
 }
 
 // OpenCV's 8-bit exact resize gives the same bytes on every machine.
-void add_value_noise(Painter& p, int octaves) {
+void add_value_noise(Painter& p) {
+  constexpr int kOctaves = 5;
   cv::Mat sum(p.image.size(), CV_16SC1, cv::Scalar(0));
   double strength = 60 * p.material.contrast;
-  for (int octave = 0, cell = 4 * p.unit; octave < octaves && cell >= 2;
+  for (int octave = 0, cell = 4 * p.unit; octave < kOctaves && cell >= 2;
        ++octave, cell /= 2, strength /= 1.6) {
     cv::Mat lattice(p.image.rows / cell + 2, p.image.cols / cell + 2, CV_8UC1), smooth, scaled;
     for (int i = 0; i < lattice.rows; ++i)

@@ -30,6 +30,6 @@ struct Painter {
 
 /// Adds smooth brightness noise at several scales: octaves of random lattices, each twice as fine as the last
 /// and weaker.
-void add_value_noise(Painter& painter, int octaves);
+void add_value_noise(Painter& painter);
 
 }  // namespace uniquadric

@@ -121,13 +121,13 @@ cv::Mat paint_texture(const Material& material, std::uint32_t part, double width
   // Each part leans to its own tone, so that one side is told from another.
   const double gain = 1 + 0.35 * material.contrast * p.random.uniform(-1, 1);
   p.image = cv::Mat(side_px(height_m), side_px(width_m), CV_8UC3, p.shade(material.color, gain));
-  if (!material.is_painted) return p.image;
-  if (material.amount != TextureAmount::none) add_style(p);
+  if (!material.is_painted || material.amount == TextureAmount::none) return p.image;
+  add_style(p);
   if (material.amount == TextureAmount::rich) {
     add_strokes(p, 0.12);
     add_speckle(p, 0.5);
   }
-  add_value_noise(p, material.amount == TextureAmount::none ? 2 : 5);
+  add_value_noise(p);
   return p.image;
 }
 

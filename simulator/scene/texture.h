@@ -15,7 +15,7 @@ inline constexpr std::array<std::string_view, 6> kTextureStyleNames = {"panels",
                                                                        "strokes", "planks", "bricks"};
 
 /// How many marks with corners a surface carries: as many as its style has and more, an eighth of its own,
-/// or none at all, just its tone with a little of smooth brightness noise.
+/// or none at all, just its tone.
 enum class TextureAmount { rich, sparse, none };
 
 struct Material {

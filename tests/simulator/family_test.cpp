@@ -143,6 +143,44 @@ TEST(Handled, SaysWhereAScenesFramesAreTooMany) {
   EXPECT_EQ(said, "handled: frames: no object finds a way clear of the rest for 20000 frames; set fewer");
 }
 
+TEST(Handled, TwinsLookAlikeAndOthersDoNot) {
+  int twins = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    const Scene scene = scene_of("handled", seed, {{"count", "3"}, {"frames", "1"}});
+    const Body* before = nullptr;
+    for (const Body& body : scene.objects) {
+      if (!body.is_scored) continue;
+      if (before && !body.meshes.empty()) {
+        const bool is_twin = body.semi_axes_m == before->semi_axes_m;
+        const cv::Mat &a = before->meshes[0].texture, &b = body.meshes[0].texture;
+        const bool looks_alike = a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
+        EXPECT_EQ(looks_alike, is_twin) << seed << " " << body.name;
+        twins += is_twin;
+      }
+      before = &body;
+    }
+  }
+  EXPECT_GT(twins, 3);
+}
+
+// Along the hand's longest axis, from its tip on.
+TEST(Handled, AHandReachesNoFurtherInThanItsGrip) {
+  int hands = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    const Scene scene = scene_of("handled", seed, {{"frames", "1"}});
+    for (std::size_t i = 1; i < scene.objects.size(); ++i) {
+      const Body &hand = scene.objects[i], &held = scene.objects[i - 1];
+      if (!hand.name.starts_with("hand")) continue;
+      const Pose held_from_hand = held.motion.at(0).inverse() * hand.motion.at(0);
+      const Eigen::Vector3d along = held_from_hand.rotation * Eigen::Vector3d(0, hand.semi_axes_m.y(), 0);
+      const double side_m = std::abs(held_from_hand.translation.y());
+      EXPECT_LT(held.semi_axes_m.y() - (side_m - std::abs(along.y())), 0.0201) << seed;
+      ++hands;
+    }
+  }
+  EXPECT_GT(hands, 5);
+}
+
 // A rest would change the scenes of results.
 TEST(Handled, RestsInNoSceneOfUsualLength) {
   EXPECT_EQ(generate_scene({"handled", 1, {{"difficulty", "1"}}}).find("hold_s"), std::string::npos);

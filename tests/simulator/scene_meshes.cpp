@@ -189,6 +189,12 @@ TEST(Textures, CarryCornersOnEverySurface) {
   EXPECT_EQ(textures, 6);
 }
 
+TEST(Textures, NoneIsAPlainTone) {
+  const Material material{.amount = TextureAmount::none, .seed = 5, .size_px = 64};
+  const cv::Mat painted = paint_texture(material, 0, 1, 1);
+  EXPECT_EQ(cv::norm(painted, cv::Mat(painted.size(), painted.type(), cv::mean(painted)), cv::NORM_INF), 0);
+}
+
 TEST(Textures, DependOnSeedAndPartAlone) {
   const Material material{.seed = 5, .size_px = 64};
   Material other = material;
