@@ -78,9 +78,9 @@ std::string read_run_config(const fs::path& estimate) {
   return (fs::exists(file) ? to_json(ConfigNode::load(file)) : json()).dump();
 }
 
-std::string scene_of(const fs::path& tracks) {
-  for (const char* name : {"run.yaml", "objects.yaml"}) {
-    const fs::path file = tracks / name;
+std::string scene_of(const fs::path& folder) {
+  for (const char* name : {"run.yaml", "objects.yaml", "sequence.yaml"}) {
+    const fs::path file = folder / name;
     if (!fs::exists(file)) continue;
     const ConfigNode root = ConfigNode::load(file);
     return root.is_map() ? root.get<std::string>("scene_hash", "") : "";

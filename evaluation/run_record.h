@@ -16,9 +16,9 @@ std::map<std::string, std::vector<double>> read_timing(const std::filesystem::pa
 /// strings.
 std::string read_run_config(const std::filesystem::path& estimate);
 
-/// The hash of the scene that a truth (objects.yaml) or an estimate (run.yaml) says it is of; empty where it
-/// does not say: recordings, and what other programs wrote.
-std::string scene_of(const std::filesystem::path& tracks);
+/// The hash of the scene that a truth (objects.yaml), an estimate (run.yaml) or a sequence (sequence.yaml)
+/// says it is of; empty where it does not say: recordings, and what other programs wrote.
+std::string scene_of(const std::filesystem::path& folder);
 
 /// A folder and the hash of the scene that it says it is of; empty where it does not say.
 struct SceneClaim {

@@ -81,7 +81,7 @@ std::string arc_markdown(const Results& results) {
     rule.push_back("---:");
   }
   std::string text =
-      "\n## 3D IoU against the arc of views\n"
+      "\n## IoU of ellipsoids against the arc of views\n"
       "Mean over the frames whose arc so far lies in an interval [deg], median over seeds. The arc is the "
       "largest "
       "angle between two directions from the object to the camera, in the true object's own frame.\n\n" +

@@ -72,8 +72,9 @@ std::string axes() {
   text += fmt::format(
       "<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">arc of views</text>\n",
       kLeft + kPlotWidth / 2, kTop + kPlotHeight + 33);
-  text += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">3D IoU</text>\n",
-                      kLeft + kPlotWidth, kTop - 12);
+  text += fmt::format(
+      "<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">IoU of ellipsoids</text>\n",
+      kLeft + kPlotWidth, kTop - 12);
   return text + fmt::format("<path class=\"wide\" d=\"M{:.1f} {:.1f}v{:.1f}\"/>\n", x_of(kWideArc_deg), kTop,
                             kPlotHeight);
 }
@@ -176,7 +177,7 @@ std::string arc_svg(const Results& results) {
   const Legend head = legend(variants, width);
   const double height = head.height + rows * kPanelHeight + kMargin;
   std::string text = svg_start(" xmlns=\"http://www.w3.org/2000/svg\"", width, height,
-                               "3D IoU of each object against the arc of views");
+                               "IoU of each object's ellipsoid against the arc of views");
   text += svg_ground(kRules, colour_rules) + head.text;
   for (std::size_t i = 0; i < panels.size(); ++i)
     text += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n{}</g>\n",
@@ -198,8 +199,9 @@ std::string arc_html(const Results& results) {
         i % kColours, escaped(variants[i]));
   text += "</p>\n<div class=\"arcs\">\n";
   for (const auto& of_object : panels_of(curves))
-    text += svg_start("", kPanelWidth, kPanelHeight, "3D IoU of an object against the arc of views") +
-            panel(of_object, variants) + "</svg>\n";
+    text +=
+        svg_start("", kPanelWidth, kPanelHeight, "IoU of an object's ellipsoid against the arc of views") +
+        panel(of_object, variants) + "</svg>\n";
   return text + "</div>";
 }
 

@@ -48,12 +48,17 @@ std::vector<Picture> read_pictures(const fs::path& folder) {
   return pictures;
 }
 
+// Of one picture the middle one: in the first no estimate has begun.
+std::vector<std::size_t> kept(const Gallery& gallery, std::size_t count) {
+  const std::size_t total = gallery.pictures.size();
+  if (count == 1 && total > 0) return {total / 2};
+  return evenly_spaced(total, std::min(count, total));
+}
+
 std::size_t size_of(const std::vector<Gallery>& galleries, std::size_t count) {
   std::size_t bytes = 0;
   for (const Gallery& gallery : galleries)
-    for (const std::size_t i :
-         evenly_spaced(gallery.pictures.size(), std::min(count, gallery.pictures.size())))
-      bytes += gallery.pictures[i].jpeg.size();
+    for (const std::size_t i : kept(gallery, count)) bytes += gallery.pictures[i].jpeg.size();
   return bytes;
 }
 
@@ -118,8 +123,7 @@ std::string page_images(const Results& results, const PageOptions& options) {
   json list = json::array();
   for (const Gallery& gallery : galleries) {
     json frames = json::array();
-    for (const std::size_t i :
-         evenly_spaced(gallery.pictures.size(), std::min(count, gallery.pictures.size())))
+    for (const std::size_t i : kept(gallery, count))
       frames.push_back({{"frame", gallery.pictures[i].frame}, {"jpeg", base64(gallery.pictures[i].jpeg)}});
     list.push_back({{"scene", gallery.cell->scene},
                     {"variant", gallery.cell->variant},

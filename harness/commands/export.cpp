@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/apart.h"
+#include "evaluation/run_record.h"
 #include "harness/commands/options.h"
 #include "harness/export/export.h"
 
@@ -33,6 +34,7 @@ void add_export(CLI::App& app, Common& common) {
     options.quiet = common.quiet;
     options.force = common.force;
     require_apart(out, {sequence, truth, estimate});
+    if (!estimate.empty()) require_one_scene({sequence, scene_of(sequence)}, {estimate, scene_of(estimate)});
     export_sequence(format, sequence, out, options);
   });
 }

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 fs::path fabricate(const TempFolder& folder, const std::string& commit, bool worse) {
   const fs::path results = folder.path() / commit.substr(0, 1);
   fabricate_results(results, {.frames = 20, .with_failure = worse});
-  write_text(results / "program.txt", "uniquadric 0.1.0, commit " + commit + "cdef0123\n");
+  write_text(results / "program.txt", "uniquadric 0.1.0, commit " + commit + "cdef0123, unchanged\n");
   write_report(results);
   return results;
 }

@@ -70,7 +70,7 @@ function start_ablation() {
   by_id("ablation").hidden = shown.length === 0;
   document.querySelector('nav a[href="#ablation"]').hidden = shown.length === 0;
   if (shown.length === 0) return;
-  ablation_state.metric = shown.find((m) => m.name === "iou3d_ellipsoid_mean") ?? shown[0];
+  ablation_state.metric = shown.find((m) => m.name === "iou3d_solid_mean") ?? shown.find((m) => m.name === "iou3d_ellipsoid_mean") ?? shown[0];
   chips(by_id("ablation-metrics"), "", shown, [ablation_state.metric], { text: (m) => (m.unit ? `${m.label} [${m.unit}]` : m.label),
     change: ([metric]) => { ablation_state.metric = metric; draw_ablation(); } });
   draw_ablation();

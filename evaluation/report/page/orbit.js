@@ -67,7 +67,9 @@ function on_key(event) {
 // Arrows and the blank bar move the time, unless something else has the keys.
 function on_time_key(event) {
   const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key], at = document.activeElement;
-  if (!motion_state.scene || by_id("viewer").open || event.ctrlKey || event.metaKey || event.altKey || (at && at !== document.body && at !== by_id("space-play"))) return;
+  if (!motion_state.scene || by_id("viewer").open || event.ctrlKey || event.metaKey || event.altKey) return;
+  const is_free = !at || at === document.body || at === by_id("space-play") || (at.tagName === "BUTTON" && step); // a blank presses a button
+  if (!is_free) return;
   if (step) (pause_motion(), show_motion_index(motion_state.index + step));
   else if (event.key === " " && at !== by_id("space-play")) motion_state.playing ? pause_motion() : play_motion();
   else return;
@@ -110,7 +112,7 @@ function follow(name) {
 function draw_motion_chips() {
   const scene = motion_state.scene, shown = distinct(motion.runs.filter((run) => run.scene === scene).map((run) => run.variant));
   chips(by_id("space-variants"), "in image and 3D", shown, motion_state.variants, { many: true, color: variant_color,
-    change: (chosen) => { motion_state.variants = new Set(chosen); draw_motion(); draw_readout(); } });
+    change: (chosen) => { Object.assign(motion_state, { variants: new Set(chosen), moved: true }); draw_motion(); draw_readout(); note_address(); } });
 }
 
 function start_motion() {

@@ -10,13 +10,15 @@ function time_rows() {
   });
 }
 
+const kLeast_ms = 0.05;
+
 function draw_times() {
   const rows = time_rows(), cost = (stage) => rows.reduce((sum, row) => sum + (row.stages[stage] ?? 0), 0);
-  const stages = distinct(rows.flatMap((row) => Object.keys(row.stages))).filter((stage) => stage !== "frame").sort((a, b) => cost(b) - cost(a));
+  const stages = distinct(rows.flatMap((row) => Object.keys(row.stages))).filter((stage) => stage !== "frame" && cost(stage) >= kLeast_ms).sort((a, b) => cost(b) - cost(a));
   by_id("times").hidden = rows.length === 0;
   document.querySelector('nav a[href="#times"]').hidden = rows.length === 0;
   const number = (tag, text) => el(tag, { class: "number" }, text);
-  by_id("times-table").tHead.replaceChildren(el("tr", {}, el("th", {}, "scene"), el("th", {}, "variant"), number("th", "whole [ms]"), ...stages.map((stage) => number("th", stage))));
-  by_id("times-table").tBodies[0].replaceChildren(...rows.map((row) => el("tr", {}, el("td", {}, row.scene), el("td", {}, row.variant),
-    ...["frame", ...stages].map((stage) => number("td", stage in row.stages ? format_figure(row.stages[stage]) : "–")))));
+  by_id("times-table").tHead.replaceChildren(el("tr", {}, el("th", {}, "variant"), number("th", "whole [ms]"), ...stages.map((stage) => number("th", stage))));
+  by_id("times-table").tBodies[0].replaceChildren(...rows.map((row) => el("tr", {}, el("td", {}, row.variant, el("small", {}, row.scene)),
+    ...["frame", ...stages].map((stage) => number("td", stage in row.stages ? row.stages[stage].toFixed(1) : "–")))));
 }

@@ -48,7 +48,7 @@ function proof_sentence(d) {
   const of = (verdict, p) => d.metrics.filter((c) => c.subjects === "objects" && c.verdict === verdict && c[p] !== null).map((c) => `${label(c)} (p ${format_short(c[p])})`);
   const gains = of("better", "p_better"), losses = d.metrics.filter((c) => c.subjects === "objects" && c.verdict === "worse").map(label);
   const pairs = Math.max(0, ...d.metrics.map((c) => c.pairs)), few = d.metrics.every((c) => c.verdict === "not judged");
-  if (few) return `${count_of(pairs, "pair")} of runs are too few for a proof over all objects.`;
+  if (few) return `Each object is judged by the gate's margin. For a test over all objects, ${count_of(pairs, "pair")} of runs are too few.`;
   return [gains.length ? `Proven over all objects, in ${count_of(pairs, "pair")} of runs: ${gains.join(", ")}.` : `No gain is proven over all objects, in ${count_of(pairs, "pair")} of runs.`,
     losses.length ? ` Worse: ${losses.join(", ")}.` : ""].join("");
 }
@@ -127,8 +127,19 @@ function weakest_line(variant) {
   const rows = object_rows(variant).filter((row) => iou_of(row) !== undefined);
   if (rows.length < 2) return [];
   const worst = rows.reduce((a, b) => (iou_of(b) < iou_of(a) ? b : a));
-  return [el("p", {}, "Its weakest: ", el("a", { href: object_hash(worst.scene, worst.object), click: () => setTimeout(show_worst, 100) }, worst.object),
-    ` in ${worst.scene}, ${iou_label(worst)} ${format_figure(iou_of(worst))}.`)];
+  return [el("p", {}, "Its weakest: ", el("a", { href: object_hash(worst.scene, worst.object), click: () => setTimeout(() => show_worst(worst.spread.iou3d_solid_mean ? "iou3d_solid" : "iou3d"), 100) }, worst.object),
+    ` in ${worst.scene}, ${iou_label(worst)} ${format_figure(iou_of(worst))}. The link opens its worst frame.`)];
+}
+
+// Where another variant models the surface better, each of its runs.
+function behind_line(winner) {
+  const score = (row) => row?.spread.surface_f1, found = [];
+  for (const row of object_rows(winner).filter(score)) {
+    const ahead = causal_variants.map((variant) => object_rows(variant).find((r) => r.scene === row.scene && r.object === row.object))
+      .filter((other) => score(other) && score(other).min > score(row).max).sort((a, b) => score(b).median - score(a).median)[0];
+    if (ahead) found.push(`${row.object} (${format_figure(score(row).median)}, ${ahead.variant} ${format_figure(score(ahead).median)})`);
+  }
+  return found.length ? [el("p", {}, `Another variant has the better surface F1 on ${found.slice(0, 3).join(", ")}${found.length > 3 ? ` and ${count_of(found.length - 3, "more object")}` : ""}.`)] : [];
 }
 
 function draw_verdict() {
@@ -136,7 +147,7 @@ function draw_verdict() {
   const duels = others.map((other) => duel(other, winner)).filter(Boolean);
   by_id("verdict").replaceChildren(...(duels.length ? duel_sentence(duels[0], true) : alone_sentence(winner)));
   by_id("verdict-more").replaceChildren(...(duels.length ? [el("p", {}, proof_sentence(duels[0])),
-    ...duels.filter((d, i) => i > 0 || d.count.better < d.count.all).map((d) => el("p", {}, ...duel_sentence(d, false)))].slice(0, 4) : []), ...weakest_line(winner));
+    ...duels.filter((d, i) => i > 0 || d.count.better < d.count.all).map((d) => el("p", {}, ...duel_sentence(d, false)))].slice(0, 4) : []), ...weakest_line(winner), ...behind_line(winner));
   draw_compared();
   draw_variant_lines();
 }

@@ -158,11 +158,11 @@ function show_motion_time(scene, time) {
   show_motion_index(nearest_index(motion_stamps(), scene_start_ns(scene) + time * 1e9), false);
 }
 
-// The moment at which the first shown run has the object's greatest APE.t.
-function show_worst() {
-  const run = motion_runs()[0], series = run && series_in(run, chart_state.object);
-  const values = series?.columns.ape_translation_m ?? [];
-  const worst = values.reduce((best, v, i) => (v !== null && (best < 0 || v > values[best]) ? i : best), -1);
+// The moment at which the first shown run has the object's greatest APE.t or, of another column, its least value.
+function show_worst(column = "ape_translation_m") {
+  const run = motion_runs()[0], series = run && series_in(run, chart_state.object), sign = column === "ape_translation_m" ? 1 : -1;
+  const values = series?.columns[column] ?? [];
+  const worst = values.reduce((best, v, i) => (v !== null && (best < 0 || sign * v > sign * values[best]) ? i : best), -1);
   if (worst >= 0) show_motion_time(motion_state.scene, (series.stamps_ns[worst] - scene_start_ns(motion_state.scene)) / 1e9);
 }
 
