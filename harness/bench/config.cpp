@@ -153,6 +153,7 @@ BenchScene read_item_of_scene(const ConfigNode& root, const ConfigNode& node,
     scene.seeds = {0};
     return scene;
   }
+  if (!node.has("scene")) node.fail("expected a key scene, recording or family");
   BenchScene scene = scene_of_file(root, node.at("scene"), seeds);
   scene.set = read_set(node);
   return scene;

@@ -54,7 +54,7 @@ void add_generate(CLI::App& app, Common& common) {
       ->required()
       ->check(CLI::IsMember(family_names()));
   sub->add_option("OUT", out, "the scene file (YAML)")->required();
-  sub->add_option("--seed", request.seed, "of all that is drawn")->check(whole_number());
+  sub->add_option("--seed", request.seed, "of all that is drawn; default: 0")->check(whole_number());
   add_set(sub, set,
           "difficulty (0 to 1), frames, count (of objects), realism, meshes (a folder), lidar (of a street)");
   add_force(sub, common)->description("replace a scene that generate wrote, unless it was edited");

@@ -39,7 +39,7 @@ CLI::App* subcommand(CLI::App& app, const std::string& name, const std::string& 
 }
 
 void add_set(CLI::App* sub, std::vector<std::string>& set, const std::string& what) {
-  sub->add_option("--set", set, "once for each key: " + what)
+  sub->add_option("--set", set, "once for each key, of which the last counts: " + what)
       ->allow_extra_args(false)
       ->option_text("KEY=VALUE");  // CLI11's own has "...", as if one option took several
 }

@@ -30,6 +30,7 @@ fs::path find_file(const ConfigNode& node) {
   const fs::path path = resolve_path(node);
   std::error_code too_long;
   if (fs::is_regular_file(path, too_long)) return path;
+  if (fs::is_directory(path, too_long)) node.fail(fmt::format("is a folder: {}", path.string()));
   const bool by_default =
       node.as<std::string>().starts_with("${UNIQUADRIC_DATA}") && !std::getenv("UNIQUADRIC_DATA");
   node.fail(fmt::format("no such file: {}{}", path.string(),

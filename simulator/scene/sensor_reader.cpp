@@ -61,6 +61,9 @@ void warn_of_other_models(const ConfigNode& depth_noise, const std::string& mode
   };
   warn_of("k", "proportional");
   for (const char* key : kStereoKeys) warn_of(key, "stereo");
+  for (const char* key : {"edge_dropout", "dark_dropout"})
+    if (model == "none" && depth_noise.has(key))
+      warn(fmt::format("{}: counts for nothing, for model none has all depth", depth_noise.at(key).place()));
 }
 
 void read_depth_noise(const ConfigNode& node, DepthNoise& noise) {
@@ -199,6 +202,7 @@ void warn_of_idle_keys(const ConfigNode& given, const Scene& scene) {
   const SegmenterNoise& segmenter = scene.segmenter;
   const Need needs[] = {
       {"image", "exposure_steps", "exposure_s above 0", scene.imaging.exposure_s > 0},
+      {"segmenter", "latency_sigma_s", "latency_s above 0", segmenter.latency_s > 0},
       {"segmenter", "leak_px", "leak_probability above 0", segmenter.leak_probability > 0},
       {"segmenter", "outage_s", "outage_every_s above 0", segmenter.outage_every_s > 0},
       {"segmenter", "boundary_length_px", "boundary_sigma_px above 0", segmenter.boundary_sigma_px > 0},
@@ -208,7 +212,10 @@ void warn_of_idle_keys(const ConfigNode& given, const Scene& scene) {
     const auto section = given.find(name);
     return section && section->is_map() ? section : std::nullopt;
   };
-  if (const auto depth_noise = section_of("depth_noise"))
+  const auto depth_noise = section_of("depth_noise");
+  if (depth_noise && !scene.depth)
+    warn(fmt::format("{}: counts for nothing, for it needs camera.depth", depth_noise->place()));
+  else if (depth_noise)
     warn_of_other_models(*depth_noise, name_of(scene.depth_noise.model));
   for (const Need& need : needs) {
     const auto section = section_of(need.section);
