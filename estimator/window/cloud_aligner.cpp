@@ -1,5 +1,7 @@
 #include "estimator/window/cloud_aligner.h"
 
+#include <pcl/kdtree/kdtree_flann.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -17,19 +19,8 @@ constexpr double kReach = 1.5;       // of a body that is not known all around, 
 constexpr double kAgreeing = 0.05;   // radii, by which points end inside the shape that they lie on
 constexpr double kConverged = 1e-5;  // [m], [rad]
 
-using Cloud = pcl::PointCloud<pcl::PointXYZ>;
-using Tree = pcl::KdTreeFLANN<pcl::PointXYZ>;
-
 pcl::PointXYZ to_pcl(const Eigen::Vector3d& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
-}
-
-Tree tree_of(const Eigen::Matrix3Xd& points) {
-  auto cloud = std::make_shared<Cloud>();
-  for (const auto& p : points.colwise()) cloud->push_back(to_pcl(p));
-  Tree tree;
-  tree.setInputCloud(cloud);
-  return tree;
 }
 
 double cauchy_loss(double residual) {
@@ -47,6 +38,16 @@ struct CauchyEquations : NormalEquations {
     gradient += weight * residual * row;
     cost += kNeighbourEvidence * cauchy_loss(residual);
   }
+};
+
+struct CloudAligner::Tree {
+  explicit Tree(const Eigen::Matrix3Xd& points) {
+    auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+    for (const auto& p : points.colwise()) cloud->push_back(to_pcl(p));
+    index.setInputCloud(cloud);
+  }
+
+  pcl::KdTreeFLANN<pcl::PointXYZ> index;
 };
 
 std::vector<SeenPoint> evenly_drawn(const BodyObservation& body, int most) {
@@ -92,10 +93,12 @@ CloudAligner::CloudAligner(const Camera& camera, const BodyObservation& body, co
       seen_(evenly_drawn(body, options.max_points)),
       is_colored_(body.colors.cols() > 0 && model.colors.cols() > 0),
       bounds_(model.points.rowwise().minCoeff(), model.points.rowwise().maxCoeff()),
-      tree_(tree_of(model.points)) {
+      tree_(std::make_unique<Tree>(model.points)) {
   std::copy_if(body.silhouette->support.begin(), body.silhouette->support.end(), std::back_inserter(lines_),
                [](const SupportLine& line) { return line.free; });
 }
+
+CloudAligner::~CloudAligner() = default;
 
 double CloudAligner::distance_at(const Pose& pose) const {
   CloudFit fit;
@@ -167,7 +170,7 @@ std::optional<int> CloudAligner::partner_of(const SeenPoint& seen, const Pose& b
   const Eigen::Vector3d position = body_from_camera * seen.position,
                         normal = body_from_camera.rotation * seen.normal;
   if (bounds_.squaredExteriorDistance(position) > reach_m * reach_m) return std::nullopt;
-  tree_.nearestKSearch(to_pcl(position), kPartners, indices, squared);
+  tree_->index.nearestKSearch(to_pcl(position), kPartners, indices, squared);
   for (std::size_t k = 0; k < indices.size() && squared[k] < reach_m * reach_m; ++k)
     if (model_.normals.col(indices[k]).dot(normal) >= options_.min_normal_cosine) return indices[k];
   return std::nullopt;

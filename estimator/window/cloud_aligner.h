@@ -1,10 +1,9 @@
 #pragma once
 
-#include <pcl/kdtree/kdtree_flann.h>
-
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -59,6 +58,8 @@ class CloudAligner {
   CloudAligner(const Camera& camera, const BodyObservation& body, const SurfaceModel& model,
                const Pose& predicted, const PoseSigmas& sigmas, const CloudAlignmentOptions& options);
 
+  ~CloudAligner();
+
   /// Of tangents that nothing cuts.
   std::ptrdiff_t lines() const { return std::ssize(lines_); }
 
@@ -101,7 +102,8 @@ class CloudAligner {
   std::vector<SupportLine> lines_;
   bool is_colored_;
   Eigen::AlignedBox3d bounds_;
-  pcl::KdTreeFLANN<pcl::PointXYZ> tree_;
+  struct Tree;
+  std::unique_ptr<Tree> tree_;  ///< of the model's points
 };
 
 }  // namespace uniquadric
