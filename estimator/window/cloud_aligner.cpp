@@ -29,7 +29,7 @@ double cauchy_loss(double residual) {
 
 }  // namespace
 
-struct CauchyEquations : NormalEquations {
+struct CloudAligner::CauchyEquations : NormalEquations {
   double cost = 0;
 
   void add(const Vector6d& row, double residual) {

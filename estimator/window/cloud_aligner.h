@@ -11,8 +11,6 @@
 
 namespace uniquadric {
 
-struct CauchyEquations;
-
 /// A point of a frame's cloud.
 struct SeenPoint {
   Eigen::Vector3d position, normal;  ///< camera frame
@@ -79,11 +77,14 @@ class CloudAligner {
   double color_cost(const Pose& pose, std::size_t stride) const;
 
  private:
-  /// A point of the body that is furthest along a tangent's normal, and how far it lies beyond the tangent.
+  // A point of the body that is furthest along a tangent's normal, and how far it lies beyond the tangent.
   struct OutlineEnd {
     Eigen::Vector3d position;  // camera frame
     double beyond_px = 0;
   };
+
+  struct CauchyEquations;
+  struct Tree;
 
   std::optional<int> partner_of(const SeenPoint& seen, const Pose& body_from_camera, double reach_m) const;
   void add_points(CloudFit& fit, double reach_m, std::size_t stride, CauchyEquations& equations) const;
@@ -102,8 +103,7 @@ class CloudAligner {
   std::vector<SupportLine> lines_;
   bool is_colored_;
   Eigen::AlignedBox3d bounds_;
-  struct Tree;
-  std::unique_ptr<Tree> tree_;  ///< of the model's points
+  std::unique_ptr<Tree> tree_;  // of the model's points
 };
 
 }  // namespace uniquadric

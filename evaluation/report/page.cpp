@@ -35,11 +35,9 @@ std::string inside_script(std::string json) {
 // The section with the curves over arcs; empty when there are none.
 std::string arc_section(const std::string& plots) {
   if (plots.empty()) return "";
-  return "<section id=\"arcs\">\n    <h2>IoU of ellipsoids against the arc of views</h2>\n    <p>How much of "
-         "an "
-         "object's size and place is known by how much of it was seen. The arc is the largest angle between "
-         "two "
-         "directions from the object to the camera so far, in the true object's own frame. "
+  return "<section id=\"arcs\">\n    <h2>IoU of ellipsoids against the arc of views</h2>\n    <p>How much "
+         "of an object's size and place is known by how much of it was seen. The arc is the largest angle "
+         "between two directions from the object to the camera so far, in the true object's own frame. "
          "Frames of a seed are averaged over 5 degrees. "
          "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees.</p>\n    " +
          plots + "\n  </section>";

@@ -86,15 +86,13 @@ TEST(ReadSensors, WarnsOfKeysThatCountForNothing) {
   const std::vector<std::array<std::string, 4>> cases = {
       {"image", "exposure_steps: 4", "exposure_s above 0", "exposure_s: 0.01"},
       {"segmenter", "leak_px: 40", "leak_probability above 0", "leak_probability: 0.1"},
-      {"segmenter", "latency_s: 0, latency_sigma_s: 0.1", "latency_s above 0", ""},
+      {"segmenter", "latency_sigma_s: 0.1, latency_s: 0", "latency_s above 0", ""},
       {"segmenter", "outage_s: 1", "outage_every_s above 0", "outage_every_s: 5"},
       {"segmenter", "boundary_length_px: 9, boundary_sigma_px: 0", "boundary_sigma_px above 0", ""},
       {"depth_noise", "registered: false", "a color_offset_m", "color_offset_m: 0.02"},
       {"depth_noise", "dark_level: 30", "dark_dropout above 0", "dark_dropout: 0.1"}};
   for (const auto& [section, idle, needs, met] : cases) {
-    const std::string first =
-        idle.starts_with("latency_s:") ? "latency_sigma_s" : idle.substr(0, idle.find(':'));
-    const std::string key = section + '.' + first;
+    const std::string key = section + '.' + idle.substr(0, idle.find(':'));
     const std::string text = said(section + ": {" + idle + "}");
     EXPECT_NE(text.find("scene.yaml:5: " + key + nothing + needs), std::string::npos) << text;
     EXPECT_EQ(std::ranges::count(text, '\n'), 1) << text;
