@@ -26,10 +26,10 @@ struct GrabcutOptions {
   static constexpr double depth_jump = 0.03;  // relative jump between neighbours that separates two bodies
 };
 
-/// The object in a box: depth far from the box's median and the planes seen around the box are background,
-/// GrabCut (Rother et al., SIGGRAPH 2004) decides the rest by colour, and the largest part without a jump in
-/// depth is kept, its holes filled. `rgb` CV_8UC3, `depth` CV_32FC1 [m, 0 none]; returns CV_8UC1 of their
-/// size, 255 on the object, all 0 where the box has no depth.
+/// The object in a box: depth far from the box's median is background, and what lies on a plane seen around
+/// the box and faces as that does. GrabCut (Rother et al., SIGGRAPH 2004) decides the rest by colour, and the
+/// largest part without a jump in depth is kept, its holes filled. `rgb` CV_8UC3, `depth` CV_32FC1 [m, 0
+/// none]; returns CV_8UC1 of their size, 255 on the object, all 0 where the box has no depth.
 cv::Mat grabcut_depth(const cv::Mat& rgb, const cv::Mat& depth, const Camera& camera, const BoxPrompt& box,
                       const GrabcutOptions& options, RandomStream& random);
 

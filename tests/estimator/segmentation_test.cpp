@@ -13,7 +13,6 @@
 #include "estimator/images/support_planes.h"
 #include "estimator/observation/outline.h"
 #include "estimator/segmentation/depth_parts.h"
-#include "estimator/segmentation/grabcut_depth.h"
 #include "estimator/segmentation/moving_parts.h"
 #include "tests/support/temp_folder.h"
 
@@ -27,71 +26,6 @@ SegmentationOptions from(const std::string& source) {
   SegmentationOptions options;
   options.source = source;
   return options;
-}
-
-// Least upright box around a mask, widened by 3 px as a detector's.
-BoxPrompt box_around(const cv::Mat& mask) {
-  int left = mask.cols, right = 0, top = mask.rows, bottom = 0;
-  for (int v = 0; v < mask.rows; ++v)
-    for (int u = 0; u < mask.cols; ++u)
-      if (mask.at<std::uint16_t>(v, u))
-        left = std::min(left, u), right = std::max(right, u), top = std::min(top, v),
-        bottom = std::max(bottom, v);
-  return {1, left - 3.0, top - 3.0, right - left + 7.0, bottom - top + 7.0};
-}
-
-TEST(GrabcutDepth, CutsABoxOffTheFloorItStandsOn) {
-  int cases = 0;
-  for (int i = 0; i < 3; ++i) {
-    RandomStream random(1, "image", i);
-    const BoxImage image = render_box(kCamera, scene_camera(5 * i), scene_box(5 * i), random);
-    cv::Mat depth;
-    image.depth.convertTo(depth, CV_32F, 1 / 5000.0);
-    const cv::Mat mask =
-        grabcut_depth(image.rgb, depth, kCamera, box_around(image.mask), GrabcutOptions{}, random);
-    // What is lost is the strip where the box stands: 2.5 cm of its height of 24 are within the floor's
-    // tolerance.
-    EXPECT_GT(mask_iou(mask, image.mask == 1), 0.88) << i;
-    EXPECT_LT(cv::countNonZero(mask & (image.mask == 0)), cv::countNonZero(mask) / 50) << i;
-    ++cases;
-  }
-  EXPECT_EQ(cases, 3);
-}
-
-TEST(GrabcutDepth, DepthDecidesWhereColourCannot) {
-  RandomStream random(2, "image");
-  const BoxImage image = render_box(kCamera, scene_camera(0), scene_box(0), random);
-  const cv::Mat grey(image.rgb.size(), CV_8UC3, cv::Scalar(128, 128, 128));
-  cv::Mat depth;
-  image.depth.convertTo(depth, CV_32F, 1 / 5000.0);
-  const cv::Mat mask = grabcut_depth(grey, depth, kCamera, box_around(image.mask), GrabcutOptions{}, random);
-  EXPECT_GT(mask_iou(mask, image.mask == 1), 0.7);  // its rim of a twentieth on each side may go to the floor
-}
-
-TEST(GrabcutDepth, ABoxWithoutDepthHasNoMask) {
-  RandomStream random(3, "image");
-  const cv::Mat rgb(240, 320, CV_8UC3, cv::Scalar(9, 9, 9)), depth = cv::Mat::zeros(240, 320, CV_32FC1);
-  EXPECT_EQ(cv::countNonZero(grabcut_depth(rgb, depth, kCamera, {1, 50, 50, 60, 60}, {}, random)), 0);
-}
-
-// Numbers that no int holds mean the same as a box that merely covers the whole image.
-TEST(GrabcutDepth, ABoxBeyondAllNumbersIsTheWholeImage) {
-  RandomStream random(5, "image");
-  const BoxImage image = render_box(kCamera, scene_camera(0), scene_box(0), random);
-  cv::Mat depth;
-  image.depth.convertTo(depth, CV_32F, 1 / 5000.0);
-  const auto mask_of = [&](const BoxPrompt& box) {
-    RandomStream own(6, "grabcut");
-    return grabcut_depth(image.rgb, depth, kCamera, box, {}, own);
-  };
-  const cv::Mat whole = mask_of({1, -1e6, -1e6, 2e6, 2e6});
-  EXPECT_GT(cv::countNonZero(whole), kCamera.width * kCamera.height / 2);
-  int boxes = 0;
-  for (const auto& [low, size] : {std::pair(-1e300, 2e300), std::pair(-8e307, 1.6e308)}) {
-    EXPECT_EQ(cv::countNonZero(mask_of({1, low, low, size, size}) != whole), 0) << low;
-    ++boxes;
-  }
-  EXPECT_EQ(boxes, 2);
 }
 
 TEST(SupportPlanes, AreFoundLargestFirst) {
