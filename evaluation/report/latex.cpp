@@ -14,6 +14,14 @@ std::string row_of(const std::vector<std::string>& cells) {
   return fmt::format("  {} \\\\\n", fmt::join(cells, " & "));
 }
 
+// The last word, or the unit, below the rest: figures are narrow.
+std::string head_of(const Metric& metric) {
+  std::string above = metric.label, below = *metric.unit ? fmt::format("[{}]", metric.unit) : "";
+  if (const auto space = above.rfind(' '); below.empty() && space != above.npos)
+    below = above.substr(space + 1), above.resize(space);
+  return fmt::format("\\shortstack[r]{{{}\\\\{{}}{}}}", latex_escaped(above), latex_escaped(below));
+}
+
 // Metrics that some row has.
 std::vector<const Metric*> shown_metrics(const std::vector<SummaryRow>& rows) {
   std::vector<const Metric*> metrics;
@@ -46,24 +54,30 @@ std::string latex_table(const std::vector<SummaryRow>& summary) {
   for (const SummaryRow& row : summary)
     if (row.object != "all" || row.good == 0) rows.push_back(row);
   const auto metrics = shown_metrics(rows);
-  std::vector<std::string> head = {"scene", "object", "variant", "runs"};
-  for (const Metric* metric : metrics)
-    head.push_back(
-        latex_escaped(*metric->unit ? fmt::format("{} [{}]", metric->label, metric->unit) : metric->label));
+  const bool is_whole = std::ranges::all_of(rows, [](const auto& row) { return row.good == row.runs; });
+  std::vector<std::string> head = {""};
+  if (!is_whole) head.emplace_back("runs");
+  for (const Metric* metric : metrics) head.push_back(head_of(*metric));
   std::string text = fmt::format("% Medians over seeds, by {}. Needs \\usepackage{{booktabs}}.\n", kProgram);
-  text += fmt::format("\\begin{{tabular}}{{lllr{}}}\n  \\toprule\n", std::string(metrics.size(), 'r'));
-  text += row_of(head) + "  \\midrule\n";
+  text += "{\\footnotesize\\setlength{\\tabcolsep}{2pt}\n";
+  text += fmt::format("\\begin{{tabular}}{{l{}}}\n  \\toprule\n", std::string(head.size() - 1, 'r'));
+  text += row_of(head);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const bool same = i > 0 && rows[i].scene == rows[i - 1].scene && rows[i].object == rows[i - 1].object;
-    if (i > 0 && !same) text += "  \\addlinespace\n";
-    std::vector<std::string> cells = {
-        same ? "" : latex_escaped(rows[i].scene), same ? "" : latex_escaped(rows[i].object),
-        latex_escaped(rows[i].variant), fmt::format("{}/{}", rows[i].good, rows[i].runs)};
+    if (!same)
+      text += fmt::format("  \\midrule\n  \\multicolumn{{{}}}{{l}}{{\\textit{{{}}}, {}}} \\\\\n", head.size(),
+                          latex_escaped(rows[i].object), latex_escaped(rows[i].scene));
+    const auto output = rows[i].variant.find('@');  // of the variant above it, where that is there
+    const bool is_below = same && output != std::string::npos &&
+                          rows[i - 1].variant.starts_with(rows[i].variant.substr(0, output));
+    std::vector<std::string> cells = {(is_below ? "\\quad " : "") +
+                                      latex_escaped(rows[i].variant.substr(is_below ? output : 0))};
+    if (!is_whole) cells.push_back(fmt::format("{}/{}", rows[i].good, rows[i].runs));
     for (const Metric* metric : metrics)
       cells.push_back(shown_figure(rows[i], metric->name, "--", {"\\textbf{", "}"}));
     text += row_of(cells);
   }
-  return text + "  \\bottomrule\n\\end{tabular}\n";
+  return text + "  \\bottomrule\n\\end{tabular}}\n";
 }
 
 }  // namespace uniquadric

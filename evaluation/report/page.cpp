@@ -39,7 +39,8 @@ std::string arc_section(const std::string& plots) {
          "of an object's size and place is known by how much of it was seen. The arc is the largest angle "
          "between two directions from the object to the camera so far, in the true object's own frame. "
          "Frames of a seed are averaged over 5 degrees. "
-         "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees.</p>\n    " +
+         "Lines: medians over seeds, bands: from the least to the greatest; dashed: 40 degrees. "
+         "The same as a file beside this page: <a href=\"iou3d_by_arc.svg\">iou3d_by_arc.svg</a>.</p>\n    " +
          plots + "\n  </section>";
 }
 

@@ -149,6 +149,14 @@
   show_motion_time(motion_state.scene, motion_time(70)); // as a pointer on a plot does
   seen.space.pointed = motion_state.index;
   seen.svg = chart_svg(charts[0], "APE <of> a & b");
+  const [group] = ablation_groups(ablation_state.metric.name), spreads = group.rows.map((row) => row.spread[ablation_state.metric.name]);
+  seen.ablation_svg = { drawing: ablation_svg(group, ablation_state.metric), circles: spreads.reduce((sum, s) => sum + s.values.length + 1, 0),
+    figures: document.querySelectorAll("#ablation figure").length, buttons: document.querySelectorAll("#ablation figure .save").length };
+  by_id("space-errors").click();
+  const reds = motion_runs().map((run) => reddest_m(run, chart_state.object)).filter((most) => most !== null);
+  seen.ramps = { text: by_id("space-ramps").textContent, shown: document.querySelectorAll("#space-ramps .ramp").length, expected: reds.length, most: format_figure(reds[0] ?? 0) };
+  by_id("space-errors").click();
+  seen.ramps.after = by_id("space-ramps").textContent;
   document.activeElement?.blur();
   document.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
   seen.space.stepped = motion_state.index;

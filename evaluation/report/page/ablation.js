@@ -53,10 +53,27 @@ function ablation_row({ variant, spread }, metric, axis_of) {
     el("span", {}, format_figure(s.mean)));
 }
 
-function ablation_figure({ scene, object, rows }, metric) {
+// The figure as a drawing for a paper.
+function ablation_svg({ scene, object, rows }, metric) {
+  const left = 170, plot = 300, line = 20, lower = metric.better === "lower", { at, marks } = ablation_axis(rows.map((row) => row.spread[metric.name]), lower);
+  const x = (value) => left + (plot * at(value)) / 100, bottom = 30 + line * rows.length;
+  const parts = [svg_text(0, 14, `${metric.label}${metric.unit ? ` [${metric.unit}]` : ""}, ${object} in ${scene}`, "start", ' font-weight="bold"'),
+    ...marks.flatMap((m) => [`<path d="M${x(m).toFixed(1)} 24V${bottom}" stroke="#ddd"/>`, svg_text(x(m), bottom + 14, Number(m.toPrecision(3)), "middle")])];
+  rows.forEach(({ variant, spread }, i) => {
+    const s = spread[metric.name], y = 34 + line * i, color = variant_color(variant), [low, high] = interval_of(s, lower).map(x);
+    parts.push(svg_text(left - 8, y + 4, variant, "end"), svg_text(left + plot + 8, y + 4, format_figure(s.mean), "start"));
+    if (s.interval !== null) parts.push(`<path d="M${low.toFixed(1)} ${y}H${high.toFixed(1)}" stroke="${color}" stroke-width="2"/>`);
+    parts.push(...s.values.map((v) => `<circle cx="${x(v).toFixed(1)}" cy="${y}" r="2.5" fill="none" stroke="${color}"/>`),
+      `<circle cx="${x(s.mean).toFixed(1)}" cy="${y}" r="4" fill="${color}"/>`);
+  });
+  return svg_drawing(0, left + plot + 60, bottom + 22, parts);
+}
+
+function ablation_figure(group, metric) {
+  const { scene, object, rows } = group, save = save_button(`${scene}_${object}_${metric.name}`, () => ablation_svg(group, metric));
   const axis_of = ablation_axis(rows.map((row) => row.spread[metric.name]), metric.better === "lower");
   const labels = axis_of.marks.map((m) => el("span", { style: `left:${axis_of.at(m)}%` }, String(Number(m.toPrecision(3)))));
-  return el("figure", {}, el("figcaption", {}, object, " ", el("small", {}, scene)), ...rows.map((row) => ablation_row(row, metric, axis_of)),
+  return el("figure", {}, el("figcaption", {}, object, " ", el("small", {}, scene), save), ...rows.map((row) => ablation_row(row, metric, axis_of)),
     el("div", { class: "ablation-row" }, el("span", {}), el("div", { class: "scale" }, ...labels), el("span", {})));
 }
 

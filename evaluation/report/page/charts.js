@@ -94,12 +94,19 @@ function chart_options(plot) {
   };
 }
 
+function svg_text(x, y, value, anchor, extra = "") {
+  const text = String(value).replaceAll("&", "&amp;").replaceAll("<", "&lt;");
+  return `<text x="${x.toFixed(1)}" y="${y.toFixed(1)}" text-anchor="${anchor}"${extra}>${text}</text>`;
+}
+
+const svg_drawing = (top, width, height, parts) =>
+  `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 ${top} ${width} ${height}" font-family="sans-serif" font-size="11" fill="#1d2126">${parts.join("")}</svg>\n`;
+
 // The chart as it stands, as a drawing for a paper: text stays text.
 function chart_svg(chart, title) {
-  const { chartArea: area, scales: { x, y }, width, height } = chart, head = 22, ink = "#1d2126", parts = [];
-  const text = (value) => String(value).replaceAll("&", "&amp;").replaceAll("<", "&lt;");
-  const label = (px, py, value, anchor) => parts.push(`<text x="${px.toFixed(1)}" y="${py.toFixed(1)}" text-anchor="${anchor}">${text(value)}</text>`);
-  parts.push(`<text x="${area.left}" y="${14 - head}" font-weight="bold">${text(title)}</text>`);
+  const { chartArea: area, scales: { x, y }, width, height } = chart, head = 22, parts = [];
+  const label = (px, py, value, anchor) => parts.push(svg_text(px, py, value, anchor));
+  parts.push(svg_text(area.left, 14 - head, title, "start", ' font-weight="bold"'));
   y.ticks.forEach((tick) => {
     const at = y.getPixelForValue(tick.value);
     parts.push(`<path d="M${area.left} ${at.toFixed(1)}H${area.right}" stroke="#ddd"/>`);
@@ -117,14 +124,21 @@ function chart_svg(chart, title) {
     label(area.left + 28, height + 16 + 16 * i, set.label, "start");
   });
   const bottom = height + 16 * chart.data.datasets.length + 8;
-  return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 ${-head} ${width} ${bottom + head}" font-family="sans-serif" font-size="11" fill="${ink}">${parts.join("")}</svg>\n`;
+  return svg_drawing(-head, width, bottom + head, parts);
 }
 
-function save_chart(chart, plot) {
-  const { scene, object } = chart_state, title = `${plot.title}${plot.unit ? ` [${plot.unit}]` : ""}, ${object} in ${scene}`;
-  const address = URL.createObjectURL(new Blob([chart_svg(chart, title)], { type: "image/svg+xml" }));
-  el("a", { href: address, download: `${scene}_${object}_${plot.column}.svg` }).click();
-  setTimeout(() => URL.revokeObjectURL(address), 1000);
+// Saves the drawing that `draw` makes.
+function save_button(name, draw) {
+  const save = () => {
+    const address = URL.createObjectURL(new Blob([draw()], { type: "image/svg+xml" }));
+    el("a", { href: address, download: `${name}.svg` }).click();
+    setTimeout(() => URL.revokeObjectURL(address), 1000);
+  };
+  return el("button", { type: "button", class: "save", title: "Save this plot as an SVG file", click: save }, "SVG");
+}
+
+function plot_title(plot) {
+  return `${plot.title}${plot.unit ? ` [${plot.unit}]` : ""}, ${chart_state.object} in ${chart_state.scene}`;
 }
 
 function draw_charts() {
@@ -136,7 +150,7 @@ function draw_charts() {
   by_id("charts").replaceChildren(...plots.map((plot, i) => {
     canvases[i].setAttribute("aria-label", `${plot.title} of ${chart_state.object} in ${chart_state.scene} over time`);
     return el("figure", {}, el("figcaption", {}, plot.title, " ", el("small", {}, plot.unit ? `[${plot.unit}]` : ""),
-        el("button", { type: "button", class: "save", title: "Save this plot as an SVG file", click: () => save_chart(charts[i], plot) }, "SVG")),
+        save_button(`${chart_state.scene}_${chart_state.object}_${plot.column}`, () => chart_svg(charts[i], plot_title(plot)))),
       el("div", { class: "plot" }, canvases[i]));
   }));
   if (plots.length === 0) by_id("charts").replaceChildren(el("p", {}, "No frames with results."));

@@ -41,7 +41,8 @@ function draw_lidar() {
   const canvases = shown.map((scene) => el("canvas", { role: "img", "aria-label": `Histogram of range errors in ${scene}` }));
   by_id("lidar-charts").replaceChildren(...shown.map((scene, i) => {
     const beyond = all.filter((r) => r.scene === scene).map((r) => `${format_figure((100 * r.beyond) / Math.max(1, r.matched))} %`);
-    return el("figure", {}, el("figcaption", {}, `Range error, ${scene} `, el("small", {}, `cells of 1 cm; beyond the plot: ${beyond.join(", ")}`)),
+    return el("figure", {}, el("figcaption", {}, `Range error, ${scene} `, el("small", {}, `cells of 1 cm; beyond the plot: ${beyond.join(", ")}`),
+        save_button(`${scene}_range_error`, () => chart_svg(lidar_charts[i], `Range error [m], ${scene}`))),
       el("div", { class: "plot" }, canvases[i]));
   }));
   lidar_charts = shown.map((scene, i) => lidar_chart(canvases[i], all.filter((r) => r.scene === scene)));

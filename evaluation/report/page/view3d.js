@@ -29,11 +29,16 @@ const bodies_at = (scene, index, truths, runs) => [...truths.flatMap((truth) => 
   ...runs.flatMap((run) => tracks_of(run).flatMap((t) => track_body(scene, index, t, variant_color(run.variant), run.variant)))];
 const motion_bodies = () => bodies_at(motion_state.scene, motion_state.index, motion_truths(), motion_runs());
 
-// From the variant's colour to red: half of the object's 90th percentile of APE.t is in the middle.
+// The object's 90th percentile of APE.t, which is red; null where it has none.
+function reddest_m(run, object) {
+  const known = (series_in(run, object)?.columns.ape_translation_m ?? []).filter((v) => v !== null).sort((a, b) => a - b);
+  return known[Math.floor(0.9 * (known.length - 1))] || null;
+}
+
+// From the variant's colour, of no error, to red.
 function error_colors(run, track) {
-  const series = series_in(run, track.object), values = series?.columns.ape_translation_m;
-  if (!values) return null;
-  const known = values.filter((v) => v !== null).sort((a, b) => a - b), most = known[Math.floor(0.9 * (known.length - 1))] || 1;
+  const series = series_in(run, track.object), values = series?.columns.ape_translation_m, most = reddest_m(run, track.object);
+  if (most === null) return null;
   const from = new THREE.Color(variant_color(run.variant)), to = new THREE.Color(css("--bad"));
   return motion_stamps().map((stamp) => {
     const at = nearest_index(series.stamps_ns, stamp);
@@ -125,7 +130,15 @@ function figures_at(run, object) {
   return (column) => { const values = series.columns[column]; return values ? values[values.length === 1 ? 0 : at] : null; };
 }
 
+// What the colours of the errors of the object of the plots mean: a ramp for each shown run.
+function draw_error_scale() {
+  const object = chart_state.object, runs = motion_state.by_error ? motion_runs().filter((run) => reddest_m(run, object) !== null) : [];
+  by_id("space-ramps").replaceChildren(...runs.map((run) => el("span", {}, `APE.t of ${object}: 0 `,
+    el("i", { class: "ramp", style: `background:linear-gradient(90deg,${variant_color(run.variant)},${css("--bad")})` }), ` ${format_figure(reddest_m(run, object))} m and more `)));
+}
+
 function draw_readout() {
+  draw_error_scale();
   const shown = (value) => (value === null || value === undefined ? "–" : format_figure(value));
   const number = (value) => el("td", { class: "number" }, shown(value));
   const rows = motion_truths()[0].objects.flatMap((o) => motion_runs().map((run) => {
