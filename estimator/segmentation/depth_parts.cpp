@@ -6,12 +6,14 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "estimator/images/surface_normals.h"
 #include "estimator/shape/depth_point.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr std::size_t kPlanePoints = 3000;  // enough to find a plane of a twentieth of them
+constexpr int kNormalReach_px = 7;          // of the noise of correlated depth enough is averaged
 constexpr int kPointReach_px = 6;           // a point prompt beside a part, on a pixel without depth say
 
 // Points of a coarse grid over the image.
@@ -25,22 +27,31 @@ std::vector<Eigen::Vector3d> some_points(const cv::Mat& depth, const Camera& cam
   return points;
 }
 
-bool is_on_a_plane(const Eigen::Vector3d& point, const std::vector<Plane>& planes, double threshold_m) {
+// Of a depth image: where what is seen stands clear of all planes, and where it is near one and faces
+// elsewhere, as the foot of what stands on it.
+constexpr unsigned char kClear = 255, kFoot = 128;
+
+unsigned char standing(const Eigen::Vector3d& point, const cv::Vec3d& normal,
+                       const std::vector<Plane>& planes, double threshold_m) {
   const double threshold = threshold_m * std::max(point.z(), 1.0);
-  return std::any_of(planes.begin(), planes.end(),
-                     [&](const Plane& plane) { return lies_on(plane, point, threshold); });
+  unsigned char result = kClear;
+  for (const Plane& plane : planes)
+    if (lies_on(plane, point, threshold)) {
+      if (faces_as(plane, normal)) return 0;
+      result = kFoot;
+    }
+  return result;
 }
 
-// 255 where there is depth that lies on none of the planes.
 cv::Mat clear_of_planes(const cv::Mat& depth, const Camera& camera, const std::vector<Plane>& planes,
                         const DepthPartsOptions& options) {
   cv::Mat clear = cv::Mat::zeros(depth.size(), CV_8UC1);
+  const cv::Mat normals = surface_normals(depth, camera, {{0, 0}, depth.size()}, kNormalReach_px);
   for (int v = 0; v < depth.rows; ++v)
-    for (int u = 0; u < depth.cols; ++u) {
-      const auto point = depth_point(depth, camera, u, v);
-      if (point && !is_on_a_plane(*point, planes, options.plane_threshold_m))
-        clear.at<unsigned char>(v, u) = 255;
-    }
+    for (int u = 0; u < depth.cols; ++u)
+      if (const auto point = depth_point(depth, camera, u, v))
+        clear.at<unsigned char>(v, u) =
+            standing(*point, normals.at<cv::Vec3d>(v, u), planes, options.plane_threshold_m);
   return clear;
 }
 
@@ -82,7 +93,7 @@ Joining join_neighbours(const cv::Mat& depth, const cv::Mat& clear, double jump)
 }
 
 struct Part {
-  int pixels = 0, left = 0, right = 0, top = 0, bottom = 0;
+  int pixels = 0, clear_pixels = 0, left = 0, right = 0, top = 0, bottom = 0;
   double depth_sum_m = 0;
 };
 
@@ -90,7 +101,7 @@ bool is_body(const Part& part, const Camera& camera, const DepthPartsOptions& op
   const double z = part.depth_sum_m / part.pixels;
   const double extent_m =
       z * std::max((part.right - part.left) / camera.fx, (part.bottom - part.top) / camera.fy);
-  return part.pixels >= options.min_pixels && extent_m <= options.max_extent_m;
+  return part.clear_pixels >= options.min_pixels && extent_m <= options.max_extent_m;
 }
 
 }  // namespace
@@ -107,9 +118,10 @@ cv::Mat depth_parts(const cv::Mat& depth, const Camera& camera, const DepthParts
     for (int u = 0; u < depth.cols; ++u) {
       if (!clear.at<unsigned char>(v, u)) continue;
       const auto [entry, is_new] =
-          parts.try_emplace(joining.root(v * depth.cols + u), Part{0, u, u, v, v, 0});
+          parts.try_emplace(joining.root(v * depth.cols + u), Part{0, 0, u, u, v, v, 0});
       Part& part = entry->second;
       ++part.pixels;
+      part.clear_pixels += clear.at<unsigned char>(v, u) == kClear ? 1 : 0;
       part.left = std::min(part.left, u), part.right = std::max(part.right, u), part.bottom = v;
       part.depth_sum_m += depth.at<float>(v, u);
     }

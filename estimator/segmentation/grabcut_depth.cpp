@@ -8,6 +8,7 @@
 
 #include "core/base/quantile.h"
 #include "estimator/images/support_planes.h"
+#include "estimator/images/surface_normals.h"
 #include "estimator/shape/depth_point.h"
 
 namespace uniquadric {
@@ -15,7 +16,6 @@ namespace {
 
 constexpr int kMaxPlanes = 3;              // a floor and two walls
 constexpr double kNormalReach = 0.05;      // of the box's shorter side, over which a normal is measured
-constexpr double kSameWay = 0.7071;        // cosine: half way between a plane and a wall that stands on it
 constexpr std::size_t kRingPoints = 2000;  // enough to find a plane of a seventh of them
 
 // The pixels from a corner to the opposite one, of those in the image: a box may reach beyond what an int
@@ -56,41 +56,19 @@ std::vector<Plane> planes_of_ring(const cv::Mat& depth, const Camera& camera, co
   return find_planes(std::move(some), options.plane_threshold_m, options.plane_share, kMaxPlanes, random);
 }
 
-// Normals (CV_64FC3, camera frame) of what is seen in a region, from means of depth on either side of a
-// pixel; 0 where one is missing.
-cv::Mat normals_in(const cv::Mat& depth, const Camera& camera, const cv::Rect& region) {
-  const int reach = std::max(1, static_cast<int>(kNormalReach * std::min(region.width, region.height)));
-  const cv::Size window(2 * reach + 1, 2 * reach + 1);
-  cv::Mat sums, counts, normals = cv::Mat::zeros(depth.size(), CV_64FC3);
-  cv::boxFilter(depth, sums, CV_32F, window, {-1, -1}, false);
-  cv::boxFilter((depth > 0) / 255, counts, CV_32F, window, {-1, -1}, false);
-  const cv::Mat mean_m = sums / cv::max(counts, 1);
-  const auto mean = [&](int u, int v) { return depth_point(mean_m, camera, u, v); };
-  for (int v = std::max(region.y, reach); v < std::min(region.br().y, depth.rows - reach); ++v)
-    for (int u = std::max(region.x, reach); u < std::min(region.br().x, depth.cols - reach); ++u) {
-      const auto left = mean(u - reach, v), right = mean(u + reach, v);
-      const auto up = mean(u, v - reach), down = mean(u, v + reach);
-      if (!left || !right || !up || !down) continue;
-      const Eigen::Vector3d normal = (*right - *left).cross(*down - *up).normalized();
-      normals.at<cv::Vec3d>(v, u) = {normal.x(), normal.y(), normal.z()};
-    }
-  return normals;
-}
-
 // 255 where depth says that a pixel of the box cannot be the object: it is far off in depth, or on a plane
 // and faces as the plane does. The foot of what stands on a plane is on it too, and faces elsewhere.
 cv::Mat excluded_by_depth(const cv::Mat& depth, const Camera& camera, const cv::Rect& inner, double median_m,
                           double reach_m, const std::vector<Plane>& planes, const GrabcutOptions& options) {
   cv::Mat excluded = cv::Mat::zeros(depth.size(), CV_8UC1);
-  const cv::Mat normals = normals_in(depth, camera, inner);
+  const int reach_px = std::max(1, static_cast<int>(kNormalReach * std::min(inner.width, inner.height)));
+  const cv::Mat normals = surface_normals(depth, camera, inner, reach_px);
   for (int v = inner.y; v < inner.br().y; ++v)
     for (int u = inner.x; u < inner.br().x; ++u) {
       const auto p = depth_point(depth, camera, u, v);
       if (!p) continue;
-      const Eigen::Map<const Eigen::Vector3d> normal(normals.at<cv::Vec3d>(v, u).val);
       const auto on = [&](const Plane& plane) {
-        const bool faces_as_it = normal.isZero() || std::abs(normal.dot(plane.normal)) > kSameWay;
-        return faces_as_it && lies_on(plane, *p, options.plane_threshold_m);
+        return faces_as(plane, normals.at<cv::Vec3d>(v, u)) && lies_on(plane, *p, options.plane_threshold_m);
       };
       if (std::abs(p->z() - median_m) > reach_m || std::any_of(planes.begin(), planes.end(), on))
         excluded.at<unsigned char>(v, u) = 255;
