@@ -232,6 +232,8 @@ ShapeSolution ShapeEstimator::solve_from(const Shape& start, const Evidence& evi
     options.offset_sigmas = options.covariance_offset_sigmas = kBoxSigmas;
   }
   options.surface_sigma_m = surface_sigma_m(options, radius_m_);
+  if (options.outline_noise == OutlineNoise::measured)
+    options.outline_sigma_px = std::max(options.outline_sigma_px, outline_px_);
   if (!turns) options.offset_sigmas.rotation_rad = kHeldTurn;
   std::vector<StageTime> unasked;
   Stopwatch watch(views_.back().frame, times_ ? *times_ : unasked);
@@ -314,6 +316,7 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
   }
   turns_ = (turns_ + turns) % 3;
   if (searches && options_.plain_shapes && window.exponents == 3) choose_plain(best, evidence);
+  outline_px_ = best.outline_px;
   shape_ = window.extents ? with_seen_extents(best.shape, evidence.views, radius_m_, evidence.contacts)
                           : best.shape;
 }

@@ -86,6 +86,7 @@ class ShapeEstimator {
   ShapeOptions options_;
   std::uint64_t seed_;
   Shape shape_;                          // z is the profile's axis
+  double outline_px_ = 0;                // spread of outlines about the last shape
   std::optional<SuperExponents> plain_;  // of the box, cylinder or ellipsoid that it is taken for
   int turns_ = 0;                        // of the axes' names since the start
   double radius_m_ = 0;                  // of the first sphere

@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/base/quantile.h"
 #include "estimator/factors/axis_direction.h"
 #include "estimator/factors/conic.h"
 #include "estimator/factors/pose_block.h"
@@ -21,6 +22,7 @@ namespace uniquadric {
 namespace {
 
 constexpr double kHuberSigmas = 2;
+constexpr double kSigmasOfMedian = 1.4826;
 constexpr double kMinDepth = 0.1;       // [m] of a body's centre in a view that counts
 constexpr double kFirstExponent = 1.6;  // q where it is to be found: in the middle of its range
 // What counts of evidence whose neighbours err together, where covariances are made: a mask is off by whole
@@ -222,6 +224,17 @@ ceres::ResidualBlockId add_priors(ceres::Problem& problem, const std::vector<Axi
                                   nullptr, blocks.offset.data());
 }
 
+// How far tangents are off, in their own sigmas: 1.48 medians; 0 where there are none.
+double tangent_spread(const ceres::Problem& problem, const Shares& shares) {
+  std::vector<double> off;
+  for (const auto& [block, share] : shares) {
+    double cost = 0, residual = 0;
+    if (share == kTangentShare && problem.EvaluateResidualBlock(block, false, &cost, &residual, nullptr))
+      off.push_back(std::abs(residual));
+  }
+  return off.empty() ? 0 : kSigmasOfMedian * upper_median(std::move(off));
+}
+
 }  // namespace
 
 std::array<SupportLine, 4> sides_of(const Silhouette& silhouette) {
@@ -269,6 +282,7 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   // what fits worse than its sigmas say is known worse (Birge's ratio)
   const int freedom = summary.num_residuals_reduced - summary.num_effective_parameters_reduced;
   const double misfit = freedom > 0 ? std::max(1.0, 2 * summary.final_cost / freedom) : 1;
+  solution.outline_px = options.outline_sigma_px * tangent_spread(problem, shares);
   solution.shape.variances =
       misfit * variances_of(problem, blocks, offset_prior, shares, options.covariance_offset_sigmas);
   return solution;

@@ -39,7 +39,8 @@ enum class AxisSamples {
 /// What an ellipse's outline is uncertain by.
 enum class OutlineNoise {
   given,     ///< outline_sigma_px
-  measured,  ///< what the outlines are off the priors' ellipsoid by, and no less than outline_sigma_px
+  measured,  ///< what the outlines are off the priors' ellipsoid or the last shape by, and no less
+             ///< than outline_sigma_px
 };
 /// What holds the body's poses to the short window's (Eq. 16).
 enum class RigidPrior {
@@ -122,6 +123,7 @@ struct DepthEvidence {
 struct ShapeSolution {
   Shape shape;
   double cost = 0;
+  double outline_px = 0;  ///< how far tangents are off it, 1.48 medians; 0: there are none
 };
 
 /// Sigma of a surface point of a body whose first sphere has this radius [m].

@@ -66,6 +66,27 @@ TEST(ShapeCovariance, OutlinesThatAreOffByWholeSidesTellNoMoreThanIsStated) {
   EXPECT_GT(rmse.maxCoeff(), 0.7);
 }
 
+// Whatever sigma was stated: a solve tells by how many pixels its outlines are off.
+TEST(ShapeEvidence, OutlinesTellTheirOwnNoise) {
+  LongWindowOptions options;
+  options.exponents = 0;
+  options.surface_points = false;
+  Shape truth;
+  truth.semi_axes_m = kAxes;
+  int cases = 0;
+  for (const double noise_px : {0.01, 1.0, 4.0})
+    for (const double stated_px : {1.0, 4.0}) {
+      RandomStream random(6, "sides");
+      std::vector<ShapeView> views;
+      for (int i = 0; i < 40; ++i) views.push_back(view_of(0.05 * i, noise_px, random));
+      options.outline_sigma_px = stated_px;
+      const double found_px = solve_shape(Camera{}, views, {}, {{kAxes, kAxes}}, truth, options).outline_px;
+      EXPECT_NEAR(found_px / noise_px, 1, 0.2) << noise_px << " " << stated_px;  // 160 sides: 9 % each
+      ++cases;
+    }
+  EXPECT_EQ(cases, 6);
+}
+
 TEST(BesideOutlines, PointsOfTheBackgroundAreDroppedAndThoseOfTheBodyStay) {
   RandomStream random(5, "sides", 0);
   std::vector<ShapeView> views;
