@@ -68,7 +68,8 @@ cv::Mat excluded_by_depth(const cv::Mat& depth, const Camera& camera, const cv::
       const auto p = depth_point(depth, camera, u, v);
       if (!p) continue;
       const auto on = [&](const Plane& plane) {
-        return faces_as(plane, normals.at<cv::Vec3d>(v, u)) && lies_on(plane, *p, options.plane_threshold_m);
+        return faces_as(plane, normals.at<cv::Vec3d>(v - inner.y, u - inner.x)) &&
+               lies_on(plane, *p, options.plane_threshold_m);
       };
       if (std::abs(p->z() - median_m) > reach_m || std::any_of(planes.begin(), planes.end(), on))
         excluded.at<unsigned char>(v, u) = 255;
