@@ -29,12 +29,13 @@ cv::Mat mean_points(const cv::Mat& depth, const Camera& camera, const cv::Rect& 
 }  // namespace
 
 cv::Mat surface_normals(const cv::Mat& depth, const Camera& camera, const cv::Rect& region, int reach_px) {
+  cv::Mat normals = cv::Mat::zeros(region.size(), CV_64FC3);
+  if (std::min(depth.cols, depth.rows) <= 2 * reach_px) return normals;
   const cv::Rect image({0, 0}, depth.size());
   const cv::Point reach(reach_px, reach_px);
   const cv::Rect part = cv::Rect(region.tl() - 2 * reach, region.br() + 2 * reach) & image;
   const cv::Mat points = mean_points(depth, camera, part, reach_px);
   const cv::Rect inside = cv::Rect(reach, image.br() - reach) & region;
-  cv::Mat normals = cv::Mat::zeros(region.size(), CV_64FC3);
   for (int v = inside.y; v < inside.br().y; ++v)
     for (int u = inside.x; u < inside.br().x; ++u) {
       const auto point = [&](int du, int dv) {

@@ -58,7 +58,9 @@ TEST(SurfaceNormals, AreThoseOfThePlaneThatIsSeen) {
   EXPECT_GT(std::abs(at(60, 150).dot(normal)), 1 - 1e-4);
   EXPECT_GT(std::abs(at(200, 60).dot(normal)), 1 - 1e-4);
   EXPECT_TRUE(at(120, 120).isZero());
-  const Plane floor;  // z = 0
+  const cv::Mat small = surface_normals(depth(cv::Rect(0, 0, 10, 90)), kCamera, {0, 0, 10, 90}, 7);
+  EXPECT_EQ(cv::countNonZero(small.reshape(1)), 0);  // narrower than what a normal needs
+  const Plane floor;                                 // z = 0
   const auto tilted = [](double deg) {
     const double rad = deg * std::numbers::pi / 180;
     return cv::Vec3d(std::sin(rad), 0, -std::cos(rad));
