@@ -53,10 +53,9 @@ std::vector<Eigen::Vector3d> largest_plane(const std::vector<Eigen::Vector3d>& p
 }
 
 double spread_of(const std::vector<Eigen::Vector3d>& points, const Plane& plane) {
-  constexpr double kSigmasOfMedian = 1.4826;
   std::vector<double> off;
   for (const Eigen::Vector3d& p : points) off.push_back(plane.distance(p) / std::max(p.z(), 1e-3));
-  return kSigmasOfMedian * upper_median(std::move(off));
+  return kMadToSigma * upper_median(std::move(off));
 }
 
 }  // namespace

@@ -117,8 +117,8 @@ cv::Mat depth_parts(const cv::Mat& depth, const Camera& camera, const DepthParts
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {
       if (!clear.at<unsigned char>(v, u)) continue;
-      const auto [entry, is_new] =
-          parts.try_emplace(joining.root(v * depth.cols + u), Part{0, 0, u, u, v, v, 0});
+      const auto [entry, is_new] = parts.try_emplace(joining.root(v * depth.cols + u),
+                                                     Part{.left = u, .right = u, .top = v, .bottom = v});
       Part& part = entry->second;
       ++part.pixels;
       part.clear_pixels += clear.at<unsigned char>(v, u) == kClear ? 1 : 0;

@@ -22,7 +22,6 @@ namespace uniquadric {
 namespace {
 
 constexpr double kHuberSigmas = 2;
-constexpr double kSigmasOfMedian = 1.4826;
 constexpr double kMinDepth = 0.1;       // [m] of a body's centre in a view that counts
 constexpr double kFirstExponent = 1.6;  // q where it is to be found: in the middle of its range
 // What counts of evidence whose neighbours err together, where covariances are made: a mask is off by whole
@@ -232,7 +231,7 @@ double tangent_spread(const ceres::Problem& problem, const Shares& shares) {
     if (share == kTangentShare && problem.EvaluateResidualBlock(block, false, &cost, &residual, nullptr))
       off.push_back(std::abs(residual));
   }
-  return off.empty() ? 0 : kSigmasOfMedian * upper_median(std::move(off));
+  return off.empty() ? 0 : kMadToSigma * upper_median(std::move(off));
 }
 
 }  // namespace
@@ -282,7 +281,8 @@ ShapeSolution solve_shape(const Camera& camera, const std::vector<ShapeView>& vi
   // what fits worse than its sigmas say is known worse (Birge's ratio)
   const int freedom = summary.num_residuals_reduced - summary.num_effective_parameters_reduced;
   const double misfit = freedom > 0 ? std::max(1.0, 2 * summary.final_cost / freedom) : 1;
-  solution.outline_px = options.outline_sigma_px * tangent_spread(problem, shares);
+  if (options.outline_noise == OutlineNoise::measured)
+    solution.outline_px = options.outline_sigma_px * tangent_spread(problem, shares);
   solution.shape.variances =
       misfit * variances_of(problem, blocks, offset_prior, shares, options.covariance_offset_sigmas);
   return solution;

@@ -123,7 +123,7 @@ struct DepthEvidence {
 struct ShapeSolution {
   Shape shape;
   double cost = 0;
-  double outline_px = 0;  ///< how far tangents are off it, 1.48 medians; 0: there are none
+  double outline_px = 0;  ///< where it is measured: how far tangents are off it, 1.48 medians; 0: none
 };
 
 /// Sigma of a surface point of a body whose first sphere has this radius [m].

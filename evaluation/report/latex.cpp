@@ -67,11 +67,10 @@ std::string latex_table(const std::vector<SummaryRow>& summary) {
     if (!same)
       text += fmt::format("  \\midrule\n  \\multicolumn{{{}}}{{l}}{{\\textit{{{}}}, {}}} \\\\\n", head.size(),
                           latex_escaped(rows[i].object), latex_escaped(rows[i].scene));
-    const auto output = rows[i].variant.find('@');  // of the variant above it, where that is there
-    const bool is_below = same && output != std::string::npos &&
-                          rows[i - 1].variant.starts_with(rows[i].variant.substr(0, output));
-    std::vector<std::string> cells = {(is_below ? "\\quad " : "") +
-                                      latex_escaped(rows[i].variant.substr(is_below ? output : 0))};
+    const std::string& variant = rows[i].variant;
+    const bool is_below = same && without_output(rows[i - 1].variant) == without_output(variant);
+    std::vector<std::string> cells = {is_below ? "\\quad " + latex_escaped(output_of(variant))
+                                               : latex_escaped(variant)};
     if (!is_whole) cells.push_back(fmt::format("{}/{}", rows[i].good, rows[i].runs));
     for (const Metric* metric : metrics)
       cells.push_back(shown_figure(rows[i], metric->name, "--", {"\\textbf{", "}"}));

@@ -14,6 +14,7 @@
 #include "core/geometry/box_symmetry.h"
 #include "core/sequence/tracks.h"
 #include "estimator/lidar/lidar_stream.h"
+#include "estimator/observation/outline.h"
 #include "estimator/segmentation/check_sequence.h"
 #include "tests/support/temp_folder.h"
 
@@ -41,15 +42,9 @@ std::map<std::string, std::string> files_of(const fs::path& folder) {
 fs::path write_prompts(const Sequence& sequence) {
   std::string text;
   for (const auto& frame : sequence.frames) {
-    const cv::Mat mask = read_masks(sequence, frame);
-    int left = mask.cols, right = 0, top = mask.rows, bottom = 0;
-    for (int v = 0; v < mask.rows; ++v)
-      for (int u = 0; u < mask.cols; ++u)
-        if (mask.at<std::uint16_t>(v, u))
-          left = std::min(left, u), right = std::max(right, u), top = std::min(top, v),
-          bottom = std::max(bottom, v);
-    text += format_stamp(frame.stamp_ns) + " " + std::to_string(left - 2) + " " + std::to_string(top - 2) +
-            " " + std::to_string(right - left + 5) + " " + std::to_string(bottom - top + 5) + "\n";
+    const cv::Rect box = id_boxes(read_masks(sequence, frame)).at(1);
+    text += format_stamp(frame.stamp_ns) + " " + std::to_string(box.x - 2) + " " + std::to_string(box.y - 2) +
+            " " + std::to_string(box.width + 4) + " " + std::to_string(box.height + 4) + "\n";
   }
   const fs::path file = sequence.folder / "prompts.txt";
   write_text(file, text);

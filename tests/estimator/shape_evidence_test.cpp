@@ -69,6 +69,7 @@ TEST(ShapeCovariance, OutlinesThatAreOffByWholeSidesTellNoMoreThanIsStated) {
 // Whatever sigma was stated: a solve tells by how many pixels its outlines are off.
 TEST(ShapeEvidence, OutlinesTellTheirOwnNoise) {
   LongWindowOptions options;
+  options.outline_noise = OutlineNoise::measured;
   options.exponents = 0;
   options.surface_points = false;
   Shape truth;

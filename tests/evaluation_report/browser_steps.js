@@ -155,6 +155,11 @@
   by_id("space-errors").click();
   const reds = motion_runs().map((run) => reddest_m(run, chart_state.object)).filter((most) => most !== null);
   seen.ramps = { text: by_id("space-ramps").textContent, shown: document.querySelectorAll("#space-ramps .ramp").length, expected: reds.length, most: format_figure(reds[0] ?? 0) };
+  const before = { scene: chart_state.scene, object: chart_state.object };
+  seen.ramps.other = subjects.find((s) => s.scene === before.scene && s.object !== before.object && s.object !== "camera").object;
+  show_object({ scene: before.scene, object: seen.ramps.other });
+  seen.ramps.of_other = by_id("space-ramps").textContent;
+  show_object(before);
   by_id("space-errors").click();
   seen.ramps.after = by_id("space-ramps").textContent;
   document.activeElement?.blur();

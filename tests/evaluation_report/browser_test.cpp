@@ -186,6 +186,8 @@ void expect_error_scale(const json& seen) {
   EXPECT_GT(seen.at("shown").get<int>(), 0);
   const std::string text = seen.at("text"), most = seen.at("most");
   EXPECT_NE(text.find(most + " m and more"), text.npos) << text;
+  const std::string other = seen.at("other"), of_other = seen.at("of_other");
+  EXPECT_NE(of_other.find("APE.t of " + other), of_other.npos) << of_other;
   EXPECT_EQ(seen.at("after"), "");
 }
 

@@ -101,6 +101,12 @@ Expected expected_of(const json& painted, const json& body, const json& motion, 
   return {};
 }
 
+Eigen::Vector2d middle_of(const json& body) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const json& point : body.at("outline")) sum += Eigen::Vector2d(point[0], point[1]);
+  return sum / static_cast<double>(body.at("outline").size());
+}
+
 }  // namespace
 
 int expect_painted(const json& painted, const json& motion, const std::string& scene) {
@@ -115,12 +121,6 @@ int expect_painted(const json& painted, const json& motion, const std::string& s
     if (const Outline expected = expected_of(painted, body, motion, scene).in_film; !expected.empty())
       expect_alike(body.at("outline"), expected);
   return compared;
-}
-
-Eigen::Vector2d middle_of(const json& body) {
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const json& point : body.at("outline")) sum += Eigen::Vector2d(point[0], point[1]);
-  return sum / static_cast<double>(body.at("outline").size());
 }
 
 void expect_solid_pixels(const json& space, const json& motion) {

@@ -41,6 +41,16 @@ TEST(Latex, RowsHaveTheColumnsOfTheHead) {
   EXPECT_NE(table.find("\\textbf{0.0150}"), table.npos) << table;
 }
 
+TEST(Latex, OutputsStandBelowTheirVariantAlone) {
+  const auto row = [](const std::string& variant) {
+    SummaryRow result;
+    result.scene = "scene", result.object = "cube", result.variant = variant;
+    return result;
+  };
+  const std::string table = latex_table({row("ab"), row("a@final"), row("b"), row("b@final")});
+  EXPECT_NE(table.find("  ab \\\\\n  a@final \\\\\n  b \\\\\n  \\quad @final \\\\\n"), table.npos) << table;
+}
+
 // Where there is LaTeX: it has no complaint.
 TEST(Latex, Compiles) {
   if (std::system("command -v pdflatex >/dev/null && kpsewhich booktabs.sty >/dev/null") != 0)

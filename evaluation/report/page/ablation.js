@@ -57,7 +57,7 @@ function ablation_row({ variant, spread }, metric, axis_of) {
 function ablation_svg({ scene, object, rows }, metric) {
   const left = 170, plot = 300, line = 20, lower = metric.better === "lower", { at, marks } = ablation_axis(rows.map((row) => row.spread[metric.name]), lower);
   const x = (value) => left + (plot * at(value)) / 100, bottom = 30 + line * rows.length;
-  const parts = [svg_text(0, 14, `${metric.label}${metric.unit ? ` [${metric.unit}]` : ""}, ${object} in ${scene}`, "start", ' font-weight="bold"'),
+  const parts = [svg_text(0, 14, `${with_unit(metric.label, metric.unit)}, ${object} in ${scene}`, "start", ' font-weight="bold"'),
     ...marks.flatMap((m) => [`<path d="M${x(m).toFixed(1)} 24V${bottom}" stroke="#ddd"/>`, svg_text(x(m), bottom + 14, Number(m.toPrecision(3)), "middle")])];
   rows.forEach(({ variant, spread }, i) => {
     const s = spread[metric.name], y = 34 + line * i, color = variant_color(variant), [low, high] = interval_of(s, lower).map(x);
@@ -88,7 +88,7 @@ function start_ablation() {
   document.querySelector('nav a[href="#ablation"]').hidden = shown.length === 0;
   if (shown.length === 0) return;
   ablation_state.metric = shown.find((m) => m.name === "iou3d_solid_mean") ?? shown.find((m) => m.name === "iou3d_ellipsoid_mean") ?? shown[0];
-  chips(by_id("ablation-metrics"), "", shown, [ablation_state.metric], { text: (m) => (m.unit ? `${m.label} [${m.unit}]` : m.label),
+  chips(by_id("ablation-metrics"), "", shown, [ablation_state.metric], { text: (m) => with_unit(m.label, m.unit),
     change: ([metric]) => { ablation_state.metric = metric; draw_ablation(); } });
   draw_ablation();
 }

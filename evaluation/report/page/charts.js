@@ -138,7 +138,7 @@ function save_button(name, draw) {
 }
 
 function plot_title(plot) {
-  return `${plot.title}${plot.unit ? ` [${plot.unit}]` : ""}, ${chart_state.object} in ${chart_state.scene}`;
+  return `${with_unit(plot.title, plot.unit)}, ${chart_state.object} in ${chart_state.scene}`;
 }
 
 function draw_charts() {

@@ -29,6 +29,8 @@ const by_id = (id) => document.getElementById(id);
 const distinct = (list) => [...new Set(list)];
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+const with_unit = (label, unit) => (unit ? `${label} [${unit}]` : label);
+
 // As the tables of report.md: two to four digits, no exponent for ordinary sizes.
 function format_figure(value) {
   const size = Math.abs(value);

@@ -76,6 +76,7 @@ function show_object({ scene, object }) {
   draw_filter_chips();
   draw_charts();
   show_motion(scene);
+  draw_error_scale();
   show_scene(scene);
 }
 

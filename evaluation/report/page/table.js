@@ -163,7 +163,7 @@ function draw_table() {
   table.tHead.replaceChildren(el("tr", {}, head_cell("scene", "scene"), head_cell("object", "object"),
     head_cell("variant", "variant"), head_cell("runs", "runs", "runs with a result / all", true),
     ...(summary_state.baseline === kAll ? [] : [head_cell("verdict", `against ${summary_state.baseline}`, "3D IoU, APE.t and coverage, by the gate's margins")]),
-    ...columns.map((m) => head_cell(m.name, m.unit ? `${m.label} [${m.unit}]` : m.label,
+    ...columns.map((m) => head_cell(m.name, with_unit(m.label, m.unit),
       `${m.definition} ${m.better === "lower" ? "Lower" : "Higher"} is better.`, true))));
   const rows = sorted_rows(table_rows());
   table.tBodies[0].replaceChildren(...(rows.length ? rows.map((row) => table_row(row, columns)) : [el("tr", {}, el("td", { colspan: 4 + columns.length }, "No rows: the filters leave nothing."))]));

@@ -132,9 +132,9 @@ function figures_at(run, object) {
 
 // What the colours of the errors of the object of the plots mean: a ramp for each shown run.
 function draw_error_scale() {
-  const object = chart_state.object, runs = motion_state.by_error ? motion_runs().filter((run) => reddest_m(run, object) !== null) : [];
-  by_id("space-ramps").replaceChildren(...runs.map((run) => el("span", {}, `APE.t of ${object}: 0 `,
-    el("i", { class: "ramp", style: `background:linear-gradient(90deg,${variant_color(run.variant)},${css("--bad")})` }), ` ${format_figure(reddest_m(run, object))} m and more `)));
+  const object = chart_state.object, reds = (motion_state.by_error ? motion_runs() : []).map((run) => [variant_color(run.variant), reddest_m(run, object)]);
+  by_id("space-ramps").replaceChildren(...reds.filter(([, most]) => most !== null).map(([color, most]) => el("span", {}, `APE.t of ${object}: 0 `,
+    el("i", { class: "ramp", style: `background:linear-gradient(90deg,${color},${css("--bad")})` }), ` ${format_figure(most)} m and more `)));
 }
 
 function draw_readout() {
