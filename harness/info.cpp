@@ -15,6 +15,7 @@
 #include "estimator/variant.h"
 #include "evaluation/report/report.h"
 #include "harness/bench/config.h"
+#include "harness/external/external_variant.h"
 #include "simulator/lidar_files.h"
 #include "simulator/scene/scene.h"
 
@@ -131,6 +132,9 @@ std::string describe_yaml(const fs::path& path) {
   if (!root.is_map()) throw InputError(path, "is no scene, variant or bench file");
   if (root.has("scenes")) {
     const BenchConfig config = load_bench_config(path);
+    for (const BenchVariant& variant : config.variants)
+      is_external(variant.path) ? void(load_external_variant(variant.path))
+                                : void(load_variant(variant.path, variant.set));
     return fmt::format("bench '{}': {} scenes x {} variants x {} seeds\n", config.name, config.scenes.size(),
                        config.variants.size(), config.seeds.size());
   }

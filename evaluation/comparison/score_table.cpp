@@ -12,6 +12,7 @@
 #include "core/base/text.h"
 #include "evaluation/results/metrics.h"
 #include "evaluation/results/results.h"
+#include "evaluation/results/summary.h"
 
 namespace uniquadric {
 namespace {
@@ -184,10 +185,13 @@ ScoreTable& ScoreTables::table_of(const std::string& variant, const fs::path& fo
 }
 
 void ScoreTables::add(const Results& results, std::span<const char* const> metrics) {
-  for (const Cell& cell : results.cells)
-    if (ScoreTable& table = table_of(cell.variant, results.folder); cell.status == CellStatus::missing)
-      table.not_run.insert({cell.variant, cell.scene, cell.seed});
+  for (const Cell& cell : results.cells) {
+    if (!cell.output.empty()) continue;
+    ScoreTable& table = table_of(cell.variant, results.folder);
+    if (cell.status == CellStatus::missing) table.not_run.insert({cell.variant, cell.scene, cell.seed});
+  }
   for (const Score& s : scores(results)) {
+    if (!output_of(s.variant).empty()) continue;
     const std::string metric = s.metric->name;
     if (!metrics.empty() && std::ranges::find(metrics, metric) == metrics.end()) continue;
     ScoreTable& table = table_of(s.variant, results.folder);

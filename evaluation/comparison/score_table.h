@@ -54,8 +54,8 @@ struct ScoreSelection {
 /// that is not there.
 ScoreTable read_score_table(const std::filesystem::path& path, const ScoreSelection& selection = {});
 
-/// The same of results in memory, one table a variant, in the order of their cells. `file` is the folder's
-/// scores.csv, which need not be there.
+/// The same of results in memory, one table a variant, in the order of their cells; later outputs are left
+/// out. `file` is the folder's scores.csv, which need not be there.
 class ScoreTables {
  public:
   /// Adds the cells of some scenes. `metrics`: these alone; default: all.

@@ -101,7 +101,6 @@ void VariantVerdicts::add(const Results& results) {
 
 std::vector<VariantVerdict> VariantVerdicts::verdicts(std::size_t most) {
   auto tables = tables_.take();
-  std::erase_if(tables, [](const auto& entry) { return !output_of(entry.first).empty(); });
   for (auto& [variant, table] : tables)
     rename_variant(table, "both");  // so that the runs are each other's pairs
   std::vector<VariantVerdict> verdicts;

@@ -1,16 +1,20 @@
 #include "evaluation/report/figures.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "core/base/seconds.h"
 #include "evaluation/report/plot_panel.h"
 #include "evaluation/report/plots.h"
 #include "evaluation/report/svg_colours.h"
+#include "evaluation/report/variant_figures.h"
 
 namespace uniquadric {
 namespace {
@@ -92,20 +96,9 @@ std::optional<Picture> picture_of(const Plot& plot, const std::string& where,
   return picture;
 }
 
-// Objects of recordings may have any name.
-std::string file_name(const std::string& text) {
-  std::string name;
-  for (const char c : text)
-    name += std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' ? c : '_';
-  return name;
-}
-
-}  // namespace
-
-std::vector<Figure> figures_of(const Results& results) {
+std::vector<Figure> figures_over_time(const Results& results) {
   const std::vector<std::string> variants = causal_variants_of(results);
   std::vector<Figure> figures;
-  std::set<std::string> names;
   for (const std::string& scene : scenes_of(results))
     for (const std::string& object : subjects_of(results, scene)) {
       std::vector<Curve> curves;
@@ -117,12 +110,73 @@ std::vector<Figure> figures_of(const Results& results) {
           break;  // its first seed
         }
       for (const Plot& plot : kPlots)
-        if (auto picture = picture_of(plot, fmt::format(", {} in {}", object, scene), curves)) {
-          std::string name = file_name(fmt::format("{}_{}_{}", scene, object, plot.column));
-          while (!names.insert(name).second) name += '_';
-          figures.push_back({std::move(name), std::move(*picture)});
-        }
+        if (auto picture = picture_of(plot, fmt::format(", {} in {}", object, scene), curves))
+          figures.push_back({figure_name({scene, object, plot.column}), std::move(*picture)});
     }
+  return figures;
+}
+
+struct ErrorCurve {
+  std::vector<double> errors_m, shares;  // middles of cells, points in them [%]
+};
+
+ErrorCurve error_curve(const LidarRoutes& routes) {
+  ErrorCurve curve;
+  const double points = static_cast<double>(std::max<std::int64_t>(1, routes.matched));
+  for (const ErrorCell& cell : routes.errors) {
+    if (!std::isfinite(cell.from_m) || !std::isfinite(cell.to_m)) continue;  // the outer two
+    curve.errors_m.push_back((cell.from_m + cell.to_m) / 2);
+    curve.shares.push_back(100 * static_cast<double>(cell.beams) / points);
+  }
+  return curve;
+}
+
+Picture range_errors(const std::string& scene, const std::vector<ErrorCurve>& seeds) {
+  std::vector<double> errors_m, shares;
+  for (const ErrorCurve& curve : seeds) {
+    errors_m.insert(errors_m.end(), curve.errors_m.begin(), curve.errors_m.end());
+    shares.insert(shares.end(), curve.shares.begin(), curve.shares.end());
+  }
+  const PlotPanel panel{
+      kLeft, kTop, kWidth - kLeft - 20, kHeight, padded_range(errors_m), padded_range(shares)};
+  const std::string title = fmt::format("Range errors in {}", scene);
+  Picture picture{kWidth, kTop + kHeight + 40, title, {}};
+  picture.parts.emplace_back(PictureText{TextKind::title, TextAnchor::start, {kLeft, 20}, title});
+  draw_axes(picture, panel, "error [m]", "points [%]");
+  for (std::size_t i = 0; i < seeds.size(); ++i)
+    picture.parts.emplace_back(PictureLine{LineKind::coloured,
+                                           panel_line(panel, seeds[i].errors_m, seeds[i].shares),
+                                           kLightSvg.variant[i % kLightSvg.variant.size()]});
+  return picture;
+}
+
+std::vector<Figure> range_error_figures(const Results& results) {
+  std::map<std::string, std::vector<ErrorCurve>> scenes;
+  for (const LidarRoutes& routes : results.lidar)
+    if (!routes.errors.empty()) scenes[routes.scene].push_back(error_curve(routes));
+  std::vector<Figure> figures;
+  for (const auto& [scene, seeds] : scenes)
+    figures.push_back({figure_name({scene, "range_error"}), range_errors(scene, seeds)});
+  return figures;
+}
+
+}  // namespace
+
+std::string figure_name(std::initializer_list<std::string> parts) {
+  std::string name;
+  for (const char c : fmt::format("{}", fmt::join(parts, "_")))
+    name += std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' ? c : '_';
+  return name;
+}
+
+std::vector<Figure> figures_of(const Results& results, const std::vector<SummaryRow>& summary) {
+  std::vector<Figure> figures;
+  for (auto&& some :
+       {figures_over_time(results), variant_figures(results, summary), range_error_figures(results)})
+    figures.insert(figures.end(), some.begin(), some.end());
+  std::set<std::string> names;
+  for (Figure& figure : figures)
+    while (!names.insert(figure.name).second) figure.name += '_';
   return figures;
 }
 

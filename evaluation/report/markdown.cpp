@@ -128,7 +128,7 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
       results.name);
   if (!overview.rows.empty())
     text += fmt::format("## Over all {} scenes\nMedians over objects.\n\n{}\n## {} scenes\n{}\n\n",
-                        overview.scenes, table(overview.rows), overview.shown.size(), kShownNote);
+                        overview.scenes, table(overview.rows), overview.shown.size(), shown_note(overview));
   text += table(summary) + against_the_paper(summary) + arc_markdown(results) +
           lidar_markdown(results.lidar) + sizes(results) + failures(results) + not_applicable(results) +
           "\n## How it was made\n";

@@ -1,5 +1,7 @@
 #include "evaluation/report/overview.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -59,6 +61,21 @@ std::set<std::string> shown_scenes(std::vector<SceneDigest> digests, std::size_t
   return shown;
 }
 
+// As many as have `most_runs` runs, one at least.
+std::set<std::string> judged_scenes(const std::filesystem::path& folder, std::size_t most_runs) {
+  std::vector<std::string> scenes;
+  std::set<std::string> seen;
+  const std::vector<Cell> cells = read_cells(folder / "cells.csv");
+  for (const Cell& cell : cells)
+    if (seen.insert(cell.scene).second) scenes.push_back(cell.scene);
+  if (cells.size() <= most_runs) return seen;
+  std::set<std::string> judged;
+  for (const std::size_t i :
+       evenly_spaced(scenes.size(), std::max<std::size_t>(1, scenes.size() * most_runs / cells.size())))
+    judged.insert(scenes[i]);
+  return judged;
+}
+
 std::vector<SummaryRow> rows_of(const OverallRows& all, const std::map<std::string, OverallRows>& families,
                                 std::size_t scenes) {
   std::vector<SummaryRow> rows = all.rows("all");
@@ -70,8 +87,22 @@ std::vector<SummaryRow> rows_of(const OverallRows& all, const std::map<std::stri
 
 }  // namespace
 
-Overview overview_of(const std::filesystem::path& folder, std::size_t most_rows, std::ostream& scores_file) {
+std::string shown_note(const Overview& overview) {
+  const std::string note =
+      "Half of them are those in which objects are modelled worst or runs failed, the others are spread "
+      "evenly "
+      "from hard to easy. scores.csv has all.";
+  if (overview.judged == overview.scenes) return note;
+  return note + fmt::format(
+                    " The verdicts between variants are of {} scenes, spread evenly over all; `uniquadric "
+                    "compare` judges all.",
+                    overview.judged);
+}
+
+Overview overview_of(const std::filesystem::path& folder, std::size_t most_rows, std::size_t most_judged,
+                     std::ostream& scores_file) {
   Overview overview;
+  const std::set<std::string> judged = judged_scenes(folder, most_judged);
   VariantVerdicts verdicts;
   OverallRows all;
   std::map<std::string, OverallRows> families;
@@ -82,7 +113,7 @@ Overview overview_of(const std::filesystem::path& folder, std::size_t most_rows,
     scores_file << csv.substr(csv.find('\n') + 1);
     const std::vector<SummaryRow> summary = summarize(scene);
     const std::string& name = (scene.cells.empty() ? scene.not_applicable : scene.cells).front().scene;
-    verdicts.add(scene);
+    if (judged.contains(name)) verdicts.add(scene);
     all.add(summary);
     families[family_of(name)].add(summary);
     digests.push_back({name, std::max<std::size_t>(1, summary.size()), iou_of_scene(summary)});
@@ -99,6 +130,7 @@ Overview overview_of(const std::filesystem::path& folder, std::size_t most_rows,
     }
   });
   overview.scenes = digests.size();
+  overview.judged = judged.size();
   overview.shown = shown_scenes(digests, most_rows);
   overview.verdicts = verdicts.verdicts();
   if (!overview.shows_all()) overview.rows = rows_of(all, families, digests.size());

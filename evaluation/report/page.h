@@ -12,6 +12,7 @@ namespace uniquadric {
 
 struct PageOptions {
   std::size_t series_runs = 600;       ///< ours: of more runs the first seeds alone have plots; 0.2 MB each
+  std::size_t judged_runs = 20'000;    ///< ours: the gate takes 35 kB of memory for each
   std::size_t spread_values = 60;      ///< ours: dots of a figure's runs; of more these are evenly spaced
   std::size_t summary_rows = 1000;     ///< ours: of all scenes shown, 1.5 kB each
   std::size_t image_bytes = 800'000;   ///< ours: of all frames with overlays; a third more in base64

@@ -314,7 +314,7 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
                      {"ratio_note", kRatioNote},
                      {"verdicts", verdicts},
                      {"overall", overall},
-                     {"shown_note", kShownNote},
+                     {"shown_note", shown_note(overview)},
                      {"counts",
                       {{"scenes", overview.scenes},
                        {"objects", overview.objects},

@@ -13,10 +13,10 @@ namespace uniquadric {
 
 namespace {
 
-void write_figures(const Results& results, const std::filesystem::path& folder) {
+void write_figures(const std::vector<Figure>& figures, const std::filesystem::path& folder) {
   std::filesystem::remove_all(folder);  // of an earlier call
   std::filesystem::create_directories(folder);
-  for (const Figure& figure : figures_of(results)) {
+  for (const Figure& figure : figures) {
     write_text(folder / (figure.name + ".svg"), picture_svg(figure.picture));
     write_text(folder / (figure.name + ".pdf"), picture_pdf(figure.picture));
   }
@@ -31,7 +31,7 @@ void write_report(const std::filesystem::path& folder, const ReportExtras& extra
       throw InputError(folder / name, "is a folder, in the way of the file of that name");
   const PageOptions options;
   PendingText scores(folder / "scores.csv");  // large: written as it is made
-  const Overview overview = overview_of(folder, options.summary_rows, scores.stream());
+  const Overview overview = overview_of(folder, options.summary_rows, options.judged_runs, scores.stream());
   const Results results = read_results(folder, overview.shown, options.series_runs);
   const std::vector<SummaryRow> summary = summarize(results);
   const std::string html =
@@ -42,7 +42,7 @@ void write_report(const std::filesystem::path& folder, const ReportExtras& extra
                : write_text(folder / "iou3d_by_arc.svg", arcs);
   scores.keep();
   write_text(folder / "report.md", markdown);
-  if (extras.figures) write_figures(results, folder / "figures");
+  if (extras.figures) write_figures(figures_of(results, summary), folder / "figures");
   if (extras.latex) write_text(folder / "report.tex", latex_table(summary));
   write_text(folder / "report.html", html);
 }

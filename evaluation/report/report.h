@@ -8,7 +8,7 @@ namespace uniquadric {
 /// What is written on demand.
 struct ReportExtras {
   bool latex = false;    ///< report.tex: the summary as a table (booktabs)
-  bool figures = false;  ///< figures/: every plot over time (figures_of) as SVG and as PDF
+  bool figures = false;  ///< figures/: every plot (figures_of) as SVG and as PDF
 };
 
 /// Writes `report.html` (self-contained: no network when it is looked at), `report.md`, `scores.csv` and,

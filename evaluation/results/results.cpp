@@ -213,17 +213,15 @@ Results read_results(const fs::path& folder, const std::optional<std::set<std::s
 }
 
 void for_each_scene(const fs::path& folder, const std::function<void(const Results& scene)>& use) {
-  Results all = read_plan(folder), scene = all;
+  Results scene = read_plan(folder);
   std::vector<std::vector<Cell>> by_scene;
   std::map<std::string, std::size_t> places;
-  for (auto* const cells : {&all.cells, &all.not_applicable}) {
-    for (Cell& cell : *cells) {
+  for (auto* const cells : {&scene.cells, &scene.not_applicable})
+    for (Cell& cell : std::exchange(*cells, {})) {
       const auto [place, is_new] = places.try_emplace(cell.scene, by_scene.size());
       if (is_new) by_scene.emplace_back();
       by_scene[place->second].push_back(std::move(cell));
     }
-    cells->clear();
-  }
   for (std::vector<Cell>& cells : by_scene) {
     scene.cells.clear(), scene.not_applicable.clear();
     for (Cell& cell : cells)

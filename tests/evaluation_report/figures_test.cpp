@@ -4,6 +4,9 @@
 #include <libdeflate.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <memory>
 
 #include "core/base/files.h"
@@ -24,10 +27,15 @@ std::vector<PictureLine> lines_of(const Picture& picture, LineKind kind) {
   return lines;
 }
 
+std::vector<Figure> all_figures(const TempFolder& folder) {
+  const Results results = read_results(folder.path());
+  return figures_of(results, summarize(results));
+}
+
 TEST(Figures, HaveALineAVariantInItsColour) {
   const TempFolder folder;
   fabricate_results(folder.path(), {.frames = 20, .overlays = 0});
-  const std::vector<Figure> figures = figures_of(read_results(folder.path()));
+  const std::vector<Figure> figures = all_figures(folder);
   const auto found = std::ranges::find(figures, "cube_cuboid_cube_ape_translation_m", &Figure::name);
   ASSERT_NE(found, figures.end());
   int variants[2] = {};
@@ -40,6 +48,45 @@ TEST(Figures, HaveALineAVariantInItsColour) {
       }
   EXPECT_EQ(variants[0], 1);
   EXPECT_EQ(variants[1], 1);
+}
+
+// The boxes of a picture by their colour: middles of small ones, which are runs, and of large ones, the
+// means.
+TEST(Figures, SetVariantsSideBySide) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.seeds = 4, .frames = 20, .overlays = 0, .with_failure = false});
+  const std::vector<Figure> figures = all_figures(folder);
+  const auto found =
+      std::ranges::find(figures, "cube_cuboid_cube_ape_translation_rmse_m_variants", &Figure::name);
+  ASSERT_NE(found, figures.end());
+  std::map<std::string, std::vector<double>> runs, means;
+  for (const auto& part : found->picture.parts)
+    if (const auto* box = std::get_if<PictureBox>(&part))
+      (box->width < 5 ? runs : means)[box->colour].push_back(box->corner.x + box->width / 2);
+  const std::string other = kLightSvg.variant[0], ours = kLightSvg.variant[1];
+  ASSERT_EQ(runs.size(), 2u);
+  ASSERT_EQ(runs[ours].size(), 4u);  // 0.01 s and 0.5 s: by their logarithm, 50 times apart
+  for (int i = 0; i < 4; ++i)
+    EXPECT_NEAR(runs[other][i] - runs[ours][i], runs[other][0] - runs[ours][0], 1e-9);
+  EXPECT_NEAR((runs[ours][3] - runs[ours][0]) / (runs[other][0] - runs[ours][0]), std::log(4) / std::log(50),
+              1e-9);
+  EXPECT_NEAR((means[ours].at(0) - runs[ours][0]) / (runs[other][0] - runs[ours][0]),
+              std::log(2.5) / std::log(50), 1e-9);
+}
+
+TEST(Figures, HaveTheRangeErrorsOfLidar) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Results results;
+  LidarRoutes routes{.scene = "car", .matched = 10};
+  routes.errors = {{-kInfinity, -0.1, 3}, {-0.1, 0, 2}, {0, 0.1, 4}, {0.1, kInfinity, 1}};
+  results.lidar = {routes};
+  const std::vector<Figure> figures = figures_of(results, {});
+  ASSERT_EQ(figures.size(), 1u);
+  EXPECT_EQ(figures[0].name, "car_range_error");
+  const auto lines = lines_of(figures[0].picture, LineKind::coloured);
+  ASSERT_EQ(lines.size(), 1u);
+  ASSERT_EQ(lines[0].points.size(), 2u);                  // the outer cells have no middle
+  EXPECT_GT(lines[0].points[0].y, lines[0].points[1].y);  // 20 % and 40 %, upwards
 }
 
 // The same bytes each time, of names that cannot leave the folder.
@@ -56,7 +103,7 @@ TEST(Figures, AreWrittenAsSvgAndPdf) {
     svgs += file.path().extension() == ".svg";
     pdfs += file.path().extension() == ".pdf";
   }
-  EXPECT_EQ(svgs, figures_of(read_results(folder.path())).size());
+  EXPECT_EQ(svgs, all_figures(folder).size());
   EXPECT_EQ(pdfs, svgs);
   EXPECT_GT(svgs, 4u);
   write_report(folder.path(), {.figures = true});

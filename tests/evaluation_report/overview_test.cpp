@@ -38,16 +38,16 @@ Results many_scenes(const TempFolder& folder, int count) {
   return read_results(folder.path());
 }
 
-Overview overview(const TempFolder& folder, std::size_t most_rows) {
+Overview overview(const TempFolder& folder, std::size_t most_rows, std::size_t most_judged = kAll) {
   std::ostringstream scores;
-  return overview_of(folder.path(), most_rows, scores);
+  return overview_of(folder.path(), most_rows, most_judged, scores);
 }
 
 TEST(Overview, WritesTheScoresOfAllScenes) {
   const TempFolder folder;
   const Results results = many_scenes(folder, 4);
   std::ostringstream written;
-  const Overview all = overview_of(folder.path(), 1, written);
+  const Overview all = overview_of(folder.path(), 1, kAll, written);
   EXPECT_EQ(written.str(), scores_csv(scores(results)));
   EXPECT_EQ(all.scenes, 8u);
   EXPECT_EQ(all.objects, 8u * 2);
@@ -102,6 +102,21 @@ TEST(Overview, VerdictsAreOfAllScenes) {
     EXPECT_EQ(some.verdicts[i].metrics.front().a, whole[i].metrics.front().a);
     EXPECT_EQ(some.verdicts[i].metrics.front().pairs, whole[i].metrics.front().pairs);
   }
+}
+
+// So that the gate's memory has a bound: it keeps all that it judges.
+TEST(Overview, VerdictsOfMoreRunsThanFitAreOfScenesSpreadEvenly) {
+  const TempFolder folder;
+  const Results results = many_scenes(folder, 4);  // four runs a scene
+  const Overview some = overview(folder, 1, 3 * 4), one = overview(folder, 1, 1);
+  std::set<std::string> judged;
+  for (const ObjectChange& change : some.verdicts.front().objects) judged.insert(change.scene);
+  EXPECT_EQ(judged, (std::set<std::string>{"far_1000", "near_1000", "near_1003"}));
+  EXPECT_EQ(some.judged, 3u);
+  EXPECT_NE(page_markdown(results, summarize(results), some).find("are of 3 scenes"), std::string::npos);
+  EXPECT_EQ(one.judged, 1u);
+  EXPECT_EQ(overview(folder, 1, 8 * 4).judged, 8u);
+  EXPECT_EQ(shown_note(overview(folder, 1)).find("compare"), std::string::npos);
 }
 
 // So that a page with a thousand scenes is hardly larger than one with a few.

@@ -46,6 +46,22 @@ TEST_F(Cli, HelpFitsAScreenAndExitsZero) {
   }
 }
 
+// Keys of variants that a bench sets are those that there are.
+TEST_F(Cli, InfoReadsEveryBenchWithItsVariants) {
+  for (const auto& file : fs::directory_iterator(fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/bench")) {
+    if (file.path().extension() != ".yaml") continue;
+    const ProgramRun run = run_program({"info", file.path()});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_TRUE(run.out.starts_with("bench '" + file.path().stem().string() + "'")) << run.out;
+  }
+  const fs::path variants = fs::path(UNIQUADRIC_SOURCE_DIR) / "configs/variants";
+  const fs::path bench = folder() / "bench.yaml";
+  write_text(bench, "scenes: [" + (fs::path(UNIQUADRIC_SOURCE_DIR) / "scenes/static_2.yaml").string() +
+                        "]\nseeds: [1]\nvariants:\n  - {variant: " + (variants / "bbox.yaml").string() +
+                        ", name: x, set: {carving.cells: 4}}\n");
+  expect_refusal({"info", bench}, "carving.cells");
+}
+
 // As many options as keys; the documentation has an example.
 TEST_F(Cli, SetTakesOneKeyAnOptionAndTheHelpSaysSo) {
   for (const char* command : {"simulate", "preview", "generate", "estimate", "perceive"}) {
