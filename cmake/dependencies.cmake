@@ -10,6 +10,7 @@ find_package(PCL 1.13 REQUIRED CONFIG COMPONENTS common kdtree octree search)
 find_package(Boost 1.74 REQUIRED)  # its header-only part
 find_package(assimp 5.2 REQUIRED CONFIG)
 find_package(yaml-cpp REQUIRED CONFIG)
+find_package(nanoflann REQUIRED CONFIG)
 find_package(nlohmann_json REQUIRED CONFIG)
 find_package(CLI11 REQUIRED CONFIG)
 find_package(fmt REQUIRED CONFIG)

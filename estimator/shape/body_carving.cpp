@@ -1,11 +1,12 @@
 #include "estimator/shape/body_carving.h"
 
-#include <pcl/kdtree/kdtree_flann.h>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <opencv2/core.hpp>
+
+#include "estimator/base/point_tree.h"
 
 namespace uniquadric {
 namespace {
@@ -79,23 +80,18 @@ class CellMesh {
 // On which side of the points seen a place is.
 class SeenSide {
  public:
-  explicit SeenSide(const SurfaceFile& seen)
-      : seen_(seen), cloud_(std::make_shared<pcl::PointCloud<pcl::PointXYZ>>()) {
-    for (const Eigen::Vector3f& p : seen.points) cloud_->emplace_back(p.x(), p.y(), p.z());
-    if (is_usable()) tree_.setInputCloud(cloud_);
-  }
+  explicit SeenSide(const SurfaceFile& seen) : seen_(seen), tree_(points_of(seen)) {}
 
   // Whether it lies no farther than `within_m` from a point, and outside of most around it.
   bool is_just_outside(const Eigen::Vector3d& place, double within_m) const {
     if (!is_usable()) return false;
     const Eigen::Vector3f p = place.cast<float>();
-    pcl::Indices indices;
-    std::vector<float> squared;
-    tree_.nearestKSearch({p.x(), p.y(), p.z()}, kNeighbours, indices, squared);
-    if (squared.front() > within_m * within_m) return false;
+    std::array<PointTree::Neighbour, kNeighbours> near;
+    tree_.nearest(place, std::numeric_limits<double>::infinity(), near);
+    if (near.front().squared_m2 > within_m * within_m) return false;
     std::array<float, kNeighbours> above{};
     for (std::size_t i = 0; i < above.size(); ++i) {
-      const auto at = static_cast<std::size_t>(indices[i]);
+      const auto at = static_cast<std::size_t>(near[i].index);
       above[i] = (p - seen_.points[at]).dot(seen_.normals[at]);
     }
     std::ranges::sort(above);
@@ -107,9 +103,15 @@ class SeenSide {
     return seen_.points.size() >= kNeighbours && seen_.normals.size() == seen_.points.size();
   }
 
+  static Eigen::Matrix3Xd points_of(const SurfaceFile& seen) {
+    Eigen::Matrix3Xd points(3, std::ssize(seen.points));
+    for (Eigen::Index i = 0; i < points.cols(); ++i)
+      points.col(i) = seen.points[static_cast<std::size_t>(i)].cast<double>();
+    return points;
+  }
+
   const SurfaceFile& seen_;
-  pcl::PointCloud<pcl::PointXYZ>::Ptr cloud_;
-  pcl::KdTreeFLANN<pcl::PointXYZ> tree_;
+  PointTree tree_;
 };
 
 }  // namespace

@@ -1,7 +1,5 @@
 #include "estimator/shape/lidar_clusters.h"
 
-#include <pcl/kdtree/kdtree_flann.h>
-
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -12,6 +10,8 @@
 
 #include "core/base/quantile.h"
 #include "core/base/random.h"
+#include "estimator/base/point_tree.h"
+#include "estimator/shape/to_matrix.h"
 
 namespace uniquadric {
 namespace {
@@ -99,21 +99,14 @@ Voxels voxels_above(const Eigen::Matrix3Xd& points, const std::optional<GroundPl
 // Which voxels hang together: the number of each one's part.
 std::vector<int> parts_of(const Voxels& voxels, double tolerance_m, const Eigen::Vector3d& sensor) {
   const auto& means = voxels.means;
-  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  for (const auto& p : means)
-    cloud->push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
-  pcl::KdTreeFLANN<pcl::PointXYZ> tree;
-  tree.setInputCloud(cloud);
+  const PointTree tree(to_matrix(means));
   std::vector<int> parent(means.size());
   std::iota(parent.begin(), parent.end(), 0);
-  pcl::Indices near;
-  std::vector<float> squares;
+  std::vector<int> near;
   for (std::size_t i = 0; i < means.size(); ++i) {
     const Eigen::Vector2d sight = (means[i] - sensor).head<2>().normalized();
-    tree.radiusSearch((*cloud)[i], std::max({tolerance_m, voxels.rises_m[i], voxels.reaches_m[i]}), near,
-                      squares);
-    for (std::size_t k = 0; k < near.size(); ++k) {
-      const int j = near[k];
+    tree.within(means[i], std::max({tolerance_m, voxels.rises_m[i], voxels.reaches_m[i]}), near);
+    for (const int j : near) {
       Eigen::Vector3d apart = means[i] - means[j];
       if (apart.z() * apart.z() < voxels.rises_m[i] * voxels.rises_m[i]) apart.z() = 0;
       const double along_m = sight.dot(apart.head<2>());

@@ -1,27 +1,22 @@
-#include <pcl/kdtree/kdtree_flann.h>
-
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
+#include "estimator/base/point_tree.h"
 #include "estimator/shape/object_points.h"
 
 namespace uniquadric {
 namespace {
 
 std::vector<double> mean_neighbour_distances(const Eigen::Matrix3Xd& points, int neighbours) {
-  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  for (const auto& p : points.colwise())
-    cloud->emplace_back(p.cast<float>().x(), p.cast<float>().y(), p.cast<float>().z());
-  pcl::KdTreeFLANN<pcl::PointXYZ> tree;
-  tree.setInputCloud(cloud);
+  const PointTree tree(points);
   std::vector<double> means;
-  pcl::Indices indices;
-  std::vector<float> squared;
-  for (const auto& p : *cloud) {
-    tree.nearestKSearch(p, neighbours + 1, indices, squared);  // the first is the point itself
+  std::vector<PointTree::Neighbour> places(neighbours + 1);  // the first is the point itself
+  for (const auto& p : points.colwise()) {
     double sum = 0;
-    for (const float d2 : squared) sum += std::sqrt(static_cast<double>(d2));
+    for (const auto& near : tree.nearest(p, std::numeric_limits<double>::infinity(), places))
+      sum += std::sqrt(static_cast<double>(near.squared_m2));
     means.push_back(sum / neighbours);
   }
   return means;

@@ -1,11 +1,9 @@
 #include "estimator/window/cloud_aligner.h"
 
-#include <pcl/kdtree/kdtree_flann.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <memory>
 
 #include "estimator/shape/even_choice.h"
 #include "estimator/window/normal_equations.h"
@@ -18,10 +16,6 @@ constexpr double kUnmatched = 0.45;  // the cost of a point one sigma off
 constexpr double kReach = 1.5;       // of a body that is not known all around, in radii of what is
 constexpr double kAgreeing = 0.05;   // radii, by which points end inside the shape that they lie on
 constexpr double kConverged = 1e-5;  // [m], [rad]
-
-pcl::PointXYZ to_pcl(const Eigen::Vector3d& p) {
-  return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
-}
 
 double cauchy_loss(double residual) {
   return 2 * std::log1p(residual * residual / 4);
@@ -38,16 +32,6 @@ struct CloudAligner::CauchyEquations : NormalEquations {
     gradient += weight * residual * row;
     cost += kNeighbourEvidence * cauchy_loss(residual);
   }
-};
-
-struct CloudAligner::Tree {
-  explicit Tree(const Eigen::Matrix3Xd& points) {
-    auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-    for (const auto& p : points.colwise()) cloud->push_back(to_pcl(p));
-    index.setInputCloud(cloud);
-  }
-
-  pcl::KdTreeFLANN<pcl::PointXYZ> index;
 };
 
 std::vector<SeenPoint> evenly_drawn(const BodyObservation& body, int most) {
@@ -93,12 +77,10 @@ CloudAligner::CloudAligner(const Camera& camera, const BodyObservation& body, co
       seen_(evenly_drawn(body, options.max_points)),
       is_colored_(body.colors.cols() > 0 && model.colors.cols() > 0),
       bounds_(model.points.rowwise().minCoeff(), model.points.rowwise().maxCoeff()),
-      tree_(std::make_unique<Tree>(model.points)) {
+      tree_(model.points) {
   std::copy_if(body.silhouette->support.begin(), body.silhouette->support.end(), std::back_inserter(lines_),
                [](const SupportLine& line) { return line.free; });
 }
-
-CloudAligner::~CloudAligner() = default;
 
 double CloudAligner::distance_at(const Pose& pose) const {
   CloudFit fit;
@@ -165,14 +147,12 @@ double CloudAligner::color_cost(const Pose& pose, std::size_t stride) const {
 // The model's point that is nearest and faces the same way.
 std::optional<int> CloudAligner::partner_of(const SeenPoint& seen, const Pose& body_from_camera,
                                             double reach_m) const {
-  pcl::Indices indices;
-  std::vector<float> squared;
   const Eigen::Vector3d position = body_from_camera * seen.position,
                         normal = body_from_camera.rotation * seen.normal;
   if (bounds_.squaredExteriorDistance(position) > reach_m * reach_m) return std::nullopt;
-  tree_->index.nearestKSearch(to_pcl(position), kPartners, indices, squared);
-  for (std::size_t k = 0; k < indices.size() && squared[k] < reach_m * reach_m; ++k)
-    if (model_.normals.col(indices[k]).dot(normal) >= options_.min_normal_cosine) return indices[k];
+  std::array<PointTree::Neighbour, kPartners> places;
+  for (const auto& near : tree_.nearest(position, reach_m, places))
+    if (model_.normals.col(near.index).dot(normal) >= options_.min_normal_cosine) return near.index;
   return std::nullopt;
 }
 

@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <vector>
 
+#include "estimator/base/point_tree.h"
 #include "estimator/window/cloud_alignment.h"
 
 namespace uniquadric {
@@ -56,8 +56,6 @@ class CloudAligner {
   CloudAligner(const Camera& camera, const BodyObservation& body, const SurfaceModel& model,
                const Pose& predicted, const PoseSigmas& sigmas, const CloudAlignmentOptions& options);
 
-  ~CloudAligner();
-
   /// Of tangents that nothing cuts.
   std::ptrdiff_t lines() const { return std::ssize(lines_); }
 
@@ -84,7 +82,6 @@ class CloudAligner {
   };
 
   struct CauchyEquations;
-  struct Tree;
 
   std::optional<int> partner_of(const SeenPoint& seen, const Pose& body_from_camera, double reach_m) const;
   void add_points(CloudFit& fit, double reach_m, std::size_t stride, CauchyEquations& equations) const;
@@ -103,7 +100,7 @@ class CloudAligner {
   std::vector<SupportLine> lines_;
   bool is_colored_;
   Eigen::AlignedBox3d bounds_;
-  std::unique_ptr<Tree> tree_;  // of the model's points
+  PointTree tree_;  // of the model's points
 };
 
 }  // namespace uniquadric
