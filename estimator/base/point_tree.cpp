@@ -26,6 +26,8 @@ using Tree =
 
 // Names that nanoflann wants of a set of results.
 struct Nearest {
+  using DistanceType = float;
+  using IndexType = int;
   std::span<PointTree::Neighbour> found;
   float limit;
   std::size_t count = 0;
@@ -45,6 +47,8 @@ struct Nearest {
 };
 
 struct Within {
+  using DistanceType = float;
+  using IndexType = int;
   std::vector<int>& found;
   float limit;
 

@@ -12,7 +12,8 @@ namespace uniquadric {
 namespace {
 
 constexpr int kLandmarkSightings = 12;  // after which its own noise is below that of a new sighting
-constexpr double kCrowding = 0.6;       // distance between features, of that in an even lattice
+constexpr int kNoiseFrames = 5;    // share a measurement of the noise: how a sensor errs does not change soon
+constexpr double kCrowding = 0.6;  // distance between features, of that in an even lattice
 
 cv::Mat gray_of(const cv::Mat& image) {
   if (image.channels() == 1) return image;
@@ -68,8 +69,8 @@ void describe(const FrameView& view, std::vector<PointTrack>& corners) {
 }  // namespace
 
 struct FeatureTracker::State {
-  State(const Camera& camera, double rolling_shutter_s)
-      : lens(camera), camera(without_distortion(camera)), shutter(camera, rolling_shutter_s) {}
+  State(const Camera& with_lens, double rolling_shutter_s)
+      : lens(with_lens), camera(without_distortion(with_lens)), shutter(with_lens, rolling_shutter_s) {}
 
   Camera lens, camera;  // as it is, without distortion
   RollingShutter shutter;
@@ -80,7 +81,10 @@ struct FeatureTracker::State {
   std::int64_t next_id = 0;
   std::map<int, TrackedBody> bodies;
   DepthScaleWatch depth_scale;
+  SurfaceNoise noise;
+  int frames_until_noise = 0;  // is measured again
 
+  void measure_noise(const cv::Mat& depth);
   void follow_all(const FrameView& view, const FlowImage& image);
   void presume_twists();
   void find_corners(const FrameView& view);
@@ -89,6 +93,13 @@ struct FeatureTracker::State {
   void update_landmarks(const FrameView& view, TrackedBody& body) const;
   TrackedFeatures result(const FrameView& view) const;
 };
+
+// An image may tell nothing: then the next one is asked.
+void FeatureTracker::State::measure_noise(const cv::Mat& depth) {
+  if (frames_until_noise-- > 0) return;
+  noise = surface_noise(depth, options.depth);
+  frames_until_noise = noise.wide.residual < 1 ? kNoiseFrames - 1 : 0;
+}
 
 // Moves all tracks to their places in the new image; those not found are lost.
 void FeatureTracker::State::follow_all(const FrameView& view, const FlowImage& image) {
@@ -239,7 +250,8 @@ TrackedFeatures FeatureTracker::track(const SequenceFrame& frame, const cv::Mat&
   view.frame = frame.frame;
   view.step_ns = frame.stamp_ns - s.last_stamp_ns;
   view.seed = s.seed;
-  if (s.options.depth.correlated_noise) view.noise = surface_noise(depth, s.options.depth);
+  if (s.options.depth.correlated_noise) s.measure_noise(depth);
+  view.noise = s.noise;
   FlowImage flow_image = make_flow_image(view.gray, s.options.flow);
   if (!s.last_image.pyramid.empty()) s.follow_all(view, flow_image);
   if (const auto expected = expected_pose(view, s.bodies[0])) follow_twist(view, s.bodies[0], *expected);

@@ -2,7 +2,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <utility>
 
 #include "core/base/quantile.h"
 
@@ -47,23 +49,42 @@ const OutlineTouch* most_facing(const PointView& view, const Eigen::Vector3d& di
   return most != view.touches.end() && facing(*most) > kFacing ? &*most : nullptr;
 }
 
+// The points that are nearest to a line of sight by their angles, and the squared sine of the furthest one's.
+struct Beside {
+  std::array<Eigen::Index, kBeside> points;
+  double furthest2 = 0;
+};
+
+Beside beside(const PointView& view, const Eigen::Vector3d& along) {
+  std::array<std::pair<double, Eigen::Index>, kBeside> nearest;
+  nearest.fill({std::numeric_limits<double>::infinity(), 0});
+  for (Eigen::Index i = 0; i < view.rays.cols(); ++i) {
+    const double off2 = (view.rays.col(i) - along).squaredNorm();
+    if (!(off2 < nearest.back().first)) continue;
+    std::size_t place = kBeside - 1;
+    for (; place > 0 && nearest[place - 1].first > off2; --place) nearest[place] = nearest[place - 1];
+    nearest[place] = {off2, i};
+  }
+  Beside beside;
+  std::ranges::transform(nearest, beside.points.begin(), &std::pair<double, Eigen::Index>::second);
+  beside.furthest2 = nearest.back().first;
+  return beside;
+}
+
 // Where a line of sight at the rim may meet a body at the earliest: a convex one lies behind the surface that
 // is seen next to it, and behind the planes that touch that.
 double nearest_at(const PointView& view, const Eigen::Vector3d& sight) {
   if (!view.normals || view.normals->cols() != view.points->cols() || view.points->cols() < kBeside) return 0;
   const Eigen::Vector3d along = sight.normalized();
-  std::vector<std::pair<double, double>> beside;  // angle off the line, where its plane is met
-  for (Eigen::Index i = 0; i < view.points->cols(); ++i) {
+  const Beside next_to = beside(view, along);
+  const double reach2 = (view.points->rowwise().mean().normalized() - along).squaredNorm();
+  if (next_to.furthest2 > kNextTo * kNextTo * reach2) return 0;  // a LiDAR's are far apart
+  std::vector<double> met;
+  for (const Eigen::Index i : next_to.points) {
     const Eigen::Vector3d p = view.points->col(i), n = view.normals->col(i);
     const double facing = n.dot(along);
-    beside.emplace_back((p.normalized() - along).squaredNorm(),
-                        facing < -kFacingSight ? n.dot(p) / facing : along.dot(p));
+    met.push_back(facing < -kFacingSight ? n.dot(p) / facing : along.dot(p));
   }
-  std::nth_element(beside.begin(), beside.begin() + kBeside - 1, beside.end());
-  const double reach2 = (view.points->rowwise().mean().normalized() - along).squaredNorm();
-  if (beside[kBeside - 1].first > kNextTo * kNextTo * reach2) return 0;  // a LiDAR's are far apart
-  std::vector<double> met;
-  for (int i = 0; i < kBeside; ++i) met.push_back(beside[i].second);
   return quantile(met, 0.5) / sight.norm();
 }
 

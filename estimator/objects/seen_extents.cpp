@@ -176,6 +176,7 @@ PointView point_view(const Camera& camera, const ShapeView& view) {
   seen.body_from_camera = view.world_from_body.inverse() * view.world_from_camera;
   seen.points = &view.points;
   seen.normals = &view.normals;
+  seen.rays = view.points.colwise().normalized();
   const Eigen::Index count = view.points.cols();
   Eigen::Matrix2Xd pixels(2, count);
   for (Eigen::Index i = 0; i < count; ++i)

@@ -1,12 +1,18 @@
 #include "estimator/perception/depth_bias.h"
 
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
+#include <atomic>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/base/progress.h"
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
+#include "core/base/threads.h"
 #include "core/sequence/smeared_edges.h"
 #include "estimator/shape/even_choice.h"
 
@@ -14,7 +20,8 @@ namespace uniquadric {
 namespace {
 
 constexpr double kLongest_s = 10;
-constexpr int kFirstImages = 30;  // of depth, before the first adjustment; then after twice as many
+constexpr int kFramesInFlight = 4;  // more cost memory and gain nothing on two cores
+constexpr int kFirstImages = 30;    // of depth, before the first adjustment; then after twice as many
 constexpr int kEdgeImages = 20;
 constexpr double kEnough =
     5e-4;  // of depth: what a sigma of the bias may do to it. Ours: as far as noise lets it
@@ -25,6 +32,35 @@ std::span<const SequenceFrame> frames_to_use(const Sequence& sequence) {
     return seconds(frames.front().stamp_ns, frame.stamp_ns) > kLongest_s;
   });
   return {frames.begin(), end};
+}
+
+struct Images {
+  const SequenceFrame* frame;
+  cv::Mat rgb, depth, masks;
+  TrackedFeatures features;
+};
+
+// Reads frames, follows features and places the camera in turn, each of another frame at the same time.
+template <typename Read, typename Follow, typename Place>
+void pass_all(std::span<const SequenceFrame> frames, const std::atomic<bool>& is_enough, int threads,
+              const Read& read, const Follow& follow, const Place& place) {
+  constexpr auto kSerial = tbb::filter_mode::serial_in_order, kParallel = tbb::filter_mode::parallel;
+  using Handle = std::shared_ptr<Images>;
+  std::size_t next = 0;
+  const auto take = tbb::make_filter<void, std::size_t>(kSerial, [&](tbb::flow_control& control) {
+    if (next == frames.size() || is_enough) control.stop();
+    return next++;
+  });
+  const auto reader = tbb::make_filter<std::size_t, Handle>(
+      kParallel, [&](std::size_t i) { return std::make_shared<Images>(read(frames[i])); });
+  const auto follower = tbb::make_filter<Handle, Handle>(kSerial, [&](Handle now) {
+    follow(*now);
+    return now;
+  });
+  const auto placer = tbb::make_filter<Handle, void>(kSerial, [&](const Handle& now) { place(*now); });
+  tbb::task_arena(threads_to_use(threads)).execute([&] {
+    tbb::parallel_pipeline(kFramesInFlight, take & reader & follower & placer);
+  });
 }
 
 double usual_depth_m(const EgoMap& map) {
@@ -54,21 +90,32 @@ std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOp
   const auto first_frames = frames_to_use(sequence);
   Progress progress("calibrate", std::ssize(first_frames), run.quiet);
   int images = 0, next = kFirstImages;
-  for (const SequenceFrame& frame : first_frames) {
-    cv::Mat depth = frame.depth.empty() ? cv::Mat() : read_depth(sequence, frame);
-    if (!depth.empty() && !check.is_measurement(frame.stamp_ns, depth)) depth.setTo(0);
-    const cv::Mat masks =
-        has_masks && !frame.masks.empty()
-            ? read_masks(sequence, frame)
-            : cv::Mat(cv::Mat::zeros(sequence.camera.height, sequence.camera.width, CV_16UC1));
-    odometry.track(frame, features.track(frame, read_rgb(sequence, frame), depth, masks, {}), depth, masks);
+  std::atomic<bool> is_enough = false;
+  const auto read = [&](const SequenceFrame& frame) {
+    Images now{&frame, read_rgb(sequence, frame), {}, {}, {}};
+    if (!frame.depth.empty()) now.depth = read_depth(sequence, frame);
+    if (has_masks && !frame.masks.empty())
+      now.masks = read_masks(sequence, frame);
+    else
+      now.masks = cv::Mat::zeros(sequence.camera.height, sequence.camera.width, CV_16UC1);
+    return now;
+  };
+  const auto follow = [&](Images& now) {
+    if (is_enough) return;
+    if (!now.depth.empty() && !check.is_measurement(now.frame->stamp_ns, now.depth)) now.depth.setTo(0);
+    now.features = features.track(*now.frame, now.rgb, now.depth, now.masks, {});
+  };
+  const auto place = [&](const Images& now) {
+    if (is_enough) return;  // one that was on its way
+    odometry.track(*now.frame, now.features, now.depth, now.masks);
     progress.advance();
-    images += !depth.empty();
-    if (images < next && &frame != &first_frames.back()) continue;
+    images += !now.depth.empty();
+    if (images < next && now.frame != &first_frames.back()) return;
     next *= 2;
     adjust();
-    if (best && best->sigma_per_m * usual_depth_m(odometry.map()) < kEnough) break;
-  }
+    is_enough = best && best->sigma_per_m * usual_depth_m(odometry.map()) < kEnough;
+  };
+  pass_all(first_frames, is_enough, run.threads, read, follow, place);
   return best;
 }
 

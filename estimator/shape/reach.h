@@ -20,7 +20,8 @@ struct PointView {
   Pose body_from_camera;
   const Eigen::Matrix3Xd *points = nullptr,
                          *normals = nullptr;  ///< (3 x n) camera frame [m] (smoothed_points)
-  double rim_m = 0;  ///< by which the points end before the outline of a body with edges
+  Eigen::Matrix3Xd rays{};  ///< (3 x n) unit vectors to the points; empty where `touches` are not looked at
+  double rim_m = 0;         ///< by which the points end before the outline of a body with edges
   /// Angle at the middle of an ellipsoid between its foremost point and those that end before its outline
   /// [rad].
   double horizon_rad = std::numbers::pi / 2;

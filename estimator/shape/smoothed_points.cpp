@@ -43,20 +43,19 @@ struct PlaneFit {
 
 // Least squares over what lies within `gate` of `near`.
 std::optional<PlaneFit> fit_plane(const Window& window, const Plane& near, double gate) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  int count = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;  // sums over the window
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   double squares = 0;
-  int count = 0;
   window.each([&](int du, int dv, double w) {
     const double off = w - near.at(du, dv);
     if (std::abs(off) > gate) return;
-    const Eigen::Vector3d row(1, du, dv);
-    normal += row * row.transpose();
-    right += off * row;
+    ++count, u += du, v += dv, uu += du * du, uv += du * dv, vv += dv * dv;
+    right += off * Eigen::Vector3d(1, du, dv);
     squares += off * off;
-    ++count;
   });
   if (count < 6) return std::nullopt;
+  Eigen::Matrix3d normal;
+  normal << count, u, v, u, uu, uv, v, uv, vv;
   const Eigen::Vector3d change = normal.inverse() * right;
   if (!change.allFinite()) return std::nullopt;  // all in one line
   const double left = std::max(0.0, squares - change.dot(right));

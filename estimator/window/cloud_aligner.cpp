@@ -211,9 +211,11 @@ bool CloudAligner::add_outline(CloudFit& fit, CauchyEquations& equations) const 
   const Eigen::RowVectorXd v =
       camera_.fy * in_camera.row(1).cwiseQuotient(in_camera.row(2)).array() + camera_.cy;
   double sum = 0, beyond = 0;
+  Eigen::RowVectorXd reach_px;
   for (const SupportLine& line : lines_) {
-    Eigen::Index at = 0;
-    (line.normal.x() * u + line.normal.y() * v).maxCoeff(&at);
+    reach_px = line.normal.x() * u + line.normal.y() * v;  // the search for its place alone would be scalar
+    const double furthest_px = reach_px.maxCoeff();
+    const auto at = std::find(reach_px.begin(), reach_px.end(), furthest_px) - reach_px.begin();
     const auto end = end_along(line, fit.pose, end_of(line, in_camera.col(at)));
     if (!end) continue;
     equations.add(line_row(camera_, line, fit.pose, end->position) / options_.outline_sigma_px,

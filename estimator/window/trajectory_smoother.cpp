@@ -64,7 +64,10 @@ Eigen::Vector3d lag(const Chain& chain, const std::vector<State>& x, std::size_t
 }
 
 State disturbance(const Chain& chain, const std::vector<State>& x, std::size_t k) {
-  State e = x[k + 1] - for_each_axis(transition(chain.time_steps[k])) * x[k];
+  const Eigen::Matrix3d F = transition(chain.time_steps[k]);
+  State e = x[k + 1];
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) e.segment<3>(3 * i) -= F(i, j) * x[k].segment<3>(3 * j);
   e.head<3>() += chain.step[k];
   return e;
 }
@@ -77,15 +80,18 @@ double cost_of(const Chain& chain, const std::vector<State>& x, double jerk) {
     if (k + 1 == x.size()) break;
     const Eigen::Vector3d s = lag(chain, x, k);
     const State e = disturbance(chain, x, k);
-    cost += s.dot(chain.step_information[k] * s) +
-            e.dot(for_each_axis(transition_information(chain.time_steps[k]) / jerk) * e);
+    const Eigen::Matrix3d P = transition_information(chain.time_steps[k]) / jerk;
+    const Eigen::Map<const Eigen::Matrix3d> by_axis(e.data());  // a row an axis
+    cost += s.dot(chain.step_information[k] * s) + by_axis.cwiseProduct(by_axis * P).sum();
   }
   return cost;
 }
 
+enum class Covariances { wanted, left };
+
 // Normal equations, block tridiagonal: eliminated forwards, solved backwards (a Kalman smoother by its other
 // name).
-Solution solve(const Chain& chain, double jerk) {
+Solution solve(const Chain& chain, double jerk, Covariances covariances = Covariances::wanted) {
   const std::size_t n = chain.measured.size();
   std::vector<Matrix9d> diagonal(n, Matrix9d::Zero()), next(n, Matrix9d::Zero());
   std::vector<State> right(n, State::Zero());
@@ -94,15 +100,16 @@ Solution solve(const Chain& chain, double jerk) {
     diagonal[k].topLeftCorner<3, 3>() += chain.information[k];
     right[k].head<3>() += chain.information[k] * chain.measured[k];
     if (k + 1 == n) break;
-    const Matrix9d F = for_each_axis(transition(chain.time_steps[k]));
-    const Matrix9d P = for_each_axis(transition_information(chain.time_steps[k]) / jerk);
-    const State pull = P.leftCols<3>() * chain.step[k];
+    const Eigen::Matrix3d F = transition(chain.time_steps[k]);  // of each axis by itself
+    const Eigen::Matrix3d P = transition_information(chain.time_steps[k]) / jerk, FtP = F.transpose() * P;
     const Eigen::Matrix3d& W = chain.step_information[k];
-    diagonal[k] += F.transpose() * P * F;
-    diagonal[k + 1] += P;
-    next[k] -= F.transpose() * P;
-    right[k] += F.transpose() * pull;
-    right[k + 1] -= pull;
+    diagonal[k] += for_each_axis(FtP * F);
+    diagonal[k + 1] += for_each_axis(P);
+    next[k] -= for_each_axis(FtP);
+    for (int i = 0; i < 3; ++i) {
+      right[k].segment<3>(3 * i) += FtP(i, 0) * chain.step[k];
+      right[k + 1].segment<3>(3 * i) -= P(i, 0) * chain.step[k];
+    }
     diagonal[k].topLeftCorner<3, 3>() += W;
     diagonal[k + 1].topLeftCorner<3, 3>() += W;
     next[k].topLeftCorner<3, 3>() -= W;
@@ -111,26 +118,26 @@ Solution solve(const Chain& chain, double jerk) {
   }
   Solution solution;
   std::vector<Eigen::LLT<Matrix9d>> factor(n);
+  std::vector<Matrix9d> gain(n);
+  solution.states.resize(n);
   for (std::size_t k = 0; k < n; ++k) {
     factor[k].compute(diagonal[k]);
     solution.log_determinant += 2 * factor[k].matrixLLT().diagonal().array().log().sum();
-    if (k + 1 == n) break;
-    diagonal[k + 1] -= next[k].transpose() * factor[k].solve(next[k]);
-    right[k + 1] -= next[k].transpose() * factor[k].solve(right[k]);
-  }
-  solution.states.resize(n);
-  solution.covariance.resize(n);
-  Matrix9d covariance;
-  for (std::size_t k = n; k-- > 0;) {
     solution.states[k] = factor[k].solve(right[k]);
-    Matrix9d own = factor[k].solve(Matrix9d::Identity());
-    if (k + 1 < n) {
-      const Matrix9d gain = factor[k].solve(next[k]);
-      solution.states[k] -= gain * solution.states[k + 1];
-      own += gain * covariance * gain.transpose();
+    if (k + 1 == n) break;
+    gain[k] = factor[k].solve(next[k]);
+    diagonal[k + 1] -= next[k].transpose() * gain[k];
+    right[k + 1] -= next[k].transpose() * solution.states[k];
+  }
+  for (std::size_t k = n - 1; k-- > 0;) solution.states[k] -= gain[k] * solution.states[k + 1];
+  if (covariances == Covariances::wanted) {
+    solution.covariance.resize(n);
+    Matrix9d covariance;
+    for (std::size_t k = n; k-- > 0;) {
+      const Matrix9d own = factor[k].solve(Matrix9d::Identity());
+      covariance = k + 1 == n ? own : Matrix9d(own + gain[k] * covariance * gain[k].transpose());
+      solution.covariance[k] = covariance.topLeftCorner<3, 3>();
     }
-    covariance = own;
-    solution.covariance[k] = covariance.topLeftCorner<3, 3>();
   }
   solution.cost = cost_of(chain, solution.states, jerk);
   return solution;
@@ -277,7 +284,9 @@ void smooth(std::vector<PoseSample>& samples, std::vector<Pose>& nominal, Part p
     Chain chain = linearise(samples, nominal, part, options);
     if (round > 0 && !known) weigh(chain, scale, options.outlier);
     const double unit = typical_variance(chain);
-    const auto score = [&](double ratio) { return unlikelihood(chain, solve(chain, ratio * unit), ratio); };
+    const auto score = [&](double ratio) {
+      return unlikelihood(chain, solve(chain, ratio * unit, Covariances::left), ratio);
+    };
     if (round < rounds)
       for (const double step : steps) jerk = descend(jerk, step, score);
     solution = solve(chain, jerk * unit);

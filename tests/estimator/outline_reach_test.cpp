@@ -185,6 +185,7 @@ struct Egg {
     PointView view = view_of(surface, body_from_camera);
     view.points = &points;
     view.normals = &normals;
+    view.rays = points.colwise().normalized();
     return view;
   }
 };
