@@ -8,14 +8,12 @@
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
 #include "estimator/ego/ego_map.h"
-#include "estimator/features/rolling_shutter.h"
+#include "estimator/ego/map_locator.h"
 
 namespace uniquadric {
 namespace {
 
-constexpr int kRowRounds = 3;            // of a pose and what moves its rows, in turn
-constexpr double kRowDepthShare = 0.05;  // of depth, its sigma where it was looked up at the row's place
-constexpr int kUprightTries = 10;        // frames in which the floor is looked for
+constexpr int kUprightTries = 10;  // frames in which the floor is looked for
 
 double median_depth(const std::vector<Feature>& features) {
   std::vector<double> depths;
@@ -24,18 +22,6 @@ double median_depth(const std::vector<Feature>& features) {
   if (depths.empty()) return 1;
   return upper_median(std::move(depths));
 }
-
-// A frame's place: known at once, mended by what becomes of its keyframe and, as long as its features are
-// kept, of the points it saw.
-struct FramePose {
-  std::int64_t frame = 0, stamp_ns = 0;
-  int keyframe = 0;
-  Pose camera_from_keyframe;
-  std::vector<Feature> features;
-  std::optional<Pose> motion{};              // of the background since the frame before
-  std::optional<Vector6d> presumed_twist{};  // of the background, where the features are still at their rows
-  bool is_bridged = false;                   // placed by `motion` alone
-};
 
 // A map and the frames it placed. `before`: those that came earlier and had no place in the map of then.
 struct Stretch {
@@ -47,20 +33,11 @@ std::int64_t count_with_depth(const std::vector<Feature>& features) {
   return std::count_if(features.begin(), features.end(), [](const Feature& f) { return f.depth_m > 0; });
 }
 
-std::vector<PointSighting> sightings_of(const EgoMap& map, const std::vector<Feature>& features) {
-  std::vector<PointSighting> sightings;
-  for (const Feature& f : features)
-    if (const auto point = map.points.find(f.track); point != map.points.end())
-      sightings.push_back({point->second.position, f.pixel, f.depth_m, f.depth_sigma_m});
-  return sightings;
-}
-
 }  // namespace
 
 struct RgbdOdometry::State {
-  Camera camera;  // without distortion
+  MapLocator locator;
   EgoOptions options;
-  std::uint64_t seed = 0;
   std::vector<Stretch> given_up;
   EgoMap map;
   std::vector<FramePose> frames, before;  // of the map, as in Stretch
@@ -74,19 +51,13 @@ struct RgbdOdometry::State {
   Pose presumed;                          // the same, where it is not known: the last known, moved on
   std::optional<Eigen::Vector3d> up;      // in the map's world, the first camera
   double fixed_lag_s = 1;
-  double rolling_shutter_s = 0;
   Trajectory causal, lagged;      // map_from_camera, as known at each frame and a fixed lag after it
   std::size_t lagged_frames = 0;  // of the frames: those in `lagged`
   int frames_seen = 0;
   bool depth_changed = false;  // and no map has begun since
 
-  std::optional<RigidMotion> locate(const EgoMap& by, const std::vector<Feature>& features,
-                                    const std::optional<Pose>& prior, std::int64_t frame) const;
-  std::optional<Pose> located(const EgoMap& by, const FramePose& frame, const Pose& prior) const;
-  std::optional<Pose> locate_rows(const EgoMap& by, const FramePose& frame, const Pose& prior) const;
   bool wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const;
   void insert_keyframe(std::int64_t frame, const std::vector<Feature>& features);
-  Pose found_again(const EgoMap& by, const FramePose& frame) const;
   void settle_frames();
   void begin_map(const Pose& pose, std::int64_t frame, const std::vector<Feature>& features);
   void await_motion(const SequenceFrame& frame, const std::vector<Feature>& features);
@@ -106,49 +77,6 @@ struct RgbdOdometry::State {
   Pose world_from_map() const { return upright_world_from_camera(up.value_or(-Eigen::Vector3d::UnitY())); }
 };
 
-std::optional<RigidMotion> RgbdOdometry::State::locate(const EgoMap& by, const std::vector<Feature>& features,
-                                                       const std::optional<Pose>& prior,
-                                                       std::int64_t frame) const {
-  RandomStream random(seed, "ego", frame);
-  return fit_rigid_motion(sightings_of(by, features), camera, prior, options.pose, random);
-}
-
-std::optional<Pose> RgbdOdometry::State::located(const EgoMap& by, const FramePose& frame,
-                                                 const Pose& prior) const {
-  if (frame.presumed_twist) return locate_rows(by, frame, prior);
-  const auto fit = locate(by, frame.features, prior, frame.frame);
-  return fit ? std::optional(fit->camera_from_body) : std::nullopt;
-}
-
-// A frame whose features are at their rows: its pose and the background's twist in turn.
-std::optional<Pose> RgbdOdometry::State::locate_rows(const EgoMap& by, const FramePose& frame,
-                                                     const Pose& prior) const {
-  const RollingShutter shutter(camera, rolling_shutter_s);
-  MovingPose moving{prior, *frame.presumed_twist};
-  for (int round = 0; round < kRowRounds; ++round) {
-    std::vector<Feature> features;
-    for (Feature f : frame.features)
-      if (f.depth_m > 0 && by.points.contains(f.track)) features.push_back(f);
-    std::vector<double> delays_s, agreed_s;
-    for (Feature& f : features) {
-      delays_s.push_back(shutter.delay_s(f.pixel.y()));
-      f.pixel = shutter.at_stamp(f.pixel, f.depth_m, moving.twist).value_or(f.pixel);
-      f.depth_sigma_m = std::max(f.depth_sigma_m, kRowDepthShare * f.depth_m);
-    }
-    const auto fit = locate(by, features, moving.camera_from_body, frame.frame);
-    if (!fit) return std::nullopt;
-    std::vector<PointSighting> agreed;
-    const auto sightings = sightings_of(by, features);
-    for (std::size_t i = 0; i < sightings.size(); ++i)
-      if (fit->inlier[i]) agreed.push_back(sightings[i]), agreed_s.push_back(delays_s[i]);
-    const auto refined = fit_moving_pose(agreed, agreed_s, camera, {fit->camera_from_body, moving.twist},
-                                         *frame.presumed_twist, options.pose.pixel_sigma, {});
-    if (!refined) return fit->camera_from_body;
-    moving = *refined;
-  }
-  return moving.camera_from_body;
-}
-
 bool RgbdOdometry::State::wants_keyframe(const std::vector<Feature>& features, std::int64_t frame) const {
   const Keyframe& last = map.keyframes.back();
   if (frame - last.frame >= options.keyframe_max_gap) return true;
@@ -161,26 +89,17 @@ bool RgbdOdometry::State::wants_keyframe(const std::vector<Feature>& features, s
 }
 
 void RgbdOdometry::State::insert_keyframe(std::int64_t frame, const std::vector<Feature>& features) {
-  RandomStream random(seed, "ego_loop", frame);
+  RandomStream random(locator.seed, "ego_loop", frame);
   const auto loop = map.keyframes.empty()
                         ? std::nullopt
-                        : find_loop(map, camera, features, *camera_from_world, options.loop, random);
-  add_keyframe(map, camera, {frame, *camera_from_world, features});
+                        : find_loop(map, locator.camera, features, *camera_from_world, options.loop, random);
+  add_keyframe(map, locator.camera, {frame, *camera_from_world, features});
   const int count = static_cast<int>(map.keyframes.size());
   if (loop) close_loop(map, *loop, options.loop);
   std::vector<int> moving(loop ? count : std::min(count, options.window_keyframes));
   std::iota(moving.begin(), moving.end(), count - static_cast<int>(moving.size()));
-  adjust_bundle(map, camera, moving, options.bundle);
+  adjust_bundle(map, locator.camera, moving, options.bundle);
   camera_from_world = map.keyframes.back().camera_from_world;
-}
-
-// camera_from_world of a frame by what the map has become.
-Pose RgbdOdometry::State::found_again(const EgoMap& by, const FramePose& frame) const {
-  const Keyframe& keyframe = by.keyframes[frame.keyframe];
-  const Pose expected = frame.camera_from_keyframe * keyframe.camera_from_world;
-  if (keyframe.frame == frame.frame || frame.features.empty()) return expected;
-  const auto fit = locate(by, frame.features, expected, frame.frame);
-  return fit ? fit->camera_from_body : expected;
 }
 
 // Frames whose keyframe has left the local bundle adjustment are fixed to it: from here on the map about them
@@ -191,15 +110,15 @@ void RgbdOdometry::State::settle_frames() {
   for (; settled < frames.size() && frames[settled].keyframe < first_moving; ++settled) {
     FramePose& frame = frames[settled];
     frame.camera_from_keyframe =
-        found_again(map, frame) * map.keyframes[frame.keyframe].camera_from_world.inverse();
+        locator.found_again(map, frame) * map.keyframes[frame.keyframe].camera_from_world.inverse();
     frame.features = std::vector<Feature>();
   }
 }
 
 void RgbdOdometry::State::look_for_floor(const cv::Mat& depth, const cv::Mat& masks, std::int64_t frame) {
   if (up || frames_seen > kUprightTries || !camera_from_world) return;
-  RandomStream random(seed, "ego_floor", frame);
-  if (const auto found = find_up(depth, masks, camera, options.upright, random))
+  RandomStream random(locator.seed, "ego_floor", frame);
+  if (const auto found = find_up(depth, masks, locator.camera, options.upright, random))
     up = camera_from_world->rotation.conjugate() * *found;
 }
 
@@ -241,7 +160,7 @@ bool RgbdOdometry::State::can_bridge(const TrackedFeatures& features) const {
 // Places the camera in the map; false where it is lost.
 bool RgbdOdometry::State::follow(std::int64_t frame, const TrackedFeatures& features) {
   const auto prior = camera_from_world ? std::optional(presumed) : std::nullopt;
-  const auto fit = locate(map, features.background, prior, frame);
+  const auto fit = locator.locate(map, features.background, prior, frame);
   camera_from_world.reset();
   if (!fit) return false;
   camera_from_world = fit->camera_from_body;
@@ -264,7 +183,7 @@ bool RgbdOdometry::State::is_hopeless(std::int64_t stamp_ns) const {
 void RgbdOdometry::State::look_back(std::int64_t until_ns) {
   for (; lagged_frames < frames.size() && frames[lagged_frames].stamp_ns <= until_ns; ++lagged_frames) {
     const FramePose& frame = frames[lagged_frames];
-    lagged.push_back({frame.stamp_ns, found_again(map, frame).inverse()});
+    lagged.push_back({frame.stamp_ns, locator.found_again(map, frame).inverse()});
   }
 }
 
@@ -325,10 +244,8 @@ void RgbdOdometry::State::add_frame(const SequenceFrame& frame, const TrackedFea
 RgbdOdometry::RgbdOdometry(const Camera& camera, const EgoOptions& options, std::uint64_t seed,
                            double fixed_lag_s, double rolling_shutter_s)
     : state_(std::make_unique<State>()) {
-  state_->rolling_shutter_s = rolling_shutter_s;
-  state_->camera = without_distortion(camera);
+  state_->locator = {without_distortion(camera), options.pose, seed, rolling_shutter_s};
   state_->options = options;
-  state_->seed = seed;
   state_->fixed_lag_s = fixed_lag_s;
 }
 
@@ -380,7 +297,7 @@ void RgbdOdometry::State::append(const EgoMap& of, const std::vector<FramePose>&
   std::iota(all.begin(), all.end(), 0);
   BundleOptions bundle = options.bundle;
   bundle.iterations = options.final_iterations;
-  adjust_bundle(adjusted, camera, all, bundle);
+  adjust_bundle(adjusted, locator.camera, all, bundle);
   const auto world_from_camera = [&](const FramePose& frame, const Pose& camera_from_map) {
     Pose pose = world_from_map() * camera_from_map.inverse();
     pose.rotation.normalize();
@@ -392,14 +309,14 @@ void RgbdOdometry::State::append(const EgoMap& of, const std::vector<FramePose>&
   for (auto frame = earlier.rbegin(); frame != earlier.rend(); ++frame) {
     if (motion) next = motion->inverse() * next;
     motion = frame->motion;
-    const auto pose = located(adjusted, *frame, next);
+    const auto pose = locator.locate(adjusted, *frame, next);
     if (!pose && !frame->is_bridged) continue;
     if (pose) next = *pose;
     first.push_back(world_from_camera(*frame, next));
   }
   trajectory.insert(trajectory.end(), first.rbegin(), first.rend());
   for (const FramePose& frame : placed)
-    trajectory.push_back(world_from_camera(frame, found_again(adjusted, frame)));
+    trajectory.push_back(world_from_camera(frame, locator.found_again(adjusted, frame)));
 }
 
 Trajectory RgbdOdometry::trajectory() const {
