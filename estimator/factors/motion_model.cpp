@@ -85,8 +85,4 @@ std::unique_ptr<ceres::CostFunction> motion_model_factor(double ratio, MotionMod
   return std::make_unique<ConstantVelocity>(ratio, model, sigmas);
 }
 
-std::unique_ptr<ceres::CostFunction> static_motion_factor(const PoseSigmas& sigmas) {
-  return relative_pose_factor(Pose{}, sigmas);
-}
-
 }  // namespace uniquadric

@@ -33,7 +33,4 @@ PoseSigmas prediction_sigmas(double step_before_s, double step_s, const MotionNo
 std::unique_ptr<ceres::CostFunction> motion_model_factor(double ratio, MotionModel model,
                                                          const PoseSigmas& sigmas);
 
-/// A body at rest: r = Log(T0^-1 T1), weighted apart. Blocks: world_from_body at t0, t1 (7 each).
-std::unique_ptr<ceres::CostFunction> static_motion_factor(const PoseSigmas& sigmas);
-
 }  // namespace uniquadric

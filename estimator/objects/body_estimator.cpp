@@ -218,7 +218,6 @@ void BodyEstimator::remember(const PerceivedFrame& frame, const Pose& world_from
 
 std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const BodyObservation& body) {
   RandomStream random(seed_, "find_pose", frame.frame, id_);
-  short_window_.set_rest(motion_.rest());
   const auto solution = short_window_.find(frame, body, predict(frame, &body), is_stale(frame), random);
   if (!solution || gives_way(frame, body, solution->camera_from_body)) return std::nullopt;
   BodyPose pose = short_window_.take(frame, body, *solution);

@@ -56,7 +56,6 @@ void visit(Io& io, ShortWindowOptions& o) {
   io.number("keyframes", o.keyframes, 3, 100);
   io.number("keyframe_gap_s", o.keyframe_gap_s, 1e-3, 1e6);
   io.flag("motion_model", o.motion_model);
-  io.flag("rest_factor", o.rest_factor);
   io.flag("marginal_prior", o.marginal_prior);
   io.number("min_inliers", o.pose.min_inliers, 4);
 }

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 namespace uniquadric {
@@ -60,12 +59,6 @@ void MotionDecision::add(std::int64_t stamp_ns, const Pose& world_from_camera, c
   else if (is_long && off.back() < options_.rest_sigmas)
     decision_ = ObjectMotion::at_rest;
   was_off_ = is_off;
-}
-
-std::optional<PoseSigmas> MotionDecision::rest() const {
-  if (decision_ != ObjectMotion::at_rest) return std::nullopt;
-  const PoseSigmas camera = camera_share(samples_.back().distance_m, options_);
-  return PoseSigmas{std::numbers::sqrt2 * camera.translation_m, std::numbers::sqrt2 * camera.rotation_rad};
 }
 
 }  // namespace uniquadric

@@ -40,9 +40,6 @@ class MotionDecision {
 
   ObjectMotion now() const { return decision_; }
 
-  /// By how much two poses of a body at rest differ, as the camera's are off; nothing of another one.
-  std::optional<PoseSigmas> rest() const;
-
  private:
   struct Sample {
     std::int64_t stamp_ns;

@@ -47,12 +47,6 @@ void add_motion_model(ceres::Problem& problem, const std::deque<BodyKeyframe>& k
   }
 }
 
-void add_rest(ceres::Problem& problem, std::vector<PoseBlock>& poses, const PoseSigmas& sigmas) {
-  for (std::size_t i = 1; i < poses.size(); ++i)
-    problem.AddResidualBlock(static_motion_factor(sigmas).release(), nullptr, poses[i - 1].data(),
-                             poses[i].data());
-}
-
 bool shows_whole(const BodyObservation& body) {
   return body.silhouette && is_whole(*body.silhouette);
 }
@@ -200,10 +194,7 @@ void ShortWindow::optimise() {
           new ceres::HuberLoss(kHuberSigmas), pose, block.point);
     }
   }
-  if (rest_ && options_.rest_factor)
-    add_rest(problem, poses, *rest_);
-  else if (options_.motion_model)
-    add_motion_model(problem, keyframes_, poses, options_.motion_noise);
+  if (options_.motion_model) add_motion_model(problem, keyframes_, poses, options_.motion_noise);
   if (!anchored) problem.SetParameterBlockConstant(poses.front().data());
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_SCHUR;

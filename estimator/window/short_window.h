@@ -24,7 +24,6 @@ struct ShortWindowOptions {
   double keyframe_gap_s = 0.33;  // ours: bounds the motion model's reach
   bool motion_model = true;      // paper: Eq. 7
   MotionNoise motion_noise;
-  bool rest_factor = true;                    // ours: what stands still is held there in the place of Eq. 7
   bool marginal_prior = true;                 // paper: e_prior
   static constexpr int max_landmarks = 4000;  // ours: bounds memory; those not seen for longest go first
   PoseSolverOptions pose;
@@ -78,10 +77,6 @@ class ShortWindow {
   /// Goes on from the pose that find() found in the same frame, with a keyframe where one is due.
   BodyPose take(const PerceivedFrame& frame, const BodyObservation& body, const PoseSolution& solution);
 
-  /// What a body that is known to stand still may move by from keyframe to keyframe; nothing: it moves. From
-  /// the next solution on.
-  void set_rest(const std::optional<PoseSigmas>& sigmas) { rest_ = sigmas; }
-
   const std::deque<BodyKeyframe>& keyframes() const { return keyframes_; }
 
  private:
@@ -98,7 +93,6 @@ class ShortWindow {
   ShortWindowOptions options_;
   std::deque<BodyKeyframe> keyframes_;
   std::map<std::int64_t, BodyPoint> landmarks_;  // by track
-  std::optional<PoseSigmas> rest_;
 };
 
 }  // namespace uniquadric

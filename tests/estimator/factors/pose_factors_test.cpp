@@ -135,14 +135,6 @@ TEST(MotionModel, Eq7_JacobianMatchesDifferences) {
   EXPECT_EQ(tested, 18);
 }
 
-TEST(MotionModel, StaticBodyHasNoResidualAndItsJacobianMatches) {
-  const auto cost = static_motion_factor(kSigmas);
-  EXPECT_LT(residuals_of(*cost, blocks_of(pose_block(kPose), pose_block(kPose))).norm(), 1e-12);
-  for (const auto& rotation : test_rotations())
-    expect_jacobians(*cost,
-                     blocks_of(pose_block(kPose), pose_block(kPose * Pose{rotation, {0.1, 0.2, 0.3}})));
-}
-
 // The sigma against a simulated random walk of the velocity.
 TEST(MotionModel, PredictionSigmaIsThatOfWhiteAcceleration) {
   constexpr double kStep = 0.002;
