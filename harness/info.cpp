@@ -133,8 +133,10 @@ std::string describe_yaml(const fs::path& path) {
   if (root.has("scenes")) {
     const BenchConfig config = load_bench_config(path);
     for (const BenchVariant& variant : config.variants)
-      is_external(variant.path) ? void(load_external_variant(variant.path))
-                                : void(load_variant(variant.path, variant.set));
+      if (is_external(variant.path))
+        load_external_variant(variant.path);
+      else
+        load_variant(variant.path, variant.set);
     return fmt::format("bench '{}': {} scenes x {} variants x {} seeds\n", config.name, config.scenes.size(),
                        config.variants.size(), config.seeds.size());
   }

@@ -232,8 +232,7 @@ std::string ConfigNode::choice(const std::string& key, const std::vector<std::st
 std::string ConfigNode::name(const std::string& key) const {
   const ConfigNode node = at(key);
   const auto text = node.as<std::string>();
-  if (!is_plain_name(text))
-    node.fail("expected a name: not empty, no comma, quote, slash or control character");
+  if (!is_plain_name(text)) node.fail(kPlainNameExpected);
   return text;
 }
 

@@ -107,7 +107,8 @@ std::string csv_unquoted(std::string_view field) {
 }
 
 bool is_plain_name(std::string_view text) {
-  return !text.empty() && text.size() <= kMostNameBytes && is_utf8(text) &&
+  return !text.empty() && std::string_view("=+-@.").find(text.front()) == std::string_view::npos &&
+         text.size() <= kMostNameBytes && is_utf8(text) &&
          std::none_of(text.begin(), text.end(), [](unsigned char c) {
            return c < 0x20 || std::string_view(",\"/\\").find(static_cast<char>(c)) != std::string_view::npos;
          });

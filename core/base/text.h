@@ -22,8 +22,11 @@ std::string csv_quoted(std::string text);
 std::string csv_unquoted(std::string_view field);
 
 /// Whether a text can be a name in CSV files and folders: not empty, no comma, quote, slash, backslash or
-/// control character, UTF-8 of at most 200 bytes.
+/// control character, UTF-8 of at most 200 bytes. At its beginning no dot, and none of = + - @, which make a
+/// formula of a spreadsheet's cell.
 bool is_plain_name(std::string_view text);
+inline constexpr const char* kPlainNameExpected =
+    "expected a name: not empty, no comma, quote, slash or control character, no = + - @ or dot first";
 
 /// Fields of `line` between separators; with ' ' runs of blanks and tabs count as one.
 std::vector<std::string_view> split(std::string_view line, char separator = ' ');

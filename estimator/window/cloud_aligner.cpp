@@ -34,8 +34,8 @@ struct CloudAligner::CauchyEquations : NormalEquations {
   }
 };
 
-std::vector<SeenPoint> evenly_drawn(const BodyObservation& body, int most) {
-  std::vector<SeenPoint> result;
+std::vector<CloudPoint> evenly_drawn(const BodyObservation& body, int most) {
+  std::vector<CloudPoint> result;
   if (body.normals.cols() == 0) return result;
   for (const auto k : even_choice(body.points.cols(), most)) {
     result.push_back({body.points.col(k), body.normals.col(k)});
@@ -125,7 +125,7 @@ double CloudAligner::surface_disagreement(const Pose& pose) const {
 bool CloudAligner::holds_points(const Pose& pose) const {
   const Eigen::Vector3d center = pose * bounds_.center();
   const double reach_m = kReach * bounds_.diagonal().norm() / 2;
-  const auto held = std::count_if(seen_.begin(), seen_.end(), [&](const SeenPoint& seen) {
+  const auto held = std::count_if(seen_.begin(), seen_.end(), [&](const CloudPoint& seen) {
     return (seen.position - center).norm() < reach_m;
   });
   return 2 * held >= std::ssize(seen_);
@@ -136,7 +136,7 @@ double CloudAligner::color_cost(const Pose& pose, std::size_t stride) const {
   const Pose body_from_camera = pose.inverse();
   double cost = 0;
   for (std::size_t k = 0; k < seen_.size(); k += stride) {
-    const SeenPoint& seen = seen_[k];
+    const CloudPoint& seen = seen_[k];
     const auto partner = partner_of(seen, body_from_camera, options_.near_m);
     const double off = partner ? (seen.color - model_.colors.col(*partner)).norm() / options_.color_sigma : 1;
     cost += cauchy_loss(off);
@@ -145,7 +145,7 @@ double CloudAligner::color_cost(const Pose& pose, std::size_t stride) const {
 }
 
 // The model's point that is nearest and faces the same way.
-std::optional<int> CloudAligner::partner_of(const SeenPoint& seen, const Pose& body_from_camera,
+std::optional<int> CloudAligner::partner_of(const CloudPoint& seen, const Pose& body_from_camera,
                                             double reach_m) const {
   const Eigen::Vector3d position = body_from_camera * seen.position,
                         normal = body_from_camera.rotation * seen.normal;
@@ -162,7 +162,7 @@ void CloudAligner::add_points(CloudFit& fit, double reach_m, std::size_t stride,
   int used = 0, matched = 0;
   double sum = 0;
   for (std::size_t k = 0; k < seen_.size(); k += stride) {
-    const SeenPoint& seen = seen_[k];
+    const CloudPoint& seen = seen_[k];
     ++used;
     const auto partner = partner_of(seen, body_from_camera, reach_m);
     if (!partner) continue;

@@ -12,13 +12,13 @@
 namespace uniquadric {
 
 /// A point of a frame's cloud.
-struct SeenPoint {
+struct CloudPoint {
   Eigen::Vector3d position, normal;  ///< camera frame
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
 };
 
 /// At most so many points of a body's cloud, evenly chosen; none without normals.
-std::vector<SeenPoint> evenly_drawn(const BodyObservation& body, int most);
+std::vector<CloudPoint> evenly_drawn(const BodyObservation& body, int most);
 
 inline constexpr double kNeighbourEvidence = 0.1;  ///< of each residual: neighbours err together
 inline constexpr double kLeastDepth_m = 0.1;       ///< of a body that has an outline
@@ -83,7 +83,7 @@ class CloudAligner {
 
   struct CauchyEquations;
 
-  std::optional<int> partner_of(const SeenPoint& seen, const Pose& body_from_camera, double reach_m) const;
+  std::optional<int> partner_of(const CloudPoint& seen, const Pose& body_from_camera, double reach_m) const;
   void add_points(CloudFit& fit, double reach_m, std::size_t stride, CauchyEquations& equations) const;
   OutlineEnd end_of(const SupportLine& line, const Eigen::Vector3d& p) const;
   std::optional<OutlineEnd> end_along(const SupportLine& line, const Pose& camera_from_body,
@@ -96,7 +96,7 @@ class CloudAligner {
   Pose predicted_;
   PoseSigmas sigmas_;
   const CloudAlignmentOptions& options_;
-  std::vector<SeenPoint> seen_;
+  std::vector<CloudPoint> seen_;
   std::vector<SupportLine> lines_;
   bool is_colored_;
   Eigen::AlignedBox3d bounds_;

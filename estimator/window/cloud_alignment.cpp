@@ -129,19 +129,19 @@ Matrix6d surface_information(const Camera& camera, const BodyObservation& body, 
   if (seen.empty()) return sum;
   const auto add = [&](const Vector6d& row) { sum += kNeighbourEvidence * row * row.transpose(); };
   const Pose body_from_camera = camera_from_body.inverse(), object_from_body = body_from_object.inverse();
-  for (const SeenPoint& point : seen) {
+  for (const CloudPoint& point : seen) {
     const Eigen::Vector3d p = body_from_camera * point.position;
     const Eigen::Vector3d n = body_from_object.rotation * normal_at(shape, object_from_body * p);
     add(point_row(p, n) / options.point_sigma_m);
   }
   for (const SupportLine& line : body.silhouette ? body.silhouette->support : std::vector<SupportLine>{}) {
     if (!line.free) continue;
-    const auto reach_px = [&](const SeenPoint& point) {
+    const auto reach_px = [&](const CloudPoint& point) {
       return line.normal.dot((camera.matrix() * point.position).hnormalized());
     };
     const auto furthest =
         std::max_element(seen.begin(), seen.end(),
-                         [&](const SeenPoint& a, const SeenPoint& b) { return reach_px(a) < reach_px(b); });
+                         [&](const CloudPoint& a, const CloudPoint& b) { return reach_px(a) < reach_px(b); });
     add(line_row(camera, line, camera_from_body, furthest->position) / options.outline_sigma_px);
   }
   return sum;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -19,6 +20,7 @@
 namespace uniquadric {
 namespace {
 
+constexpr std::size_t kMostName = 200;  // bytes: file systems take 255 with the ending
 constexpr double kWidth = 480, kLeft = 62, kTop = 52, kHeight = 210, kLegendLine = 18;
 
 struct Curve {
@@ -96,9 +98,9 @@ std::optional<Picture> picture_of(const Plot& plot, const std::string& where,
   return picture;
 }
 
-std::vector<Figure> figures_over_time(const Results& results) {
+std::vector<NamedPicture> figures_over_time(const Results& results) {
   const std::vector<std::string> variants = causal_variants_of(results);
-  std::vector<Figure> figures;
+  std::vector<NamedPicture> figures;
   for (const std::string& scene : scenes_of(results))
     for (const std::string& object : subjects_of(results, scene)) {
       std::vector<Curve> curves;
@@ -150,11 +152,11 @@ Picture range_errors(const std::string& scene, const std::vector<ErrorCurve>& se
   return picture;
 }
 
-std::vector<Figure> range_error_figures(const Results& results) {
+std::vector<NamedPicture> range_error_figures(const Results& results) {
   std::map<std::string, std::vector<ErrorCurve>> scenes;
   for (const LidarRoutes& routes : results.lidar)
     if (!routes.errors.empty()) scenes[routes.scene].push_back(error_curve(routes));
-  std::vector<Figure> figures;
+  std::vector<NamedPicture> figures;
   for (const auto& [scene, seeds] : scenes)
     figures.push_back({figure_name({scene, "range_error"}), range_errors(scene, seeds)});
   return figures;
@@ -166,16 +168,15 @@ std::string figure_name(std::initializer_list<std::string> parts) {
   std::string name;
   for (const char c : fmt::format("{}", fmt::join(parts, "_")))
     name += std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' ? c : '_';
-  return name;
+  return name.substr(0, kMostName);
 }
 
-std::vector<Figure> figures_of(const Results& results, const std::vector<SummaryRow>& summary) {
-  std::vector<Figure> figures;
-  for (auto&& some :
-       {figures_over_time(results), variant_figures(results, summary), range_error_figures(results)})
-    figures.insert(figures.end(), some.begin(), some.end());
+std::vector<NamedPicture> figures_of(const Results& results, const std::vector<SummaryRow>& summary) {
+  std::vector<NamedPicture> figures = figures_over_time(results);
+  std::ranges::move(variant_figures(results, summary), std::back_inserter(figures));
+  std::ranges::move(range_error_figures(results), std::back_inserter(figures));
   std::set<std::string> names;
-  for (Figure& figure : figures)
+  for (NamedPicture& figure : figures)
     while (!names.insert(figure.name).second) figure.name += '_';
   return figures;
 }

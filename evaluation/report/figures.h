@@ -11,7 +11,7 @@
 namespace uniquadric {
 
 /// A plot of the report as a file of its own.
-struct Figure {
+struct NamedPicture {
   std::string name;  ///< of a file, without its ending
   Picture picture;
 };
@@ -23,6 +23,6 @@ std::string figure_name(std::initializer_list<std::string> parts);
 /// (what it knew at each frame, of its first good seed), the true semi-axes dashed. Then the variants side by
 /// side (variant_figures.h), and SCENE_range_error: the LiDAR's range errors, a line a seed. Each has a name
 /// of its own.
-std::vector<Figure> figures_of(const Results& results, const std::vector<SummaryRow>& summary);
+std::vector<NamedPicture> figures_of(const Results& results, const std::vector<SummaryRow>& summary);
 
 }  // namespace uniquadric

@@ -16,7 +16,8 @@ std::string line(const std::vector<std::string>& fields) {
 }
 
 std::string paper_line(const SummaryRow& row, const char* system, const PaperFigures& figures) {
-  std::vector<std::string> fields = {row.scene, row.object, fmt::format("*{}*", system), ""};
+  std::vector<std::string> fields = {markdown_cell(row.scene), markdown_cell(row.object),
+                                     fmt::format("*{}*", system), ""};
   for (const char* metric : summary_metrics()) {
     const auto value = figures.of(metric);
     fields.push_back(value ? fmt::format("*{:.3f}*", *value) : "");
@@ -36,8 +37,8 @@ std::string table(const std::vector<SummaryRow>& summary) {
   for (std::size_t i = 0; i < summary.size(); ++i) {
     const SummaryRow& row = summary[i];
     if (row.object == "all" && row.good > 0) continue;  // tracking and time: in scores.csv and the page
-    std::vector<std::string> fields = {row.scene, row.object, row.variant,
-                                       fmt::format("{}/{}", row.good, row.runs)};
+    std::vector<std::string> fields = {markdown_cell(row.scene), markdown_cell(row.object),
+                                       markdown_cell(row.variant), fmt::format("{}/{}", row.good, row.runs)};
     for (const char* metric : summary_metrics())
       fields.push_back(shown_figure(row, metric, "-", {"**", "**"}));
     text += line(fields);
@@ -50,8 +51,9 @@ std::string table(const std::vector<SummaryRow>& summary) {
 
 std::string ratio_line(const PaperRatio& row, const std::vector<const Metric*>& metrics) {
   const bool paper = row.system == kPaperUniquadric;
-  std::vector<std::string> fields = {row.scene, row.object,
-                                     paper ? fmt::format("*{}*", row.system) : row.system, row.baseline,
+  std::vector<std::string> fields = {markdown_cell(row.scene), markdown_cell(row.object),
+                                     paper ? fmt::format("*{}*", row.system) : markdown_cell(row.system),
+                                     markdown_cell(row.baseline),
                                      paper ? "" : fmt::format("{}/{}", row.good, row.runs)};
   for (const Metric* metric : metrics) {
     const auto found = row.ratio.find(metric->name);
@@ -85,8 +87,8 @@ std::string sizes(const Results& results) {
     if (cell.evaluation)
       for (const SizeSteadiness& size : cell.evaluation->sizes) {
         const Eigen::Vector3d size_m = 2 * size.semi_axes_m;
-        text += line({cell.scene, cell.variant, std::to_string(cell.seed), std::to_string(size.id),
-                      std::to_string(size.states),
+        text += line({markdown_cell(cell.scene), markdown_cell(cell.variant), std::to_string(cell.seed),
+                      std::to_string(size.id), std::to_string(size.states),
                       fmt::format("{:.3f} x {:.3f} x {:.3f}", size_m.x(), size_m.y(), size_m.z()),
                       format_figure(size.spread)});
       }
@@ -102,7 +104,7 @@ std::string failures(const Results& results) {
   std::string text;
   for (const Cell& cell : results.cells)
     if (cell.status != CellStatus::ok && cell.output.empty())
-      text += line({cell.scene, cell.variant, std::to_string(cell.seed),
+      text += line({markdown_cell(cell.scene), markdown_cell(cell.variant), std::to_string(cell.seed),
                     cell.status == CellStatus::failed ? markdown_cell(cell.message) : "not run"});
   if (text.empty()) return "";
   return "\n## Runs without a result\n" + line({"scene", "variant", "seed", "why"}) +
@@ -114,7 +116,8 @@ std::string not_applicable(const Results& results) {
   std::string text = "\n## Not applicable\n" + line({"scene", "variant", "seed", "why"}) +
                      line({"---", "---", "---:", "---"});
   for (const Cell& cell : results.not_applicable)
-    text += line({cell.scene, cell.variant, std::to_string(cell.seed), markdown_cell(cell.message)});
+    text += line({markdown_cell(cell.scene), markdown_cell(cell.variant), std::to_string(cell.seed),
+                  markdown_cell(cell.message)});
   return text;
 }
 
@@ -128,7 +131,8 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
       results.name);
   if (!overview.rows.empty())
     text += fmt::format("## Over all {} scenes\nMedians over objects.\n\n{}\n## {} scenes\n{}\n\n",
-                        overview.scenes, table(overview.rows), overview.shown.size(), shown_note(overview));
+                        overview.scenes, table(overview.rows), overview.shown.size(), kShownNote);
+  if (const std::string note = judged_note(overview); !note.empty()) text += note + "\n\n";
   text += table(summary) + against_the_paper(summary) + arc_markdown(results) +
           lidar_markdown(results.lidar) + sizes(results) + failures(results) + not_applicable(results) +
           "\n## How it was made\n";

@@ -87,16 +87,13 @@ std::vector<SummaryRow> rows_of(const OverallRows& all, const std::map<std::stri
 
 }  // namespace
 
-std::string shown_note(const Overview& overview) {
-  const std::string note =
-      "Half of them are those in which objects are modelled worst or runs failed, the others are spread "
-      "evenly "
-      "from hard to easy. scores.csv has all.";
-  if (overview.judged == overview.scenes) return note;
-  return note + fmt::format(
-                    " The verdicts between variants are of {} scenes, spread evenly over all; `uniquadric "
-                    "compare` judges all.",
-                    overview.judged);
+std::string judged_note(const Overview& overview) {
+  if (overview.judged == overview.scenes) return "";
+  return fmt::format(
+      "The verdicts between variants are of {} of {} scenes, spread evenly over all: `uniquadric compare` "
+      "judges "
+      "all.",
+      overview.judged, overview.scenes);
 }
 
 Overview overview_of(const std::filesystem::path& folder, std::size_t most_rows, std::size_t most_judged,

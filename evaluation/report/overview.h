@@ -24,8 +24,12 @@ struct Overview {
   bool shows_all() const { return shown.size() == scenes; }
 };
 
-/// Which scenes are shown and judged, where that is not all of them.
-std::string shown_note(const Overview& overview);
+inline constexpr const char* kShownNote =
+    "Half of them are those in which objects are modelled worst or runs failed, the others are spread evenly "
+    "from hard to easy. scores.csv has all.";
+
+/// Which scenes the verdicts are of; empty where that is all of them.
+std::string judged_note(const Overview& overview);
 
 /// Reads a results folder scene by scene and writes scores.csv on the way. More scenes than make
 /// `most_rows` rows of a summary are not shown: half of those that are are the hardest, with runs that

@@ -13,10 +13,12 @@ namespace uniquadric {
 
 namespace {
 
-void write_figures(const std::vector<Figure>& figures, const std::filesystem::path& folder) {
-  std::filesystem::remove_all(folder);  // of an earlier call
+void write_figures(const std::vector<NamedPicture>& figures, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  for (const Figure& figure : figures) {
+  for (const auto& file : std::filesystem::directory_iterator(folder))  // of an earlier call
+    if (const auto ending = file.path().extension(); ending == ".svg" || ending == ".pdf")
+      std::filesystem::remove(file);
+  for (const NamedPicture& figure : figures) {
     write_text(folder / (figure.name + ".svg"), picture_svg(figure.picture));
     write_text(folder / (figure.name + ".pdf"), picture_pdf(figure.picture));
   }
@@ -26,9 +28,11 @@ void write_figures(const std::vector<Figure>& figures, const std::filesystem::pa
 
 void write_report(const std::filesystem::path& folder, const ReportExtras& extras) {
   require_results_folder(folder);
-  for (const char* name : {"iou3d_by_arc.svg", "scores.csv", "report.md", "report.html"})
+  for (const char* name : {"iou3d_by_arc.svg", "scores.csv", "report.md", "report.tex", "report.html"})
     if (std::filesystem::is_directory(folder / name))
       throw InputError(folder / name, "is a folder, in the way of the file of that name");
+  if (std::filesystem::exists(folder / "figures") && !std::filesystem::is_directory(folder / "figures"))
+    throw InputError(folder / "figures", "is a file, in the way of the folder of that name");
   const PageOptions options;
   PendingText scores(folder / "scores.csv");  // large: written as it is made
   const Overview overview = overview_of(folder, options.summary_rows, options.judged_runs, scores.stream());
@@ -38,11 +42,11 @@ void write_report(const std::filesystem::path& folder, const ReportExtras& extra
       page_html(results, summary, overview, options);  // all made before the first is there
   const std::string markdown = page_markdown(results, summary, overview);
   const std::string arcs = arc_svg(results);
+  if (extras.figures) write_figures(figures_of(results, summary), folder / "figures");
   arcs.empty() ? void(std::filesystem::remove(folder / "iou3d_by_arc.svg"))
                : write_text(folder / "iou3d_by_arc.svg", arcs);
   scores.keep();
   write_text(folder / "report.md", markdown);
-  if (extras.figures) write_figures(figures_of(results, summary), folder / "figures");
   if (extras.latex) write_text(folder / "report.tex", latex_table(summary));
   write_text(folder / "report.html", html);
 }

@@ -12,10 +12,11 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kLeft = 170, kTop = 34, kPlot = 300, kRow = 20, kRight = 60;
+constexpr double kLeft = 170, kTop = 34, kPlot = 300, kRow = 20, kRight = 80;
 constexpr double kSeed = 4, kMean = 8;   // sides of the marks
 constexpr double kLogarithmicFrom = 20;  // times between the greatest and the least, as in page/ablation.js
 constexpr double kLeastDecades = 0.1;    // beside the marks
+constexpr double kLeastWidth = 0.01;     // half the axis, of the values: else its numbers look alike
 
 using Rows = std::vector<const SummaryRow*>;
 
@@ -49,6 +50,8 @@ Axis axis_of(const Metric& metric, const Rows& rows) {
   }
   const auto [least, most] = std::ranges::minmax(values);
   ends.insert(ends.end(), {least, most});
+  const double middle = (least + most) / 2, narrow = kLeastWidth * std::abs(middle);
+  ends.insert(ends.end(), {middle - narrow, middle + narrow});
   Axis axis{metric.lower_is_better && least > 0 && most > kLogarithmicFrom * least,
             {kLeft, kTop - 10, kPlot, kRow * static_cast<double>(rows.size()), padded_range(ends), {}}};
   if (axis.logarithmic)
@@ -95,14 +98,19 @@ Picture picture_of(const Metric& metric, const Rows& rows,
   const std::string title =
       fmt::format("{}{}, {} in {}", metric.label, *metric.unit ? fmt::format(" [{}]", metric.unit) : "",
                   rows.front()->object, rows.front()->scene);
-  Picture picture{kLeft + kPlot + kRight, bottom + 24, title, {}};
+  Picture picture{kLeft + kPlot + kRight, bottom + 42, title, {}};
   picture.parts.emplace_back(PictureText{TextKind::title, TextAnchor::start, {8, 14}, title});
   for (const double tick : ticks_of(axis)) {
     const double x = axis.of(tick);
     picture.parts.emplace_back(PictureLine{LineKind::grid, {{x, axis.panel.top}, {x, bottom}}, ""});
     picture.parts.emplace_back(
-        PictureText{TextKind::tick, TextAnchor::middle, {x, bottom + 16}, fmt::format("{:.3g}", tick)});
+        PictureText{TextKind::tick, TextAnchor::middle, {x, bottom + 16}, fmt::format("{:.4g}", tick)});
   }
+  picture.parts.emplace_back(
+      PictureText{TextKind::tick,
+                  TextAnchor::middle,
+                  {kLeft + kPlot / 2, bottom + 34},
+                  "small: runs; large, and the number: their mean; bar: its 95 % interval"});
   for (std::size_t i = 0; i < rows.size(); ++i)
     draw_row(picture, axis, metric, *rows[i], kTop + kRow * static_cast<double>(i),
              colour_of(rows[i]->variant));
@@ -119,13 +127,13 @@ Rows rows_of(const Rows& object, const Metric& metric) {
 
 }  // namespace
 
-std::vector<Figure> variant_figures(const Results& results, const std::vector<SummaryRow>& summary) {
+std::vector<NamedPicture> variant_figures(const Results& results, const std::vector<SummaryRow>& summary) {
   const std::vector<std::string> variants = causal_variants_of(results);
   const auto colour_of = [&](const std::string& variant) -> std::string {
     const auto place = std::ranges::find(variants, without_output(variant)) - variants.begin();
     return kLightSvg.variant[static_cast<std::size_t>(place) % kLightSvg.variant.size()];
   };
-  std::vector<Figure> figures;
+  std::vector<NamedPicture> figures;
   Rows object;
   for (std::size_t i = 0; i < summary.size(); ++i) {
     object.push_back(&summary[i]);

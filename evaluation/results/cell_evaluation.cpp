@@ -94,6 +94,8 @@ std::vector<NamedObject> read_names(const fs::path& file, const json& root) {
     const json name = object.value("name", json(""));
     if (!name.is_string()) fail(file, field + ".name", "expected a text");
     NamedObject entry{object["id"].get<long long>(), name.get<std::string>()};
+    if (!entry.subject.empty() && !is_plain_name(entry.subject))
+      fail(file, field + ".name", kPlainNameExpected);
     for (char& c : entry.subject) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     named.push_back(entry);
   }

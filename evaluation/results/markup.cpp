@@ -21,9 +21,13 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-std::string markdown_cell(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != text.npos; at += 2) text.replace(at, 1, "\\|");
-  return text;
+std::string markdown_cell(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (std::string_view("\\|`*[]<>&").find(c) != std::string_view::npos) result += '\\';
+    result += c;
+  }
+  return result;
 }
 
 std::string aligned_columns(const std::vector<std::vector<std::string>>& lines, std::string_view sides) {

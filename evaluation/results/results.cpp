@@ -49,8 +49,8 @@ Cell parse_cell(const fs::path& file, int line, const std::vector<std::string_vi
   cell.seed = static_cast<std::uint64_t>(*seed);
   cell.status = parse_cell_status(file, line, fields[3]);
   cell.folder = fields[4];
-  if (!is_plain_name(cell.scene) || !is_plain_name(cell.variant))
-    throw InputError(file, line, "scene or variant is no plain name");
+  for (const std::string& name : {cell.scene, cell.variant})
+    if (!is_plain_name(name)) throw InputError(file, line, fmt::format("'{}': {}", name, kPlainNameExpected));
   if (cell.folder.is_absolute()) throw InputError(file, line, "folder is not relative to the results folder");
   cell.message = csv_unquoted(last_column(fields, 5));
   return cell;
@@ -192,6 +192,7 @@ std::vector<Cell> read_cells(const fs::path& file) {
       },
       ',');
   if (header) throw InputError(file, "is empty, expected a header");
+  if (cells.empty()) throw InputError(file, "has no runs");
   return cells;
 }
 

@@ -17,7 +17,7 @@ void add_report(CLI::App& app, Common& common) {
   static bool open = false;
   sub->add_option("RESULTS", results, "results folder of bench")->required();
   sub->add_flag("--latex", extras.latex, "write report.tex there, too: the summary as a table (booktabs)");
-  sub->add_flag("--pdf", extras.figures, "write figures/ there, too: every plot over time as PDF and as SVG");
+  sub->add_flag("--pdf", extras.figures, "write figures/ there, too: every plot as PDF and as SVG");
   sub->add_flag("--open", open, "show it in the desktop's browser");
   sub->callback([] {
     write_report(results, extras);

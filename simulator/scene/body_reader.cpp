@@ -58,7 +58,7 @@ Body read_body(const ConfigNode& node, const MaterialDefaults& defaults, std::ve
   if (const auto mesh = node.find("mesh")) {
     read_mesh_file(node, *mesh, body, files);
   } else {
-    Shape shape = read_shape(node, defaults);
+    SceneShape shape = read_shape(node, defaults);
     body.shape = std::move(shape.name);
     body.meshes = std::move(shape.meshes);
     body.semi_axes_m = shape.size_m / 2;

@@ -108,7 +108,7 @@ TrackOptions read_track(const ConfigNode& node) {
   return options;
 }
 
-std::vector<Mesh> build(const ConfigNode& node, const Shape& shape, const Material& material) {
+std::vector<Mesh> build(const ConfigNode& node, const SceneShape& shape, const Material& material) {
   const std::string& name = shape.name;
   const Eigen::Vector3d& size_m = shape.size_m;
   if (name == "box") return rounded_box(size_m, {.radius_m = 0}, material);
@@ -156,8 +156,8 @@ double read_share(const ConfigNode& node, const std::string& key, double fallbac
   return value;
 }
 
-Shape read_shape(const ConfigNode& node, const MaterialDefaults& defaults) {
-  Shape shape;
+SceneShape read_shape(const ConfigNode& node, const MaterialDefaults& defaults) {
+  SceneShape shape;
   shape.name =
       node.choice("primitive",
                   {"box", "rounded_box", "ball", "ellipsoid", "cylinder", "skateboard", "car", "carriage",

@@ -14,7 +14,7 @@ class ConfigNode;
 
 constexpr double kLargestBody_m = 10000;  ///< beyond it single precision is coarser than a millimetre
 
-struct Shape {
+struct SceneShape {
   std::string name;  ///< of the primitive
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   std::vector<Mesh> meshes;
@@ -32,7 +32,7 @@ TextureAmount read_texture_amount(const ConfigNode& node, TextureAmount fallback
 
 /// Reads `primitive`, `size_m`, the primitive's own keys and `material` of a body's map and builds the
 /// meshes. Leaves other keys to the caller's check. Throws InputError with file and line.
-Shape read_shape(const ConfigNode& node, const MaterialDefaults& defaults);
+SceneShape read_shape(const ConfigNode& node, const MaterialDefaults& defaults);
 
 /// A number from 0 to 1. Throws InputError with file and line.
 double read_share(const ConfigNode& node, const std::string& key, double fallback);

@@ -30,6 +30,9 @@ TEST(Utf8, IsWhatRfc3629Says) {
   EXPECT_FALSE(is_plain_name("W\xfcrfel"));
   EXPECT_TRUE(is_plain_name(std::string(200, 'x')));
   EXPECT_FALSE(is_plain_name(std::string(201, 'x')));
+  for (const char* formula : {"=1+1", "+x", "-1", "@SUM", "..", ".hidden"})
+    EXPECT_FALSE(is_plain_name(formula));
+  EXPECT_TRUE(is_plain_name("a=1+1-@."));
 }
 
 TEST(InputError, ShowsControlBytesAsWhatTheyAre) {

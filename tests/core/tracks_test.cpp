@@ -277,7 +277,8 @@ TEST(Tracks, DescriptionsWithBadAxesOrIdsAreRefused) {
   };
   EXPECT_EQ(message("{id: 1, name: b, semi_axes_m: [1, 1, 1]}"), ":4: objects[1].id: 1 stands twice");
   EXPECT_EQ(message("{id: 2, name: \"a,b\", semi_axes_m: [1, 1, 1]}"),
-            ":4: objects[1].name: expected a name: not empty, no comma, quote, slash or control character");
+            ":4: objects[1].name: expected a name: not empty, no comma, quote, slash or control character, "
+            "no = + - @ or dot first");
   EXPECT_EQ(message("{id: 2, name: b, semi_axes_m: [1, 0, 1]}"),
             ":4: objects[1].semi_axes_m: expected numbers greater than 0");
   EXPECT_EQ(message("{id: 2, name: b, semi_axes_m: [1, 1e300, 1]}"),

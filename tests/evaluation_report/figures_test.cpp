@@ -8,7 +8,9 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 
+#include "core/base/error.h"
 #include "core/base/files.h"
 #include "evaluation/report/report.h"
 #include "evaluation/report/svg_colours.h"
@@ -27,7 +29,7 @@ std::vector<PictureLine> lines_of(const Picture& picture, LineKind kind) {
   return lines;
 }
 
-std::vector<Figure> all_figures(const TempFolder& folder) {
+std::vector<NamedPicture> all_figures(const TempFolder& folder) {
   const Results results = read_results(folder.path());
   return figures_of(results, summarize(results));
 }
@@ -35,8 +37,8 @@ std::vector<Figure> all_figures(const TempFolder& folder) {
 TEST(Figures, HaveALineAVariantInItsColour) {
   const TempFolder folder;
   fabricate_results(folder.path(), {.frames = 20, .overlays = 0});
-  const std::vector<Figure> figures = all_figures(folder);
-  const auto found = std::ranges::find(figures, "cube_cuboid_cube_ape_translation_m", &Figure::name);
+  const std::vector<NamedPicture> figures = all_figures(folder);
+  const auto found = std::ranges::find(figures, "cube_cuboid_cube_ape_translation_m", &NamedPicture::name);
   ASSERT_NE(found, figures.end());
   int variants[2] = {};
   for (const PictureLine& line : lines_of(found->picture, LineKind::coloured))
@@ -55,9 +57,9 @@ TEST(Figures, HaveALineAVariantInItsColour) {
 TEST(Figures, SetVariantsSideBySide) {
   const TempFolder folder;
   fabricate_results(folder.path(), {.seeds = 4, .frames = 20, .overlays = 0, .with_failure = false});
-  const std::vector<Figure> figures = all_figures(folder);
+  const std::vector<NamedPicture> figures = all_figures(folder);
   const auto found =
-      std::ranges::find(figures, "cube_cuboid_cube_ape_translation_rmse_m_variants", &Figure::name);
+      std::ranges::find(figures, "cube_cuboid_cube_ape_translation_rmse_m_variants", &NamedPicture::name);
   ASSERT_NE(found, figures.end());
   std::map<std::string, std::vector<double>> runs, means;
   for (const auto& part : found->picture.parts)
@@ -77,16 +79,71 @@ TEST(Figures, SetVariantsSideBySide) {
 TEST(Figures, HaveTheRangeErrorsOfLidar) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Results results;
-  LidarRoutes routes{.scene = "car", .matched = 10};
+  LidarRoutes routes;
+  routes.scene = "car";
+  routes.matched = 10;
   routes.errors = {{-kInfinity, -0.1, 3}, {-0.1, 0, 2}, {0, 0.1, 4}, {0.1, kInfinity, 1}};
   results.lidar = {routes};
-  const std::vector<Figure> figures = figures_of(results, {});
+  const std::vector<NamedPicture> figures = figures_of(results, {});
   ASSERT_EQ(figures.size(), 1u);
   EXPECT_EQ(figures[0].name, "car_range_error");
   const auto lines = lines_of(figures[0].picture, LineKind::coloured);
   ASSERT_EQ(lines.size(), 1u);
   ASSERT_EQ(lines[0].points.size(), 2u);                  // the outer cells have no middle
   EXPECT_GT(lines[0].points[0].y, lines[0].points[1].y);  // 20 % and 40 %, upwards
+}
+
+TEST(Figures, KeepTheirTextInside) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 20, .overlays = 0});
+  for (const NamedPicture& figure : all_figures(folder)) {
+    if (!figure.name.ends_with("_variants")) continue;
+    std::set<std::string> ticks;
+    std::size_t count = 0;
+    for (const auto& part : figure.picture.parts) {
+      const auto* text = std::get_if<PictureText>(&part);
+      if (!text) continue;
+      const double width = 8 * static_cast<double>(text->text.size());  // of a wide letter each
+      if (text->anchor == TextAnchor::start && text->kind != TextKind::title) {
+        EXPECT_LE(text->at.x + width, figure.picture.width) << figure.name << text->text;
+      }
+      if (text->kind != TextKind::tick) continue;
+      ticks.insert(text->text);
+      ++count;
+    }
+    EXPECT_EQ(ticks.size(), count) << figure.name;  // no number twice
+  }
+}
+
+TEST(Figures, LeaveWhatIsNotTheirs) {
+  const TempFolder folder;
+  fabricate_results(folder.path(), {.frames = 20, .overlays = 0});
+  const fs::path figures = folder.path() / "figures";
+  fs::create_directories(figures);
+  write_text(figures / "notes.txt", "mine");
+  write_text(figures / "of_before.svg", "");
+  write_report(folder.path(), {.figures = true});
+  EXPECT_TRUE(fs::exists(figures / "notes.txt"));
+  EXPECT_FALSE(fs::exists(figures / "of_before.svg"));
+  fs::remove_all(figures);
+  fs::remove(folder.path() / "report.html");
+  write_text(figures, "a file");
+  EXPECT_THROW(write_report(folder.path(), {.figures = true}), InputError);
+  EXPECT_EQ(read_text(figures), "a file");
+  EXPECT_FALSE(fs::exists(folder.path() / "report.html"));
+}
+
+TEST(Figures, HaveNamesThatFileSystemsTake) {
+  Results results;
+  for (const char* scene : {"a", "b"}) {
+    LidarRoutes& routes = results.lidar.emplace_back();
+    routes.scene = std::string(300, 'x') + scene;
+    routes.errors = {{0, 0.1, 4}};
+  }
+  const std::vector<NamedPicture> figures = figures_of(results, {});
+  ASSERT_EQ(figures.size(), 2u);
+  EXPECT_NE(figures[0].name, figures[1].name);
+  EXPECT_LT(figures[1].name.size(), 250u);
 }
 
 // The same bytes each time, of names that cannot leave the folder.

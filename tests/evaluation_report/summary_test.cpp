@@ -240,5 +240,10 @@ TEST(Summary, FiguresForPeople) {
   EXPECT_EQ(format_figure(1e-7), "1.00e-07");
 }
 
+TEST(Markdown, NamesAreNothingButText) {
+  const SummaryRow row{"a*b*", "<img src=x>", "v|w", 1, 1, false, {}, {}};
+  EXPECT_NE(page_markdown({}, {row}, {}).find("| a\\*b\\* | \\<img src=x\\> | v\\|w |"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace uniquadric

@@ -173,7 +173,7 @@ TEST(TossMotion, ResemblesARecordedToss) {
 
 Motion read(const std::string& yaml, const std::string& shape, Mover mover = Mover::body) {
   std::vector<std::filesystem::path> files;
-  const Shape body = read_shape(ConfigNode::parse(shape, "shape.yaml"), {1, TextureAmount::none});
+  const SceneShape body = read_shape(ConfigNode::parse(shape, "shape.yaml"), {1, TextureAmount::none});
   return read_motion(ConfigNode::parse(yaml, "motion.yaml"), {mover, files, body.meshes});
 }
 
@@ -197,8 +197,8 @@ TEST(TossMotion, IsReadForABodysOwnShape) {
 }
 
 TEST(ContactPoints, AreTheCornersOfABoxAndSpanATightBox) {
-  const Shape shape = read_shape(ConfigNode::parse("primitive: box\nsize_m: [1, 2, 3]\n", "shape.yaml"),
-                                 {1, TextureAmount::none});
+  const SceneShape shape = read_shape(ConfigNode::parse("primitive: box\nsize_m: [1, 2, 3]\n", "shape.yaml"),
+                                      {1, TextureAmount::none});
   EXPECT_EQ(contact_points(shape.meshes).size(), 8u);
 }
 

@@ -179,8 +179,9 @@ function filter(id, state, choices) {
 }
 
 function start_table() {
-  by_id("shown-note").hidden = data.overall.length === 0;
-  by_id("shown-note").textContent = `${scenes.length} of ${data.counts.scenes} scenes are shown one by one, here and below. ${data.shown_note}`;
+  const shown_note = data.overall.length ? `${scenes.length} of ${data.counts.scenes} scenes are shown one by one, here and below. ${data.shown_note}` : "";
+  by_id("shown-note").hidden = !shown_note && !data.judged_note;
+  by_id("shown-note").textContent = `${shown_note} ${data.judged_note}`;
   const plain = (list) => list.map((value) => [value, value]), with_all = (text, list) => [[kAll, text], ...plain(list)];
   const outputs = distinct(data.summary.map((row) => output_of(row.variant)));
   const shown = data.metrics.filter((m) => data.summary.some((row) => m.name in row.spread));

@@ -63,7 +63,7 @@ const object_rows = (variant) => data.summary.filter((row) => row.variant === va
 // Of a bench with one variant: how many objects it follows.
 function alone_sentence(variant) {
   const rows = object_rows(variant), good = rows.map((row) => ({ row, iou: iou_of(row) })).filter(({ iou }) => iou !== undefined);
-  if (good.length === 0) return [variant_name(variant), rows.length ? " followed no object." : " was run on scenes without true objects."];
+  if (good.length === 0) return [variant_name(variant), rows.length ? " followed no object." : data.counts.failed === data.counts.runs ? " has no run with a result." : " was run on scenes without true objects."];
   const worst = good.reduce((a, b) => (b.iou < a.iou ? b : a));
   const whole = whole_row(variant), followed = whole ? (whole.spread.iou3d_solid_mean ?? whole.spread.iou3d_ellipsoid_mean).n : good.length;
   return [variant_name(variant), ` follows ${followed} of ${count_of(data.counts.objects, "object")}, with a median ${iou_label(good[0].row)} of ${format_figure(median_iou(variant))}`,
