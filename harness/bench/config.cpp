@@ -162,9 +162,7 @@ BenchScene read_item_of_scene(const ConfigNode& root, const ConfigNode& node,
 // `name`, or else `fallback`, which names a folder of the results.
 std::string plain_name(const ConfigNode& node, const std::string& fallback) {
   std::string name = node.name("name", fallback);
-  const bool is_folder = name == "." || name == "..";
-  if (node.has("name") && is_folder) node.at("name").fail("names a folder that is there already");
-  if (!is_plain_name(name) || is_folder)
+  if (!is_plain_name(name))
     node.fail(fmt::format("'{}' cannot be a name in the results; give another `name`", name));
   return name;
 }
