@@ -1,8 +1,5 @@
 #include "estimator/perception/depth_bias.h"
 
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
 #include <memory>
@@ -12,16 +9,15 @@
 #include "core/base/progress.h"
 #include "core/base/quantile.h"
 #include "core/base/seconds.h"
-#include "core/base/threads.h"
 #include "core/sequence/smeared_edges.h"
+#include "estimator/perception/frame_pipeline.h"
 #include "estimator/shape/even_choice.h"
 
 namespace uniquadric {
 namespace {
 
 constexpr double kLongest_s = 10;
-constexpr int kFramesInFlight = 4;  // more cost memory and gain nothing on two cores
-constexpr int kFirstImages = 30;    // of depth, before the first adjustment; then after twice as many
+constexpr int kFirstImages = 30;  // of depth, before the first adjustment; then after twice as many
 constexpr int kEdgeImages = 20;
 constexpr double kEnough =
     5e-4;  // of depth: what a sigma of the bias may do to it. Ours: as far as noise lets it
@@ -39,29 +35,6 @@ struct Images {
   cv::Mat rgb, depth, masks;
   TrackedFeatures features;
 };
-
-// Reads frames, follows features and places the camera in turn, each of another frame at the same time.
-template <typename Read, typename Follow, typename Place>
-void pass_all(std::span<const SequenceFrame> frames, const std::atomic<bool>& is_enough, int threads,
-              const Read& read, const Follow& follow, const Place& place) {
-  constexpr auto kSerial = tbb::filter_mode::serial_in_order, kParallel = tbb::filter_mode::parallel;
-  using Handle = std::shared_ptr<Images>;
-  std::size_t next = 0;
-  const auto take = tbb::make_filter<void, std::size_t>(kSerial, [&](tbb::flow_control& control) {
-    if (next == frames.size() || is_enough) control.stop();
-    return next++;
-  });
-  const auto reader = tbb::make_filter<std::size_t, Handle>(
-      kParallel, [&](std::size_t i) { return std::make_shared<Images>(read(frames[i])); });
-  const auto follower = tbb::make_filter<Handle, Handle>(kSerial, [&](Handle now) {
-    follow(*now);
-    return now;
-  });
-  const auto placer = tbb::make_filter<Handle, void>(kSerial, [&](const Handle& now) { place(*now); });
-  tbb::task_arena(threads_to_use(threads)).execute([&] {
-    tbb::parallel_pipeline(kFramesInFlight, take & reader & follower & placer);
-  });
-}
 
 double usual_depth_m(const EgoMap& map) {
   std::vector<double> depths;
@@ -91,14 +64,18 @@ std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOp
   Progress progress("calibrate", std::ssize(first_frames), run.quiet);
   int images = 0, next = kFirstImages;
   std::atomic<bool> is_enough = false;
-  const auto read = [&](const SequenceFrame& frame) {
-    Images now{&frame, read_rgb(sequence, frame), {}, {}, {}};
-    if (!frame.depth.empty()) now.depth = read_depth(sequence, frame);
-    if (has_masks && !frame.masks.empty())
-      now.masks = read_masks(sequence, frame);
+  auto at = first_frames.begin();
+  const auto take = [&]() -> std::shared_ptr<Images> {
+    if (at == first_frames.end() || is_enough) return nullptr;
+    return std::make_shared<Images>(Images{&*at++, {}, {}, {}, {}});
+  };
+  const auto read = [&](Images& now) {
+    now.rgb = read_rgb(sequence, *now.frame);
+    if (!now.frame->depth.empty()) now.depth = read_depth(sequence, *now.frame);
+    if (has_masks && !now.frame->masks.empty())
+      now.masks = read_masks(sequence, *now.frame);
     else
       now.masks = cv::Mat::zeros(sequence.camera.height, sequence.camera.width, CV_16UC1);
-    return now;
   };
   const auto follow = [&](Images& now) {
     if (is_enough) return;
@@ -115,7 +92,9 @@ std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOp
     adjust();
     is_enough = best && best->sigma_per_m * usual_depth_m(odometry.map()) < kEnough;
   };
-  pass_all(first_frames, is_enough, run.threads, read, follow, place);
+  using enum FrameOrder;
+  pass_frames<Images>(run.threads, kFramesInFlight, take,
+                      {{at_once, read}, {in_order, follow}, {in_order, place}});
   return best;
 }
 

@@ -1,20 +1,15 @@
 #include "estimator/perception/perceive.h"
 
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
-
 #include <memory>
 
 #include "core/base/error.h"
-#include "core/base/threads.h"
 #include "core/base/warning.h"
 #include "estimator/lidar/scan_watch.h"
+#include "estimator/perception/frame_pipeline.h"
 #include "estimator/perception/image_stages.h"
 
 namespace uniquadric {
 namespace {
-
-constexpr int kFramesInFlight = 4;  // more cost memory and gain nothing on two cores
 
 // That of a sequence with images, as slow as it is. It reads the images that it needs, which nothing else
 // does where bodies come from scans.
@@ -36,41 +31,26 @@ void warn_of_gap(const Sequence& sequence) {
     warn(fmt::format("{}: {}", (sequence.folder / "lidar.txt").string(), *gap));
 }
 
-using Handle = std::shared_ptr<FrameWork>;
-
-// A stage of the pipeline.
-template <typename Pass>
-auto stage(tbb::filter_mode mode, const Pass& pass) {
-  return tbb::make_filter<Handle, Handle>(mode, [pass](Handle work) {
-    pass(*work);
-    return work;
-  });
-}
-
 void pass_all_frames(ImageStages& stages, std::size_t frames, const PerceiveOptions& run,
                      std::vector<StageTime>& times) {
-  constexpr auto kSerial = tbb::filter_mode::serial_in_order, kParallel = tbb::filter_mode::parallel;
   std::size_t next = 0;
-  const auto take = tbb::make_filter<void, Handle>(kSerial, [&](tbb::flow_control& control) {
+  const auto take = [&]() -> std::shared_ptr<FrameWork> {
+    if (next == frames) return nullptr;
     auto work = std::make_shared<FrameWork>();
-    if (next == frames) control.stop();
     work->index = next++;
     return work;
-  });
-  const auto hand_over =
-      tbb::make_filter<Handle, void>(kSerial, [&](const Handle& work) { stages.hand_over(*work, times); });
-  tbb::task_arena arena(threads_to_use(run.threads));
-  arena.execute([&] {
-    tbb::parallel_pipeline(run.feedback ? 1 : kFramesInFlight,
-                           take & stage(kParallel, [&](FrameWork& work) { stages.read(work); }) &
-                               stage(kSerial, [&](FrameWork& work) { stages.check_depth(work); }) &
-                               stage(kParallel, [&](FrameWork& work) { stages.segment_now(work); }) &
-                               stage(kSerial, [&](FrameWork& work) { stages.carry_masks(work); }) &
-                               stage(kSerial, [&](FrameWork& work) { stages.place_camera(work); }) &
-                               stage(kParallel, [&](FrameWork& work) { stages.add_background_depth(work); }) &
-                               stage(kSerial, [&](FrameWork& work) { stages.follow_features(work); }) &
-                               stage(kParallel, [&](FrameWork& work) { stages.observe(work); }) & hand_over);
-  });
+  };
+  using enum FrameOrder;
+  pass_frames<FrameWork>(run.threads, run.feedback ? 1 : kFramesInFlight, take,
+                         {{at_once, [&](FrameWork& work) { stages.read(work); }},
+                          {in_order, [&](FrameWork& work) { stages.check_depth(work); }},
+                          {at_once, [&](FrameWork& work) { stages.segment_now(work); }},
+                          {in_order, [&](FrameWork& work) { stages.carry_masks(work); }},
+                          {in_order, [&](FrameWork& work) { stages.place_camera(work); }},
+                          {at_once, [&](FrameWork& work) { stages.add_background_depth(work); }},
+                          {in_order, [&](FrameWork& work) { stages.follow_features(work); }},
+                          {at_once, [&](FrameWork& work) { stages.observe(work); }},
+                          {in_order, [&](FrameWork& work) { stages.hand_over(work, times); }}});
 }
 
 void perceive_images(const Sequence& recorded, const PerceptionOptions& options, const PerceiveOptions& run,
