@@ -14,8 +14,7 @@
 #include "core/sequence/tracks.h"
 #include "estimator/variant.h"
 #include "evaluation/report/report.h"
-#include "harness/bench/config.h"
-#include "harness/external/external_variant.h"
+#include "harness/bench/plan.h"
 #include "simulator/lidar_files.h"
 #include "simulator/scene/scene.h"
 
@@ -132,11 +131,7 @@ std::string describe_yaml(const fs::path& path) {
   if (!root.is_map()) throw InputError(path, "is no scene, variant or bench file");
   if (root.has("scenes")) {
     const BenchConfig config = load_bench_config(path);
-    for (const BenchVariant& variant : config.variants)
-      if (is_external(variant.path))
-        load_external_variant(variant.path);
-      else
-        load_variant(variant.path, variant.set);
+    check_variants(config);
     return fmt::format("bench '{}': {} scenes x {} variants x {} seeds\n", config.name, config.scenes.size(),
                        config.variants.size(), config.seeds.size());
   }

@@ -86,8 +86,6 @@ struct PointTree::Index {
 };
 
 PointTree::PointTree(const Eigen::Matrix3Xd& points) : index_(std::make_unique<Index>(points)) {}
-PointTree::PointTree(PointTree&&) noexcept = default;
-PointTree& PointTree::operator=(PointTree&&) noexcept = default;
 PointTree::~PointTree() = default;
 
 std::span<PointTree::Neighbour> PointTree::nearest(const Eigen::Vector3d& p, double reach_m,

@@ -17,8 +17,6 @@ class PointTree {
 
   /// (3 x n) [m]
   explicit PointTree(const Eigen::Matrix3Xd& points);
-  PointTree(PointTree&&) noexcept;
-  PointTree& operator=(PointTree&&) noexcept;
   ~PointTree();
 
   /// The points nearest to `p` that are less than `reach_m` away, nearest first, as many as `found` holds.

@@ -49,26 +49,17 @@ const OutlineTouch* most_facing(const PointView& view, const Eigen::Vector3d& di
   return most != view.touches.end() && facing(*most) > kFacing ? &*most : nullptr;
 }
 
-// The points that are nearest to a line of sight by their angles, and the squared sine of the furthest one's.
-struct Beside {
-  std::array<Eigen::Index, kBeside> points;
-  double furthest2 = 0;
-};
-
-Beside beside(const PointView& view, const Eigen::Vector3d& along) {
+// The points that are nearest to a line of sight, nearest first: the squared distance of the unit vectors,
+// and which point it is.
+std::array<std::pair<double, Eigen::Index>, kBeside> beside(const PointView& view,
+                                                            const Eigen::Vector3d& along) {
+  std::vector<std::pair<double, Eigen::Index>> all;
+  all.reserve(static_cast<std::size_t>(view.rays.cols()));
+  for (Eigen::Index i = 0; i < view.rays.cols(); ++i)
+    all.emplace_back((view.rays.col(i) - along).squaredNorm(), i);
   std::array<std::pair<double, Eigen::Index>, kBeside> nearest;
-  nearest.fill({std::numeric_limits<double>::infinity(), 0});
-  for (Eigen::Index i = 0; i < view.rays.cols(); ++i) {
-    const double off2 = (view.rays.col(i) - along).squaredNorm();
-    if (!(off2 < nearest.back().first)) continue;
-    std::size_t place = kBeside - 1;
-    for (; place > 0 && nearest[place - 1].first > off2; --place) nearest[place] = nearest[place - 1];
-    nearest[place] = {off2, i};
-  }
-  Beside beside;
-  std::ranges::transform(nearest, beside.points.begin(), &std::pair<double, Eigen::Index>::second);
-  beside.furthest2 = nearest.back().first;
-  return beside;
+  std::ranges::partial_sort_copy(all, nearest);
+  return nearest;
 }
 
 // Where a line of sight at the rim may meet a body at the earliest: a convex one lies behind the surface that
@@ -76,11 +67,11 @@ Beside beside(const PointView& view, const Eigen::Vector3d& along) {
 double nearest_at(const PointView& view, const Eigen::Vector3d& sight) {
   if (!view.normals || view.normals->cols() != view.points->cols() || view.points->cols() < kBeside) return 0;
   const Eigen::Vector3d along = sight.normalized();
-  const Beside next_to = beside(view, along);
+  const auto nearest = beside(view, along);
   const double reach2 = (view.points->rowwise().mean().normalized() - along).squaredNorm();
-  if (next_to.furthest2 > kNextTo * kNextTo * reach2) return 0;  // a LiDAR's are far apart
+  if (nearest.back().first > kNextTo * kNextTo * reach2) return 0;  // a LiDAR's are far apart
   std::vector<double> met;
-  for (const Eigen::Index i : next_to.points) {
+  for (const auto& [off2, i] : nearest) {
     const Eigen::Vector3d p = view.points->col(i), n = view.normals->col(i);
     const double facing = n.dot(along);
     met.push_back(facing < -kFacingSight ? n.dot(p) / facing : along.dot(p));

@@ -82,16 +82,12 @@ std::optional<double> figure_of(const Point& point, const std::pair<std::string,
   return found == point.figures.end() ? std::nullopt : std::optional(found->second);
 }
 
-std::string label_of(const Metric& metric) {
-  return *metric.unit ? fmt::format("{} [{}]", metric.label, metric.unit) : metric.label;
-}
-
 std::string text_of(const std::vector<Point>& points) {
   std::vector<std::vector<std::string>> lines = {{"variant", "metric"}};
   std::string sides = "<<";
   for (const Point& point : points) lines[0].push_back(point.name), sides += '>';
   for (const auto& key : keys_of(points)) {
-    std::vector<std::string> line = {key.first, label_of(find_metric(key.second))};
+    std::vector<std::string> line = {key.first, label_with_unit(find_metric(key.second))};
     for (const Point& point : points) {
       const auto value = figure_of(point, key);
       line.push_back(value ? format_figure(*value) : "-");
@@ -139,7 +135,7 @@ std::string curves_of(const std::vector<Point>& points, const std::string& metri
       "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2} over the commits\"><text x=\"{3}\" "
       "y=\"15\" "
       "class=\"t\">{2}</text>",
-      kWidth, kHeight, escaped(label_of(find_metric(metric))), kLeft);
+      kWidth, kHeight, escaped(label_with_unit(find_metric(metric))), kLeft);
   for (const double value : {least, most})
     text += fmt::format(
         "<path class=\"g\" d=\"M{} {:.1f}H{}\"/><text x=\"{}\" y=\"{:.1f}\" class=\"v\">{}</text>", kLeft,

@@ -29,8 +29,7 @@ std::string table(const std::vector<SummaryRow>& summary) {
   std::vector<std::string> head = {"scene", "object", "variant", "runs"},
                            rule = {"---", "---", "---", "---:"};
   for (const char* name : summary_metrics()) {
-    const Metric& metric = find_metric(name);
-    head.push_back(*metric.unit ? fmt::format("{} [{}]", metric.label, metric.unit) : metric.label);
+    head.push_back(label_with_unit(find_metric(name)));
     rule.push_back("---:");
   }
   std::string text = line(head) + line(rule);

@@ -96,8 +96,7 @@ Picture picture_of(const Metric& metric, const Rows& rows,
   const Axis axis = axis_of(metric, rows);
   const double bottom = axis.panel.top + axis.panel.height;
   const std::string title =
-      fmt::format("{}{}, {} in {}", metric.label, *metric.unit ? fmt::format(" [{}]", metric.unit) : "",
-                  rows.front()->object, rows.front()->scene);
+      fmt::format("{}, {} in {}", label_with_unit(metric), rows.front()->object, rows.front()->scene);
   Picture picture{kLeft + kPlot + kRight, bottom + 42, title, {}};
   picture.parts.emplace_back(PictureText{TextKind::title, TextAnchor::start, {8, 14}, title});
   for (const double tick : ticks_of(axis)) {

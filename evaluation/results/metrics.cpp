@@ -216,6 +216,10 @@ const Metric& find_metric(std::string_view name) {
   return *metric;
 }
 
+std::string label_with_unit(const Metric& metric) {
+  return *metric.unit ? fmt::format("{} [{}]", metric.label, metric.unit) : metric.label;
+}
+
 std::optional<std::string> impossible(const Metric& metric, double value) {
   constexpr double kRounding = 1e-9;  // of a mean of shares
   if (value < 0 && std::string_view(metric.name) != "mota") return fmt::format("{} is below 0", value);

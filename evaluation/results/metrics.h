@@ -35,6 +35,9 @@ const Metric* metric_of_name(std::string_view name);
 /// The same; asserts that there is one.
 const Metric& find_metric(std::string_view name);
 
+/// "APE.t [m]", or the label alone.
+std::string label_with_unit(const Metric& metric);
+
 /// Why a value cannot be the metric's, as "1.5 is more than 1"; nothing of one that can. Errors, counts and
 /// times are 0 at least, what is better higher is a share (MOTA may be negative).
 std::optional<std::string> impossible(const Metric& metric, double value);

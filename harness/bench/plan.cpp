@@ -286,6 +286,10 @@ std::vector<BenchStage> BenchPlan::stages(const BenchSimulation& simulation, con
   return stages;
 }
 
+void check_variants(const BenchConfig& config) {
+  load_variants(config);
+}
+
 BenchPlan plan_bench(const fs::path& bench_file, const fs::path& out, bool quiet) {
   BenchPlan plan{load_bench_config(bench_file), out, {}, {}};
   for (BenchScene& scene : plan.config.scenes)

@@ -81,6 +81,9 @@ struct BenchPlan {
   std::vector<BenchStage> stages(const BenchSimulation& simulation, const BenchCell& cell) const;
 };
 
+/// Throws InputError for a variant that cannot be read, or has not what the bench sets of it.
+void check_variants(const BenchConfig& config);
+
 /// Throws InputError for a bad configuration, scene or variant. Unless `quiet`, says how far it is where that
 /// takes seconds.
 BenchPlan plan_bench(const std::filesystem::path& bench_file, const std::filesystem::path& out, bool quiet);

@@ -98,7 +98,9 @@ TEST_F(Cli, RefusesBadVariantsAndBenches) {
     expect_refusal({"bench", write("c.yaml", "scenes: [" + scenes + rest), out()}, "c.yaml:1: " + why);
   };
   refused("{scene: bench.yaml, noise_scale: -1}", "scenes[0].noise_scale: expected 0 to 1000");
-  refused("{scene: bench.yaml, noise_scale: 1, name: ..}", "scenes[0].name: expected a name");
+  refused("{scene: bench.yaml, noise_scale: 1, name: ..}",
+          "scenes[0].name: expected a name: not empty, no comma, quote, slash or control character, no = + - "
+          "@ or dot first");
   refused("{scene: bench.yaml, noise: 1}", "unknown key 'scenes[0].noise'");
   refused("{scene: bench.yaml, set: 3}", "scenes[0].set: expected a map");
   refused("{scene: bench.yaml, seeds: [2, 2]}", "scenes[0].seeds[1]: 2 stands twice");
