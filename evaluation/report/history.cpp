@@ -24,6 +24,7 @@ using Figures = std::map<std::pair<std::string, std::string>, double>;  // by va
 
 struct Point {
   std::string name;
+  std::vector<std::string> variants;  // in the order of the report's, which has their colours
   Figures figures;
   std::string answer, headline;  // against the one before
 };
@@ -35,11 +36,17 @@ std::string name_of(const Results& results) {
   return results.program.find(", changed", commit) == std::string::npos ? name : name + " (changed)";
 }
 
+void add_distinct(std::vector<std::string>& names, const std::string& name) {
+  if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+}
+
 Point point_of(const fs::path& folder) {
-  Point point{"", {}, "", "the first"};
+  Point point{"", {}, {}, "", "the first"};
   OverallRows all;
   for_each_scene(folder, [&](const Results& scene) {
     point.name = name_of(scene);
+    for (const auto* const cells : {&scene.cells, &scene.not_applicable})
+      for (const Cell& cell : *cells) add_distinct(point.variants, cell.variant);
     all.add(summarize(scene));
   });
   for (const SummaryRow& row : all.rows("all"))
@@ -164,9 +171,9 @@ std::string colour_rules(const SvgColours& colours) {
 }
 
 std::string html_of(const std::vector<Point>& points) {
-  std::vector<std::string> variants;
-  for (const auto& [variant, metric] : keys_of(points))
-    if (std::find(variants.begin(), variants.end(), variant) == variants.end()) variants.push_back(variant);
+  std::vector<std::string> variants = points.back().variants;
+  for (const Point& point : points)
+    for (const std::string& variant : point.variants) add_distinct(variants, variant);
   std::string text = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\"><meta http-equiv=\"Content-Security-Policy\" "

@@ -32,6 +32,11 @@ std::vector<const Metric*> shown_metrics(const std::vector<SummaryRow>& rows) {
   return metrics;
 }
 
+bool has_other_letters(const SummaryRow& row) {
+  return std::ranges::any_of(row.scene + row.object + row.variant,
+                             [](const char c) { return static_cast<unsigned char>(c) > '~'; });
+}
+
 }  // namespace
 
 std::string latex_escaped(const std::string& text) {
@@ -59,6 +64,8 @@ std::string latex_table(const std::vector<SummaryRow>& summary) {
   if (!is_whole) head.emplace_back("runs");
   for (const Metric* metric : metrics) head.push_back(head_of(*metric));
   std::string text = fmt::format("% Medians over seeds, by {}. Needs \\usepackage{{booktabs}}.\n", kProgram);
+  if (std::ranges::any_of(rows, has_other_letters))
+    text += "% Names have letters that pdfLaTeX does not know: use LuaLaTeX with a font that has them.\n";
   text += "{\\footnotesize\\setlength{\\tabcolsep}{2pt}\n";
   text += fmt::format("\\begin{{tabular}}{{l{}}}\n  \\toprule\n", std::string(head.size() - 1, 'r'));
   text += row_of(head);

@@ -197,25 +197,23 @@ SeriesShare series_share(const Results& results, std::size_t most_values) {
   return share;
 }
 
+// What is empty is left out: a page of failed runs has tens of thousands.
 json cell_json(const Cell& cell, const SeriesShare& share, int digits) {
-  json series = json::array(), stages = json::object();
-  if (cell.evaluation)
-    for (const auto& [stage, ms] : cell.evaluation->stage_ms) stages[stage] = rounded(ms, digits);
-  if (cell.evaluation && share.cells.contains(&cell))
+  json made = {{"scene", cell.scene},
+               {"variant", cell.variant},
+               {"seed", cell.seed},
+               {"status", to_string(cell.status)}};
+  if (!cell.output.empty()) made["output"] = cell.output;
+  if (!cell.message.empty()) made["message"] = cell.message;
+  if (!cell.evaluation) return made;
+  made["folder"] = cell.folder.generic_string();
+  if (cell.evaluation->isolation == "none") made["not_isolated"] = true;
+  for (const auto& [stage, ms] : cell.evaluation->stage_ms) made["stage_ms"][stage] = rounded(ms, digits);
+  if (!cell.evaluation->sizes.empty()) made["sizes"] = sizes_json(cell.evaluation->sizes);
+  if (share.cells.contains(&cell))
     for (const ObjectSeries& s : cell.evaluation->series)
-      series.push_back(series_json(s, share.step, digits));
-  return {{"scene", cell.scene},
-          {"variant", cell.variant},
-          {"seed", cell.seed},
-          {"output", cell.output},
-          {"status", to_string(cell.status)},
-          {"folder", cell.folder.generic_string()},
-          {"message", cell.message},
-          {"not_isolated", cell.evaluation && cell.evaluation->isolation == "none"},
-          {"alignment", cell.evaluation ? cell.evaluation->alignment : ""},
-          {"stage_ms", stages},
-          {"sizes", cell.evaluation ? sizes_json(cell.evaluation->sizes) : json::array()},
-          {"series", series}};
+      made["series"].push_back(series_json(s, share.step, digits));
+  return made;
 }
 
 json change_json(const MetricChange& change, int digits) {

@@ -36,13 +36,20 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
+// A cut image shows in no browser. Throws InputError.
+std::string read_jpeg(const fs::path& file) {
+  std::string bytes = read_file(file, kImageFile);
+  if (!bytes.starts_with("\xff\xd8") || !bytes.ends_with("\xff\xd9"))
+    throw InputError(file, "is no whole JPEG image");
+  return bytes;
+}
+
 std::vector<Picture> read_pictures(const fs::path& folder) {
   std::vector<Picture> pictures;
   if (!fs::is_directory(folder)) return pictures;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const auto frame = parse_integer(entry.path().stem().string());
-    if (frame && entry.path().extension() == ".jpg")
-      pictures.push_back({*frame, read_file(entry.path(), kImageFile)});
+    if (frame && entry.path().extension() == ".jpg") pictures.push_back({*frame, read_jpeg(entry.path())});
   }
   std::sort(pictures.begin(), pictures.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
   return pictures;

@@ -38,6 +38,15 @@ TEST(History, NamesCommitsAndJudgesNeighbours) {
   EXPECT_EQ(history({a, b, c}).html, made.html);
 }
 
+// The report's first variant has the first colour, whatever its name.
+TEST(History, VariantsHaveTheReportsColours) {
+  const TempFolder folder;
+  const std::string html =
+      history({fabricate(folder, "aaaaaaaa", false), fabricate(folder, "bbbbbbbb", false)}).html;
+  EXPECT_NE(html.find("<i class=\"f0\"></i>single_frame_obb<i class=\"f1\"></i>rotbbox</p>"),
+            std::string::npos);
+}
+
 TEST(History, NeedsTwoFoldersOfResults) {
   const TempFolder folder;
   const fs::path a = fabricate(folder, "aaaaaaaa", false);

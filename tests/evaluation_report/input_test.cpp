@@ -11,6 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const char* const kEvaluation = "cells/s/a/seed_1/evaluation/evaluation.json";
+const char* const kOverlay = "cells/s/a/seed_1/overlays/000000.jpg";
 const char* const kFrames = "cells/s/a/seed_1/evaluation/frames.csv";
 const char* const kPoses = "cells/s/a/seed_1/evaluation/poses.csv";
 const std::string kPosesHeader =
@@ -33,6 +34,8 @@ const BadFile kBadFiles[] = {
     {"cells.csv", kCellsHeader + "s,a,1,failed,x,\ns,a,1,failed,x,\n",
      "cells.csv:3: this scene, variant and seed"},
     {"cells.csv", kCellsHeader + "s,a,1,ok,/etc,\n", "cells.csv:2: folder is not relative"},
+    {"cells.csv", kCellsHeader + "s,a,1,ok,x/../..,\n", "cells.csv:2: folder leads out of"},
+    {kOverlay, "\xff\xd8 cut", "000000.jpg: is no whole JPEG image"},
     {"inputs.csv", "name,hash\n", "inputs.csv:1: expected the columns kind,name,hash"},
     {"inputs.csv", "kind,name,hash\nscene,a\n", "inputs.csv:2: expected the columns kind,name,hash"},
     {kEvaluation, "{\n\"schema\": 1,\n oops}", "evaluation.json:3: is not valid JSON"},
@@ -101,7 +104,7 @@ TEST(ReportInput, NamesFileAndLineOrFieldAndWritesNothing) {
       EXPECT_FALSE(fs::exists(folder.path() / file));
     ++cases;
   }
-  EXPECT_EQ(cases, 44);
+  EXPECT_EQ(cases, 46);
 }
 
 TEST(ReportInput, FolderThatIsNoResultsFolder) {

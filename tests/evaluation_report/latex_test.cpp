@@ -51,6 +51,16 @@ TEST(Latex, OutputsStandBelowTheirVariantAlone) {
   EXPECT_NE(table.find("  ab \\\\\n  a@final \\\\\n  b \\\\\n  \\quad @final \\\\\n"), table.npos) << table;
 }
 
+TEST(Latex, SaysWhereNamesNeedOtherLetters) {
+  const auto table_of = [](const std::string& scene) {
+    SummaryRow row;
+    row.scene = scene, row.object = "cube", row.variant = "a";
+    return latex_table({row});
+  };
+  EXPECT_NE(table_of("桌子").find("use LuaLaTeX"), std::string::npos);
+  EXPECT_EQ(table_of("table").find("LuaLaTeX"), std::string::npos);
+}
+
 // Where there is LaTeX: it has no complaint.
 TEST(Latex, Compiles) {
   if (std::system("command -v pdflatex >/dev/null && kpsewhich booktabs.sty >/dev/null") != 0)

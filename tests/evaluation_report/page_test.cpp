@@ -197,7 +197,8 @@ TEST(Page, ManyRunsAreThinned) {
     int runs = 0;
     const json data = json::parse(page_data(results, summarize(results), {}, {.series_values = values}));
     for (const json& cell : data.at("cells")) {
-      runs += cell.at("series").empty() ? 0 : 1;
+      if (!cell.contains("series")) continue;
+      ++runs;
       for (const json& series : cell.at("series")) {
         frames.insert(series.at("frames").size());
         EXPECT_EQ(series.at("columns").at("iou3d").size(), series["stamps_ns"].size());
@@ -225,7 +226,6 @@ TEST(Page, SaysHowWorldsWereAligned) {
   write_report(folder.path());
   const json data = script_json(read_text(folder.path() / "report.html"), "data");
   EXPECT_EQ(data["alignments"], json::array({"single_frame_obb: poses", "rotbbox: poses"}));
-  EXPECT_EQ(data["cells"][0]["alignment"], "poses");
   EXPECT_NE(read_text(folder.path() / "report.md")
                 .find("alignment of the estimates' worlds: single_frame_obb: poses, rotbbox: poses\n"),
             std::string::npos);

@@ -5,6 +5,8 @@ for (const { spread } of [...data.summary, ...data.overall]) // of a single run 
   for (const [name, s] of Object.entries(spread)) if (typeof s === "number") spread[name] = { median: s, min: s, max: s, n: 1, best: false, mean: s, values: [s], interval: null };
 const metric_of = new Map(data.metrics.map((metric) => [metric.name, metric]));
 
+data.cells = data.cells.map((cell) => ({ output: "", message: "", not_isolated: false, stage_ms: {}, sizes: [], series: [], ...cell }));
+
 // An element with attributes (functions become listeners) and children.
 function el(tag, attributes = {}, ...children) {
   const node = document.createElement(tag);
