@@ -22,11 +22,9 @@ constexpr double kBack = 0.7;                    // share of the points on the s
 constexpr double kSlid = 1.5,
                  kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
 constexpr double kLeastBase = 0.2, kMostBase = 0.6;  // [s] of the time that the velocity is taken from
-constexpr double kSure =
-    0.9;  // share of the points that lie on the surface of a body that is back: any face fits any other
-constexpr double kStill = 1e-6;     // [m], [rad] of a body that is held in its place
-constexpr double kReachSigmas = 3;  // of the prediction, within which the body is
-constexpr int kPatience = 6;        // times the frames of a restart, until a part of the body in view will do
+constexpr double kStill = 1e-6;                      // [m], [rad] of a body that is held in its place
+constexpr double kReachSigmas = 3;                   // of the prediction, within which the body is
+constexpr int kPatience = 6;  // times the frames of a restart, until a part of the body in view will do
 constexpr double kRest =
     0.7;  // [s]: the turn of a body that is not seen fades, which a wrong velocity would carry furthest
 
@@ -308,33 +306,18 @@ std::optional<Eigen::Vector3d> BodyEstimator::center_by_points(const PerceivedFr
 }
 
 // The body is in view and too few of its points are found again: its surface places it. When that goes on,
-// the short window starts anew from there. It may be on from the last pose, or where its points are.
+// the short window starts anew from there.
 std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
-  const bool stale = is_stale(frame);
-  const SurfaceModel surface = shape_.surface();
-  std::vector<CloudAlignment> ends;
-  const auto try_from = [&](const Pose& world_from_body, std::int64_t since_ns) {
-    const Pose start = frame.world_from_camera->inverse() * world_from_body;
-    if (const auto end = aligned_from(frame, body, surface, start, since_ns)) ends.push_back(*end);
-  };
-  Pose predicted = predict(frame, &body);
-  try_from(predicted, recent_.back().stamp_ns);
-  if (!stale && options_.lifecycle.weighs_evidence)
-    try_from(recent_.back().world_from_body, recent_.back().stamp_ns);
-  const auto center = stale ? shape_.center_of(frame, body) : center_by_points(frame, body);
-  if (center) {
-    place_center(predicted, *center);
-    try_from(predicted, stale ? sure_ns_ : recent_.back().stamp_ns);
-  }
-  const auto found = best_of(frame, body, surface, ends);
+  const auto found = aligned(frame, body);
   if (!found) return std::nullopt;
   BodyPose pose;
   pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);
   pose.information = found->information;
   const int unfound = frames_unfound_ + 1, enough = options_.lifecycle.restart_frames;
-  const bool sure = (is_whole(*body.silhouette) && found->matched > kSure) || unfound >= kPatience * enough;
+  const bool sure = (is_whole(*body.silhouette) && found->matched > LifecycleOptions::sure_share) ||
+                    unfound >= kPatience * enough;
   const bool young = keyframes_ < options_.lifecycle.confirm_keyframes;  // each view is needed
-  pose.keyframe = stale ? unfound >= enough && sure : young || found->new_face || unfound >= enough;
+  pose.keyframe = is_stale(frame) ? unfound >= enough && sure : young || found->new_face || unfound >= enough;
   if (!pose.keyframe) return pose;
   if (found->new_face && !strayed_)
     strayed_ = shape_;
@@ -351,7 +334,7 @@ void BodyEstimator::look_again(const PerceivedFrame& frame, const BodyObservatio
   const Pose camera_from_body = frame.world_from_camera->inverse() * expected;
   const auto found = align_to_cloud(camera_, body, shape_.surface(), camera_from_body, kAgainSigmas, false,
                                     options_.alignment);
-  if (!found || found->matched < kSure) return;
+  if (!found || found->matched < LifecycleOptions::sure_share) return;
   state.world_from_body = in_world(frame, found->camera_from_body);
   state.covariance = covariance_of(found->information);
 }

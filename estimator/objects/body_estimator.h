@@ -31,7 +31,9 @@ struct LifecycleOptions {
   bool ends_unplaced =
       true;  // or where nothing of it is seen and the prediction's sigma exceeds its longest radius
   bool weighs_evidence = true;  // a pose by features gives way to one that surface and motion speak for more
-  bool follows_points = true;   // without features it is sought where the middle of its points moved, too
+  /// Share of the points that lie on the surface of a body that is back: any face fits any other.
+  static constexpr double sure_share = 0.9;
+  bool follows_points = true;  // without features it is sought where the middle of its points moved, too
 };
 
 /// What the quadric is fixed to.
@@ -120,6 +122,9 @@ class BodyEstimator {
   void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);
   BodyPose stand_still(const PerceivedFrame& frame) const;
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
+  std::optional<CloudAlignment> aligned(const PerceivedFrame& frame, const BodyObservation& body) const;
+  std::optional<CloudAlignment> found_by_shape(const PerceivedFrame& frame, const BodyObservation& body,
+                                               SurfaceModel surface, Pose predicted) const;
   std::optional<Eigen::Vector3d> center_by_points(const PerceivedFrame& frame,
                                                   const BodyObservation& body) const;
   Eigen::Vector3d body_center() const { return shape_.shape().body_from_object.translation; }
@@ -127,7 +132,7 @@ class BodyEstimator {
   std::vector<Pose> expected_at(const PerceivedFrame& frame, const BodyObservation& body) const;
   std::optional<CloudAlignment> aligned_from(const PerceivedFrame& frame, const BodyObservation& body,
                                              const SurfaceModel& surface, const Pose& camera_from_body,
-                                             std::int64_t since_ns) const;
+                                             const PoseSigmas& sigmas) const;
   std::vector<Disagreement> disagreements_of(const PerceivedFrame& frame, const BodyObservation& body,
                                              const SurfaceModel& surface,
                                              const std::vector<Pose>& poses) const;

@@ -119,9 +119,7 @@ void visit(Io& io, CarvingOptions& o) {
 
 template <typename Io>
 void visit(Io& io, CloudAlignmentOptions& o) {
-  io.number("max_points", o.max_points, 10, 1'000'000);
-  io.positive("outline_sigma_px", o.outline_sigma_px, kSigma_px);
-  io.positive("far_m", o.far_m);
+  io.flag("impacts", o.impacts);
 }
 
 }  // namespace uniquadric

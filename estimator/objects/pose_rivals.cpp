@@ -1,12 +1,15 @@
 // Which of several poses of a body all that a frame shows speaks for.
 #include <algorithm>
+#include <numbers>
 #include <vector>
 
+#include "estimator/objects/assumed_surface.h"
 #include "estimator/objects/body_estimator.h"
 
 namespace uniquadric {
 namespace {
 
+constexpr double kHalfTurn = std::numbers::pi;
 constexpr double kClearly = 10;  // by which a pose must be likelier than another: as 20 of chi-square
 
 }  // namespace
@@ -20,14 +23,14 @@ std::vector<Pose> BodyEstimator::expected_at(const PerceivedFrame& frame, const 
   return expected;
 }
 
-// By the surface, from where it was expected since a time.
+// By the surface, from where it was expected.
 std::optional<CloudAlignment> BodyEstimator::aligned_from(const PerceivedFrame& frame,
                                                           const BodyObservation& body,
                                                           const SurfaceModel& surface,
                                                           const Pose& camera_from_body,
-                                                          std::int64_t since_ns) const {
-  return align_to_cloud(camera_, body, surface, camera_from_body, prediction_sigmas_at(frame, since_ns),
-                        is_stale(frame), options_.alignment);
+                                                          const PoseSigmas& sigmas) const {
+  return align_to_cloud(camera_, body, surface, camera_from_body, sigmas, is_stale(frame),
+                        options_.alignment);
 }
 
 std::vector<Disagreement> BodyEstimator::disagreements_of(const PerceivedFrame& frame,
@@ -48,8 +51,9 @@ bool BodyEstimator::gives_way(const PerceivedFrame& frame, const BodyObservation
   const Disagreement own = disagreements_of(frame, body, surface, {camera_from_body}).front();
   if (own.surface + own.way < kClearly) return false;  // of what features do not say; they are at their best
   std::vector<Pose> rivals;
+  const PoseSigmas sigmas = prediction_sigmas_at(frame, recent_.back().stamp_ns);
   for (const Pose& expected : expected_at(frame, body))
-    if (const auto rival = aligned_from(frame, body, surface, expected, recent_.back().stamp_ns))
+    if (const auto rival = aligned_from(frame, body, surface, expected, sigmas))
       rivals.push_back(rival->camera_from_body);
   const auto theirs = disagreements_of(frame, body, surface, rivals);
   return std::ranges::any_of(theirs, [&](const Disagreement& d) { return d.all() + kClearly < own.all(); });
@@ -66,6 +70,55 @@ std::optional<CloudAlignment> BodyEstimator::best_of(const PerceivedFrame& frame
   for (const CloudAlignment& end : ends) poses.push_back(end.camera_from_body);
   const auto against = disagreements_of(frame, body, surface, poses);
   return ends[std::ranges::min_element(against, {}, &Disagreement::all) - against.begin()];
+}
+
+// By its surface alone: on from the last pose, at rest, where its points are, or after an impact.
+std::optional<CloudAlignment> BodyEstimator::aligned(const PerceivedFrame& frame,
+                                                     const BodyObservation& body) const {
+  const bool stale = is_stale(frame);
+  const SurfaceModel surface = shape_.surface();
+  std::vector<CloudAlignment> ends;
+  const auto try_from = [&](const Pose& world_from_body, const PoseSigmas& sigmas) {
+    const Pose start = frame.world_from_camera->inverse() * world_from_body;
+    if (const auto end = aligned_from(frame, body, surface, start, sigmas)) ends.push_back(*end);
+  };
+  const PoseSigmas since_last = prediction_sigmas_at(frame, recent_.back().stamp_ns);
+  Pose predicted = predict(frame, &body);
+  try_from(predicted, since_last);
+  if (!stale && options_.lifecycle.weighs_evidence) try_from(recent_.back().world_from_body, since_last);
+  const auto center = stale ? shape_.center_of(frame, body) : center_by_points(frame, body);
+  if (center) {
+    place_center(predicted, *center);
+    try_from(predicted, stale ? prediction_sigmas_at(frame, sure_ns_) : since_last);
+  }
+  if (!stale && options_.alignment.impacts) try_from(predicted, after_impact(since_last));
+  const auto found = best_of(frame, body, surface, ends);
+  if (stale || (found && !found->new_face)) return found;
+  const auto by_shape = found_by_shape(frame, body, surface, predicted);
+  return by_shape ? by_shape : found;
+}
+
+// A face that was not seen yet, as an impact turns up: where the shape says that there is one, or else, of a
+// body of which nothing is hidden, about the middle of its outline, turned in any way. `predicted`:
+// world_from_body.
+std::optional<CloudAlignment> BodyEstimator::found_by_shape(const PerceivedFrame& frame,
+                                                            const BodyObservation& body, SurfaceModel surface,
+                                                            Pose predicted) const {
+  if (!options_.alignment.impacts || keyframes_ < options_.lifecycle.confirm_keyframes) return std::nullopt;
+  const Pose camera_from_world = frame.world_from_camera->inverse();
+  if (surface.shape) {
+    assume_unseen(surface);
+    const auto found = aligned_from(frame, body, surface, camera_from_world * predicted,
+                                    prediction_sigmas_at(frame, recent_.back().stamp_ns));
+    if (found && !found->new_face) return found;
+  }
+  const auto center = is_whole(*body.silhouette) ? shape_.center_of(frame, body) : std::nullopt;
+  if (!center) return std::nullopt;
+  place_center(predicted, *center);
+  const PoseSigmas anywhere{shape_.shape().semi_axes_m.maxCoeff(), kHalfTurn};
+  const auto found = align_to_cloud(camera_, body, surface, camera_from_world * predicted, anywhere, true,
+                                    options_.alignment);
+  return found && found->matched > LifecycleOptions::sure_share ? found : std::nullopt;
 }
 
 }  // namespace uniquadric

@@ -17,6 +17,12 @@ constexpr double kReach = 1.5;       // of a body that is not known all around, 
 constexpr double kAgreeing = 0.05;   // radii, by which points end inside the shape that they lie on
 constexpr double kConverged = 1e-5;  // [m], [rad]
 
+Eigen::Matrix3Xd joined(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  Eigen::Matrix3Xd all(3, a.cols() + b.cols());
+  all << a, b;
+  return all;
+}
+
 double cauchy_loss(double residual) {
   return 2 * std::log1p(residual * residual / 4);
 }
@@ -76,8 +82,10 @@ CloudAligner::CloudAligner(const Camera& camera, const BodyObservation& body, co
       options_(options),
       seen_(evenly_drawn(body, options.max_points)),
       is_colored_(body.colors.cols() > 0 && model.colors.cols() > 0),
-      bounds_(model.points.rowwise().minCoeff(), model.points.rowwise().maxCoeff()),
-      tree_(model.points) {
+      points_(joined(model.points, model.assumed_points)),
+      normals_(joined(model.normals, model.assumed_normals)),
+      bounds_(points_.rowwise().minCoeff(), points_.rowwise().maxCoeff()),
+      tree_(points_) {
   std::copy_if(body.silhouette->support.begin(), body.silhouette->support.end(), std::back_inserter(lines_),
                [](const SupportLine& line) { return line.free; });
 }
@@ -138,7 +146,8 @@ double CloudAligner::color_cost(const Pose& pose, std::size_t stride) const {
   for (std::size_t k = 0; k < seen_.size(); k += stride) {
     const CloudPoint& seen = seen_[k];
     const auto partner = partner_of(seen, body_from_camera, options_.near_m);
-    const double off = partner ? (seen.color - model_.colors.col(*partner)).norm() / options_.color_sigma : 1;
+    const bool colored = partner && *partner < model_.colors.cols();  // none is assumed
+    const double off = colored ? (seen.color - model_.colors.col(*partner)).norm() / options_.color_sigma : 1;
     cost += cauchy_loss(off);
   }
   return kNeighbourEvidence * cost;
@@ -152,7 +161,7 @@ std::optional<int> CloudAligner::partner_of(const CloudPoint& seen, const Pose& 
   if (bounds_.squaredExteriorDistance(position) > reach_m * reach_m) return std::nullopt;
   std::array<PointTree::Neighbour, kPartners> places;
   for (const auto& near : tree_.nearest(position, reach_m, places))
-    if (model_.normals.col(near.index).dot(normal) >= options_.min_normal_cosine) return near.index;
+    if (normals_.col(near.index).dot(normal) >= options_.min_normal_cosine) return near.index;
   return std::nullopt;
 }
 
@@ -166,8 +175,8 @@ void CloudAligner::add_points(CloudFit& fit, double reach_m, std::size_t stride,
     ++used;
     const auto partner = partner_of(seen, body_from_camera, reach_m);
     if (!partner) continue;
-    const Eigen::Vector3d p = body_from_camera * seen.position, n = model_.normals.col(*partner);
-    const double distance = n.dot(p - model_.points.col(*partner));
+    const Eigen::Vector3d p = body_from_camera * seen.position, n = normals_.col(*partner);
+    const double distance = n.dot(p - points_.col(*partner));
     equations.add(point_row(p, n) / options_.point_sigma_m, distance / options_.point_sigma_m);
     sum += std::abs(distance);
     ++matched;

@@ -99,8 +99,9 @@ class CloudAligner {
   std::vector<CloudPoint> seen_;
   std::vector<SupportLine> lines_;
   bool is_colored_;
+  Eigen::Matrix3Xd points_, normals_;  // of the model: seen ones first, then assumed ones
   Eigen::AlignedBox3d bounds_;
-  PointTree tree_;  // of the model's points
+  PointTree tree_;  // of all these
 };
 
 }  // namespace uniquadric

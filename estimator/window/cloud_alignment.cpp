@@ -18,6 +18,14 @@ constexpr double kSamePlace = 0.02, kSameTurn = 0.1;  // [m], [rad] of rough fit
 constexpr int kLeastModel = 50;                       // points of a model that a pose is taken from
 constexpr double kOtherSide = 0.3;  // share of the points that it must match more, to be the one that is seen
 
+// A motion that an impact changed has sigmas so many times as large. One frame in thirty has one: its cost is
+// that of their six-dimensional normal distribution, log(30 * kImpactSigmas^6).
+constexpr double kImpactSigmas = 10, kImpactCost = 17;
+
+double cost_with_impacts(double way) {
+  return std::min(way, kImpactCost + way / (kImpactSigmas * kImpactSigmas));
+}
+
 CloudFit held_fit(const CloudAligner& aligner, const Pose& start, const FitEffort& effort) {
   const CloudFit fit = aligner.fit_from(start, effort);
   return std::isfinite(fit.cost) && aligner.holds_points(fit.pose) ? fit : CloudFit{};
@@ -59,6 +67,10 @@ std::vector<Pose> other_sides(const Pose& camera_from_body, const Pose& body_fro
 }
 
 }  // namespace
+
+PoseSigmas after_impact(const PoseSigmas& sigmas) {
+  return {kImpactSigmas * sigmas.translation_m, kImpactSigmas * sigmas.rotation_rad};
+}
 
 std::optional<CloudAlignment> align_to_cloud(const Camera& camera, const BodyObservation& body,
                                              const SurfaceModel& model, const Pose& predicted,
@@ -111,6 +123,7 @@ std::vector<Disagreement> disagreements(const Camera& camera, const BodyObservat
     if (aligner) d.surface = aligner->surface_disagreement(pose);
     d.way = std::numeric_limits<double>::infinity();
     for (const Pose& from : expected) d.way = std::min(d.way, way_cost(from, pose, sigmas));
+    if (options.impacts) d.way = cost_with_impacts(d.way);
     for (const LandmarkSighting& sighting : sightings) {
       if (sighting.rim) continue;
       const LinearisedSighting l = linearise(camera, sighting, pose, solver.pixel_sigma_px);

@@ -21,25 +21,31 @@ struct SurfaceModel {
   std::optional<Pose> body_from_object{};  ///< its axes: turned about them by quarters it looks much the same
   std::optional<Superellipsoid>
       shape{};  ///< about body_from_object, where it is known well enough to say more
+  Eigen::Matrix3Xd assumed_points{}, assumed_normals{};  ///< of the shape where nothing of it has been seen
 };
 
 /// How a body that shows too few of its features is found by its surface. All numbers are ours.
 struct CloudAlignmentOptions {
-  int max_points = 200;          // of the frame's cloud
-  double point_sigma_m = 0.005;  // of a smoothed point off the model's plane: its voxels' roughness
-  double outline_sigma_px = 2;   // of a tangent about the model's points, whose outline is not complete
-  double far_m = 0.08, near_m = 0.015;  // within which a point's partner is looked for: at first, and at last
+  bool impacts = true;  // what hits something moves on as nothing foretold, and turns up new faces
+  static constexpr int max_points = 200;  // of the frame's cloud
+  // of a smoothed point off the model's plane: its voxels' roughness
+  static constexpr double point_sigma_m = 0.005;
+  // of a tangent about the model's points, whose outline is not complete
+  static constexpr double outline_sigma_px = 2;
+  // within which a point's partner is looked for: at first, and at last
+  static constexpr double far_m = 0.08, near_m = 0.015;
   static constexpr double min_normal_cosine = 0.5;  // of a point's normal and its partner's
-  static constexpr double min_matched =
-      0.5;  // share of the points that lie on the model, or it is a face not seen yet
+  // share of the points that lie on the model, or it is a face not seen yet
+  static constexpr double min_matched = 0.5;
   static constexpr int min_lines = 10;  // free tangents that will do instead, soon after the last pose
-  static constexpr double max_distance_m =
-      0.006;  // their mean distance from its planes beyond which it is not found
+  // their mean distance from its planes beyond which it is not found
+  static constexpr double max_distance_m = 0.006;
   static constexpr double max_outline_px = 5;  // the same of the tangents
-  static constexpr double max_outline_share =
-      0.05;               // or this, of the outline's width, where it is more: masks of large things err more
-  double turn_rad = 0.5;  // starts turned by so much about each axis, where the prediction is stale
-  static constexpr int turns = 3;  // and twice, three times that
+  // or this, of the outline's width, where it is more: masks of large things err more
+  static constexpr double max_outline_share = 0.05;
+  // starts turned by so much about each axis, and twice, three times that, where the prediction is stale
+  static constexpr double turn_rad = 0.5;
+  static constexpr int turns = 3;
   static constexpr double color_sigma =
       12;  // [1] of a point's colour, CIE L*a*b*: texture between voxels, light, noise
 };
@@ -53,6 +59,9 @@ struct CloudAlignment {
   double distance_m = 0, predicted_distance_m = 0;  ///< mean off the model, here and at the predicted pose
   bool new_face = false;                            ///< fewer than there should be
 };
+
+/// Of a prediction's sigmas, where an impact changed the motion.
+PoseSigmas after_impact(const PoseSigmas& sigmas);
 
 /// Pose of a body of known surface from one outline and depth cloud (3 x n, camera frame, noise taken off)
 /// and a predicted camera_from_body with its sigmas: iterated closest points, point to plane; the outline's

@@ -73,7 +73,7 @@ TEST(BodyEstimator, FollowsThePointsOfABodyThatIsThrown) {
     perception.frames[i].bodies.at(0).motion.reset();
   }
   BodyOptions without;
-  without.lifecycle.follows_points = false;
+  without.lifecycle.follows_points = without.alignment.impacts = false;
   EXPECT_LT(largest_errors(perception, body, options, kThrown_s).translation_m, 0.02);
   EXPECT_GT(largest_errors(perception, body, options, kThrown_s, without).translation_m, 0.2);
 }

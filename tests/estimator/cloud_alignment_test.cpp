@@ -256,13 +256,18 @@ TEST(CloudAlignment, WeighsSightingsAgainstSurfaceOutlineAndWay) {
   const Pose& truth = scene.camera_from_body;
   const Pose wrong = moved(truth, {0.12, 0.05, 0}, {0, 0, 0});
   for (const int count : {6, 40}) {
-    const auto against =
-        disagreements(scene.perception.camera, scene.seen(), model, sightings_at(scene, wrong, count), {},
-                      {truth}, {0.02, 0.02}, {truth, wrong}, {});
+    CloudAlignmentOptions steady;
+    steady.impacts = false;
+    const auto weigh = [&](const CloudAlignmentOptions& options) {
+      return disagreements(scene.perception.camera, scene.seen(), model, sightings_at(scene, wrong, count), {},
+                           {truth}, {0.02, 0.02}, {truth, wrong}, options);
+    };
+    const auto against = weigh(steady);
     ASSERT_EQ(against.size(), 2u);
     EXPECT_LT(against[0].surface, 5);
     EXPECT_EQ(against[0].way, 0);
     EXPECT_NEAR(against[1].way, 0.5 * (0.13 * 0.13) / (0.02 * 0.02), 1e-6);
+    EXPECT_NEAR(weigh({})[1].way, 17 + against[1].way / 100, 1e-6);  // an impact is likelier
     EXPECT_NEAR(against[1].sightings, 0, 1e-6);
     EXPECT_EQ(against[0].sightings, count * 0.5 * 3.5 * 3.5);  // each at the gate
     if (count == 6) EXPECT_LT(against[0].all() + 10, against[1].all());

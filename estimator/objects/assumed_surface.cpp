@@ -1,0 +1,45 @@
+#include "estimator/objects/assumed_surface.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "estimator/base/point_tree.h"
+#include "estimator/shape/to_matrix.h"
+
+namespace uniquadric {
+namespace {
+
+constexpr int kDirections = 600;  // on the whole surface: the model's voxels are about as many
+constexpr double kNear = 0.25;    // of the mean radius, within which a seen point stands for an assumed one
+constexpr int kNeighbours = 6;    // among which one that faces the same way is looked for
+constexpr double kSameWay = 0.5;  // cosine of their normals
+
+// Evenly over the unit sphere (Fibonacci's lattice).
+Eigen::Vector3d direction(int k) {
+  const double z = 1 - (2 * k + 1.0) / kDirections, turn = 2 * std::numbers::pi * k / std::numbers::phi;
+  const double r = std::sqrt(1 - z * z);
+  return {r * std::cos(turn), r * std::sin(turn), z};
+}
+
+}  // namespace
+
+void assume_unseen(SurfaceModel& model) {
+  const PointTree tree(model.points);
+  const double near_m = kNear * std::cbrt(model.shape->semi_axes_m.prod());
+  std::vector<Eigen::Vector3d> points, normals;
+  std::array<PointTree::Neighbour, kNeighbours> places;
+  for (int k = 0; k < kDirections; ++k) {
+    const Eigen::Vector3d out = direction(k).cwiseProduct(model.shape->semi_axes_m);
+    const Eigen::Vector3d on = out / gauge(*model.shape, out);
+    const Eigen::Vector3d point = *model.body_from_object * on,
+                          normal = model.body_from_object->rotation * normal_at(*model.shape, on);
+    bool seen = false;
+    for (const auto& near : tree.nearest(point, near_m, places))
+      seen = seen || model.normals.col(near.index).dot(normal) > kSameWay;
+    if (!seen) points.push_back(point), normals.push_back(normal);
+  }
+  model.assumed_points = to_matrix(points), model.assumed_normals = to_matrix(normals);
+}
+
+}  // namespace uniquadric
