@@ -113,7 +113,7 @@ TEST(VariantFile, BadFilesAreRefusedByLine) {
        ":2: long_window.outline_sigma_px: expected 0.01 to 1000, found 0.001"},
       {"schema: 1\nlong_window: {surface_sigma_m: 1e-300}\n",
        "long_window.surface_sigma_m: expected 1e-05 to 10, found 1e-300"},
-      {"schema: 1\ncloud_alignment: {outline_sigma_px: 1e9}\n", "expected 0.01 to 1000, found 1000000000"},
+      {"schema: 1\nlong_window: {outline_sigma_px: 1e9}\n", "expected 0.01 to 1000, found 1000000000"},
       {"schema: 1\nego: {lidar: {range_sigma_m: 1e-9}}\n", "expected 1e-05 to 10, found 1e-09"},
       {"schema: 1\nego: {lidar: {map: {cell_m: 1e-300}}}\n", "expected 1e-09 to 1000000000, found 1e-300"},
       {"schema: 1\nlifecycle: {acceleration_mps2: 0}\n", "expected a number greater than 0"},
