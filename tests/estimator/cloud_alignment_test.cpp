@@ -259,8 +259,8 @@ TEST(CloudAlignment, WeighsSightingsAgainstSurfaceOutlineAndWay) {
     CloudAlignmentOptions steady;
     steady.impacts = false;
     const auto weigh = [&](const CloudAlignmentOptions& options) {
-      return disagreements(scene.perception.camera, scene.seen(), model, sightings_at(scene, wrong, count), {},
-                           {truth}, {0.02, 0.02}, {truth, wrong}, options);
+      return disagreements(scene.perception.camera, scene.seen(), model, sightings_at(scene, wrong, count),
+                           {}, {truth}, {0.02, 0.02}, {truth, wrong}, options);
     };
     const auto against = weigh(steady);
     ASSERT_EQ(against.size(), 2u);
