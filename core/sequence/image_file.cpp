@@ -82,13 +82,15 @@ std::string png_damage(std::string_view bytes) {
 
 std::string damage(std::string_view bytes) {
   if (bytes.starts_with(kPngSignature)) return png_damage(bytes);
-  const bool is_jpeg = bytes.starts_with(kJpegSignature);
-  if (is_jpeg && bytes.find("\xff\xd9", bytes.size() > 64 ? bytes.size() - 64 : 0) == bytes.npos)
-    return "is a truncated image";
-  return "";
+  return bytes.starts_with(kJpegSignature) && !is_whole_jpeg(bytes) ? "is a truncated image" : "";
 }
 
 }  // namespace
+
+bool is_whole_jpeg(std::string_view bytes) {
+  return bytes.starts_with(kJpegSignature) &&
+         bytes.find("\xff\xd9", bytes.size() > 64 ? bytes.size() - 64 : 0) != bytes.npos;
+}
 
 cv::Mat decode_image(std::string_view bytes, int most_side_px, const std::filesystem::path& path) {
   if (bytes.empty()) throw InputError(path, "is empty");

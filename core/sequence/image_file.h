@@ -15,6 +15,9 @@ inline constexpr int kMostImageSide_px = 16384;
 /// undecodable or truncated ones, and when the header announces more than `most_side_px` pixels a side.
 cv::Mat decode_image(std::string_view bytes, int most_side_px, const std::filesystem::path& path);
 
+/// Whether a file's bytes begin and end as a JPEG's; a few bytes behind its end do no harm.
+bool is_whole_jpeg(std::string_view bytes);
+
 /// The bytes of an image's file, by its ending (".png", ".jpg") and the parameters of cv::imencode. Throws
 /// std::runtime_error naming `path` for an image that such a file cannot hold.
 std::string encode_image(const std::string& ending, const cv::Mat& image, const std::vector<int>& parameters,

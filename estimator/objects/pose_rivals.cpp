@@ -1,4 +1,4 @@
-// Which of several poses of a body all that a frame shows speaks for.
+// Where a body's surface places it, and which of several poses all that a frame shows speaks for.
 #include <algorithm>
 #include <numbers>
 #include <vector>
@@ -9,7 +9,7 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kHalfTurn = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;  // any turn is as likely
 constexpr double kClearly = 10;  // by which a pose must be likelier than another: as 20 of chi-square
 
 }  // namespace

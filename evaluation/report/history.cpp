@@ -36,10 +36,6 @@ std::string name_of(const Results& results) {
   return results.program.find(", changed", commit) == std::string::npos ? name : name + " (changed)";
 }
 
-void add_distinct(std::vector<std::string>& names, const std::string& name) {
-  if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-}
-
 Point point_of(const fs::path& folder) {
   Point point{"", {}, {}, "", "the first"};
   OverallRows all;

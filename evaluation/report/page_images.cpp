@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/read_file.h"
 #include "core/base/text.h"
+#include "core/sequence/image_file.h"
 #include "evaluation/report/page.h"
 
 namespace uniquadric {
@@ -39,8 +40,7 @@ std::string base64(const std::string& bytes) {
 // A cut image shows in no browser. Throws InputError.
 std::string read_jpeg(const fs::path& file) {
   std::string bytes = read_file(file, kImageFile);
-  if (!bytes.starts_with("\xff\xd8") || !bytes.ends_with("\xff\xd9"))
-    throw InputError(file, "is no whole JPEG image");
+  if (!is_whole_jpeg(bytes)) throw InputError(file, "is no whole JPEG image");
   return bytes;
 }
 

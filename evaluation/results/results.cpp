@@ -98,10 +98,6 @@ std::map<std::string, std::string> read_descriptions(const fs::path& file) {
   return descriptions;
 }
 
-void add_distinct(std::vector<std::string>& list, const std::string& value) {
-  if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
-}
-
 // In order of the cells; a scene's runs share a seed's sequence.
 std::vector<LidarRoutes> read_all_lidar_routes(const Results& results) {
   std::vector<LidarRoutes> all;
@@ -234,6 +230,10 @@ void for_each_scene(const fs::path& folder, const std::function<void(const Resul
     read_evaluations(scene, 0);
     use(scene);
   }
+}
+
+void add_distinct(std::vector<std::string>& list, const std::string& value) {
+  if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
 }
 
 std::vector<std::string> scenes_of(const Results& results) {

@@ -94,6 +94,9 @@ CellEvaluation read_cell_evaluation(const std::filesystem::path& folder, Frames 
 /// Where a cell's evaluation is.
 std::filesystem::path evaluation_folder(const Results& results, const Cell& cell);
 
+/// Appends a value that the list has not.
+void add_distinct(std::vector<std::string>& list, const std::string& value);
+
 /// Distinct values in order of their first appearance.
 std::vector<std::string> scenes_of(const Results& results);
 std::vector<std::string> variants_of(const Results& results, const std::string& scene);
