@@ -8,11 +8,16 @@
 #include <set>
 #include <vector>
 
+#include "core/base/error.h"
+#include "core/base/files.h"
+
 namespace uniquadric {
 namespace {
 using nlohmann::json;
 
-constexpr double kMostId = 9007199254740991;  // 2^53 - 1: no other whole number rounds to the same double
+constexpr std::size_t kMostFileBytes = 64 << 20;  // ours
+constexpr int kMostFileLevels = 64;               // ours: as of YAML, whose variants stand in it
+constexpr double kMostId = 9007199254740991;      // 2^53 - 1: no other whole number rounds to the same double
 
 // Goes through a text and tells another how far it has come: the parser says it of its own errors alone.
 class TellingIterator {
@@ -119,6 +124,16 @@ class StrictParser {
 
 json parse_strict_json(const std::string& text, int most_levels) {
   return StrictParser(text, most_levels).parse();
+}
+
+json read_strict_json(const std::filesystem::path& file) {
+  const std::string text = read_text(file);
+  if (text.size() > kMostFileBytes) throw InputError(file, "is longer than 64 MiB");
+  try {
+    return parse_strict_json(text, kMostFileLevels);
+  } catch (const JsonFault& e) {
+    throw InputError(file, e.line, e.what());
+  }
 }
 
 }  // namespace uniquadric

@@ -44,6 +44,10 @@ std::string latex_escaped(const std::string& text) {
   for (const char c : text) {
     if (c == '\\')
       result += "\\textbackslash{}";
+    else if (c == '<' || c == '>' || c == '|')  // other glyphs in LaTeX's first font encoding
+      result += c == '<' ? "\\textless{}" : c == '>' ? "\\textgreater{}" : "\\textbar{}";
+    else if (c == '[')  // behind a row's end it would begin that one's argument
+      result += "{[}";
     else if (c == '~' || c == '^')
       result += fmt::format("\\{}{{}}", c);
     else if (std::string_view("&%$#_{}").find(c) != std::string_view::npos)

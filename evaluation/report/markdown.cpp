@@ -127,7 +127,7 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
   std::string text = fmt::format(
       "# {}\nMedians over seeds; runs: with a result / all; the best of an object's variants with the most "
       "results in bold; given: poses of the camera that were not estimated.\n\n",
-      results.name);
+      markdown_cell(results.name));
   if (!overview.rows.empty())
     text += fmt::format("## Over all {} scenes\nMedians over objects.\n\n{}\n## {} scenes\n{}\n\n",
                         overview.scenes, table(overview.rows), overview.shown.size(), kShownNote);
@@ -135,15 +135,17 @@ std::string page_markdown(const Results& results, const std::vector<SummaryRow>&
   text += table(summary) + against_the_paper(summary) + arc_markdown(results) +
           lidar_markdown(results.lidar) + sizes(results) + failures(results) + not_applicable(results) +
           "\n## How it was made\n";
-  if (!results.command.empty()) text += fmt::format("- command: `{}`\n", results.command);
-  text += fmt::format("- program: {} (report: {})\n", fmt::join(programs_of(results), ", "), kProgram);
-  if (!results.program.empty()) text += fmt::format("- gathered by: {}\n", results.program);
+  if (!results.command.empty()) text += fmt::format("- command: {}\n", markdown_cell(results.command));
+  text += fmt::format("- program: {} (report: {})\n",
+                      markdown_cell(fmt::format("{}", fmt::join(programs_of(results), ", "))), kProgram);
+  if (!results.program.empty()) text += fmt::format("- gathered by: {}\n", markdown_cell(results.program));
   if (!results.inputs.empty())
-    text += fmt::format("- inputs (hashes): {}\n", fmt::join(results.inputs, ", "));
+    text += fmt::format("- inputs (hashes): {}\n",
+                        markdown_cell(fmt::format("{}", fmt::join(results.inputs, ", "))));
   if (const auto alignments = alignments_of(results); !alignments.empty())
     text += fmt::format("- alignment of the estimates' worlds: {}\n", fmt::join(alignments, ", "));
   text += fmt::format("- seeds: {}\n", fmt::join(seeds_of(results), ", "));
-  if (!results.hardware.empty()) text += fmt::format("- hardware: {}\n", results.hardware);
+  if (!results.hardware.empty()) text += fmt::format("- hardware: {}\n", markdown_cell(results.hardware));
   text += "\n## What the figures mean\n";
   for (const char* name : summary_metrics()) {
     const Metric& metric = find_metric(name);

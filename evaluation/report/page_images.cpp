@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "core/sequence/image_file.h"
 #include "evaluation/report/page.h"
+#include "evaluation/report/scenery.h"
 
 namespace uniquadric {
 namespace {
@@ -94,22 +95,14 @@ std::size_t count_that_fits(const std::vector<Gallery>& galleries, std::size_t m
 constexpr std::size_t kMostScenery = 40;  // ours: more would leave no frame to each
 constexpr std::size_t kMostClouds = 8;    // ours: a cloud is 150 kB
 
-json read_scenery(const fs::path& file) {
-  json scenery = json::parse(read_file(file, kTextFile), nullptr, false);
-  const auto has = [&](const char* key) { return scenery.is_object() && scenery.contains(key); };
-  if (!has("camera") || !has("frames") || !has("meshes") || !has("cloud") || !scenery["frames"].is_array())
-    throw InputError(file, "is no scenery: expected camera, frames, meshes and cloud");
-  return scenery;
-}
-
 // The frames that scenery.json lists and that are kept, with their pictures.
 json kept_frames(const json& listed, const Gallery& film, std::size_t count) {
   json frames = json::array();
   for (const std::size_t i : evenly_spaced(film.pictures.size(), std::min(count, film.pictures.size())))
     for (const json& frame : listed)
-      if (frame.value("frame", -1ll) == film.pictures[i].frame)
+      if (frame["frame"] == film.pictures[i].frame)
         frames.push_back({{"frame", film.pictures[i].frame},
-                          {"stamp_ns", frame.value("stamp_ns", 0ll)},
+                          {"stamp_ns", frame["stamp_ns"]},
                           {"jpeg", base64(film.pictures[i].jpeg)}});
   return frames;
 }
@@ -145,11 +138,14 @@ std::string page_scenery(const Results& results, const PageOptions& options) {
   json sceneries = json::object();
   std::vector<Gallery> films;
   std::vector<std::string> names;
+  std::size_t mesh_bytes = 0;
   for (const std::string& scene : scenes_of(results)) {
     const fs::path folder = results.folder / "scenery" / scene;
     if (names.size() == kMostScenery || !fs::exists(folder / "scenery.json")) continue;
     json& scenery = sceneries[scene] = read_scenery(folder / "scenery.json");
     if (names.size() >= kMostClouds) scenery["cloud"] = nullptr;
+    if (mesh_bytes > options.mesh_bytes) scenery["meshes"] = json::array();
+    mesh_bytes += scenery["meshes"].dump().size();
     films.push_back({nullptr, read_pictures(folder / "frames")});
     names.push_back(scene);
   }

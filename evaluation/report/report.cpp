@@ -4,35 +4,50 @@
 
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/text.h"
 #include "evaluation/report/arc_curves.h"
 #include "evaluation/report/figures.h"
 #include "evaluation/report/latex.h"
 #include "evaluation/report/page.h"
 
 namespace uniquadric {
-
 namespace {
+namespace fs = std::filesystem;
 
-void write_figures(const std::vector<NamedPicture>& figures, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  for (const auto& file : std::filesystem::directory_iterator(folder))  // of an earlier call
-    if (const auto ending = file.path().extension(); ending == ".svg" || ending == ".pdf")
-      std::filesystem::remove(file);
+// The names of the files that this program put into figures/: it deletes no other.
+constexpr const char* kFigureList = "figures.txt";
+
+void remove_figures(const fs::path& folder) {
+  if (!fs::exists(folder / kFigureList)) return;
+  const std::string list = read_text(folder / kFigureList);
+  for (const auto name : split(list, '\n'))
+    if (is_plain_name(name)) fs::remove(folder / name);
+}
+
+void write_figures(const std::vector<NamedPicture>& figures, const fs::path& folder) {
+  fs::create_directories(folder);
+  remove_figures(folder);  // of an earlier call
+  std::string list;
   for (const NamedPicture& figure : figures) {
     write_text(folder / (figure.name + ".svg"), picture_svg(figure.picture));
     write_text(folder / (figure.name + ".pdf"), picture_pdf(figure.picture));
+    list += figure.name + ".svg\n" + figure.name + ".pdf\n";
   }
+  write_text(folder / kFigureList, list);
 }
 
 }  // namespace
 
-void write_report(const std::filesystem::path& folder, const ReportExtras& extras) {
+void write_report(const fs::path& folder, ReportExtras extras) {
   require_results_folder(folder);
   for (const char* name : {"iou3d_by_arc.svg", "scores.csv", "report.md", "report.tex", "report.html"})
-    if (std::filesystem::is_directory(folder / name))
+    if (fs::is_directory(folder / name))
       throw InputError(folder / name, "is a folder, in the way of the file of that name");
-  if (std::filesystem::exists(folder / "figures") && !std::filesystem::is_directory(folder / "figures"))
+  if (fs::exists(folder / "figures") && !fs::is_directory(folder / "figures"))
     throw InputError(folder / "figures", "is a file, in the way of the folder of that name");
+  // what an earlier call made must not stay behind with old figures
+  extras.latex = extras.latex || fs::exists(folder / "report.tex");
+  extras.figures = extras.figures || fs::exists(folder / "figures" / kFigureList);
   const PageOptions options;
   PendingText scores(folder / "scores.csv");  // large: written as it is made
   const Overview overview = overview_of(folder, options.summary_rows, options.judged_runs, scores.stream());
@@ -43,7 +58,7 @@ void write_report(const std::filesystem::path& folder, const ReportExtras& extra
   const std::string markdown = page_markdown(results, summary, overview);
   const std::string arcs = arc_svg(results);
   if (extras.figures) write_figures(figures_of(results, summary), folder / "figures");
-  arcs.empty() ? void(std::filesystem::remove(folder / "iou3d_by_arc.svg"))
+  arcs.empty() ? void(fs::remove(folder / "iou3d_by_arc.svg"))
                : write_text(folder / "iou3d_by_arc.svg", arcs);
   scores.keep();
   write_text(folder / "report.md", markdown);
@@ -51,7 +66,7 @@ void write_report(const std::filesystem::path& folder, const ReportExtras& extra
   write_text(folder / "report.html", html);
 }
 
-std::string summary_table(const std::filesystem::path& folder) {
+std::string summary_table(const fs::path& folder) {
   const std::size_t most_rows = PageOptions().summary_rows;
   OverallRows all;
   std::vector<SummaryRow> rows;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 
 namespace uniquadric {
 
@@ -21,5 +22,8 @@ struct SceneryOptions {
 /// InputError for folders that cannot be read, and for an `out` that exists, unless `force` replaces it.
 void write_scenery(const std::filesystem::path& sequence, const std::filesystem::path& truth,
                    const std::filesystem::path& out, const SceneryOptions& options, bool force);
+
+/// What a scenery.json holds, as above. Throws InputError with line or field for any other.
+nlohmann::json read_scenery(const std::filesystem::path& file);
 
 }  // namespace uniquadric

@@ -20,18 +20,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int kEvaluationSchema = 1;
-constexpr std::size_t kMostJsonBytes = 64 << 20;  // ours: a thousand objects take 4 MB
-constexpr int kMostLevels = 64;                   // ours: as of YAML, whose variants stand in it
-
-json parse_json(const fs::path& file) {
-  const std::string text = read_text(file);
-  if (text.size() > kMostJsonBytes) throw InputError(file, "is longer than an evaluation");
-  try {
-    return parse_strict_json(text, kMostLevels);
-  } catch (const JsonFault& e) {
-    throw InputError(file, e.line, e.what());
-  }
-}
 
 [[noreturn]] void fail(const fs::path& file, const std::string& field, const std::string& what) {
   throw InputError(file, fmt::format("field {}: {}", field, what));
@@ -183,7 +171,7 @@ std::vector<SizeSteadiness> read_sizes(const fs::path& file, const json& root) {
 
 CellEvaluation read_cell_evaluation(const fs::path& folder, Frames frames) {
   const fs::path file = folder / "evaluation.json";
-  const json root = parse_json(file);
+  const json root = read_strict_json(file);
   if (!root.is_object()) throw InputError(file, "expected an object with named values");
   if (const auto schema = number_at(file, root, "/schema"); !schema || *schema != kEvaluationSchema)
     fail(file, "schema", fmt::format("this program reads version {}", kEvaluationSchema));

@@ -51,6 +51,8 @@ Cell parse_cell(const fs::path& file, int line, const std::vector<std::string_vi
   cell.folder = fields[4];
   for (const std::string& name : {cell.scene, cell.variant})
     if (!is_plain_name(name)) throw InputError(file, line, fmt::format("'{}': {}", name, kPlainNameExpected));
+  if (cell.variant.find(kOutputMark) != std::string::npos)
+    throw InputError(file, line, fmt::format("'{}': an @ in a variant's name marks an output", cell.variant));
   if (cell.folder.is_absolute()) throw InputError(file, line, "folder is not relative to the results folder");
   if (const fs::path normal = cell.folder.lexically_normal(); !normal.empty() && *normal.begin() == "..")
     throw InputError(file, line, "folder leads out of the results folder");
@@ -116,7 +118,7 @@ void add_later_outputs(Results& results) {
   const auto later = [](const Cell& cell, const char* output) {
     Cell result = cell;
     result.output = output;
-    result.variant = cell.variant + "@" + output;
+    result.variant = cell.variant + kOutputMark + output;
     return result;
   };
   for (const Cell& cell : results.cells)

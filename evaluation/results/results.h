@@ -43,6 +43,9 @@ struct CellEvaluation {
 
 enum class CellStatus { ok, failed, missing, not_applicable };
 
+/// Between a variant's name and that of one of its later outputs; in no variant's own name.
+inline constexpr char kOutputMark = '@';
+
 /// One (scene, variant, seed) of a bench, or a later output of one (kLaterOutputs), whose variant is named
 /// VARIANT@OUTPUT.
 struct Cell {

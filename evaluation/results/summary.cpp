@@ -93,7 +93,7 @@ std::vector<std::string> paper_line(const SummaryRow& row, const char* system, c
 }  // namespace
 
 std::string_view without_output(std::string_view variant) {
-  return variant.substr(0, variant.find('@'));
+  return variant.substr(0, variant.find(kOutputMark));
 }
 
 std::string output_of(const std::string& variant) {

@@ -13,6 +13,7 @@
 #include "core/base/text.h"
 #include "core/base/warning.h"
 #include "evaluation/association/object_choice.h"
+#include "evaluation/results/results.h"
 #include "harness/external/external_variant.h"
 #include "simulator/families/family.h"
 #include "simulator/scene/noise_scale.h"
@@ -183,10 +184,14 @@ std::vector<BenchScene> read_scenes(const ConfigNode& root, const ConfigNode& no
 
 // A path, or a map with values in place of the file's and with a name of its own, which `run.yaml` has too.
 BenchVariant read_variant(const ConfigNode& root, const ConfigNode& node) {
-  if (!node.is_map()) return {read_file(root, node)};
-  BenchVariant variant{read_file(root, node.at("variant")), read_set(node)};
-  variant.name = plain_name(node, variant.name);
-  node.refuse_unknown_keys();
+  BenchVariant variant = node.is_map() ? BenchVariant{read_file(root, node.at("variant")), read_set(node)}
+                                       : BenchVariant{read_file(root, node)};
+  if (node.is_map()) {
+    variant.name = plain_name(node, variant.name);
+    node.refuse_unknown_keys();
+  }
+  if (variant.name.find(kOutputMark) != std::string::npos)
+    node.fail(fmt::format("'{}': an @ in a variant's name marks an output", variant.name));
   if (!variant.set.empty()) {
     node.at("name");
     if (is_external(variant.path)) node.at("set").fail("a variant with a command has no values to set");

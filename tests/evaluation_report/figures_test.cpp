@@ -121,10 +121,16 @@ TEST(Figures, LeaveWhatIsNotTheirs) {
   const fs::path figures = folder.path() / "figures";
   fs::create_directories(figures);
   write_text(figures / "notes.txt", "mine");
+  write_text(figures / "mine.svg", "mine");
+  write_text(folder.path() / "mine.svg", "mine");
   write_text(figures / "of_before.svg", "");
-  write_report(folder.path(), {.figures = true});
-  EXPECT_TRUE(fs::exists(figures / "notes.txt"));
+  write_text(figures / "figures.txt", "of_before.svg\n../mine.svg\n");
+  write_report(folder.path());  // made again: they were there before
+  EXPECT_EQ(read_text(figures / "notes.txt") + read_text(figures / "mine.svg"), "minemine");
+  EXPECT_TRUE(fs::exists(folder.path() / "mine.svg"));
   EXPECT_FALSE(fs::exists(figures / "of_before.svg"));
+  EXPECT_NE(read_text(figures / "figures.txt").find("cube_cuboid_cube_ape_translation_m.pdf\n"),
+            std::string::npos);
   fs::remove_all(figures);
   fs::remove(folder.path() / "report.html");
   write_text(figures, "a file");

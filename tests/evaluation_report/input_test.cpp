@@ -14,9 +14,17 @@ const char* const kEvaluation = "cells/s/a/seed_1/evaluation/evaluation.json";
 const char* const kOverlay = "cells/s/a/seed_1/overlays/000000.jpg";
 const char* const kFrames = "cells/s/a/seed_1/evaluation/frames.csv";
 const char* const kPoses = "cells/s/a/seed_1/evaluation/poses.csv";
+const char* const kScenery = "scenery/s/scenery.json";
 const std::string kPosesHeader =
     "source,subject,id,timestamp_ns,x_m,y_m,z_m,qx,qy,qz,qw,semi_axis_x_m,semi_axis_y_m,semi_axis_z_m\n";
 const std::string kCellsHeader = "scene,variant,seed,status,folder,message\n";
+
+// A scenery.json with these lists.
+std::string scenery(const std::string& frames, const std::string& meshes = "[]",
+                    const std::string& cloud = "{}") {
+  return R"({"camera": {"width": 4, "height": 3, "fx": 2, "fy": 2, "cx": 2, "cy": 1.5}, "frames": )" +
+         frames + R"(, "meshes": )" + meshes + R"(, "cloud": )" + cloud + "}";
+}
 
 // A file of the small results folder with other content, and what the message must hold.
 struct BadFile {
@@ -33,6 +41,8 @@ const BadFile kBadFiles[] = {
     {"cells.csv", kCellsHeader + "s,a,1,fine,x,\n", "cells.csv:2: status 'fine'"},
     {"cells.csv", kCellsHeader + "s,a,1,failed,x,\ns,a,1,failed,x,\n",
      "cells.csv:3: this scene, variant and seed"},
+    {"cells.csv", kCellsHeader + "s,a@final,1,failed,x,\n",
+     "cells.csv:2: 'a@final': an @ in a variant's name"},
     {"cells.csv", kCellsHeader + "s,a,1,ok,/etc,\n", "cells.csv:2: folder is not relative"},
     {"cells.csv", kCellsHeader + "s,a,1,ok,x/../..,\n", "cells.csv:2: folder leads out of"},
     {kOverlay, "\xff\xd8 cut", "000000.jpg: is no whole JPEG image"},
@@ -87,6 +97,19 @@ const BadFile kBadFiles[] = {
     {kPoses, kPosesHeader + "truth,camera,0,5,0,nan,0,0,0,0,1,,,\n", "poses.csv:2: column y_m: 'nan'"},
     {kPoses, kPosesHeader + "truth,camera,0,5,0,0,0,0,0,0,1,,,\ntruth,camera,0,5,0,0,0,0,0,0,1,,,\n",
      "poses.csv:3: column timestamp_ns: '5' is not after"},
+    {kScenery, std::string(1'000'000, '['), "scenery.json:1: is nested more than 64"},
+    {kScenery, "[]", "scenery.json: expected an object with camera"},
+    {kScenery, R"({"camera": null})", "field camera: expected an object"},
+    {kScenery, R"({"camera": {"width": 0}})", "field camera.width: expected a positive number"},
+    {kScenery, scenery("[1]"), "field frames[0]: expected an object"},
+    {kScenery, scenery(R"([{"frame": 1, "stamp_ns": "x"}])"), "field frames[0].stamp_ns: expected a whole"},
+    {kScenery, scenery("[]", R"([{"id": 1, "positions_mm": [1, 2, 3], "triangles": [0, 0, 1]}])"),
+     "field meshes[0].triangles[2]: expected the index of a point"},
+    {kScenery, scenery("[]", R"([{"id": 1, "positions_mm": "x", "triangles": []}])"),
+     "field meshes[0].positions_mm: expected a list"},
+    {kScenery, scenery("[]", "[]", "[1, 2]"), "field cloud: expected an object"},
+    {kScenery, scenery("[]", "[]", R"({"positions_mm": [1, 2, 3], "colors": []})"),
+     "field cloud.colors: expected one colour a point"},
     {kPoses, kPosesHeader + "estimate,object,1,5,0,0,0,0,0,0,1,1,0,1\n",
      "poses.csv:2: column semi_axis_x_m: '1' is of semi-axes"},
 };
@@ -104,7 +127,7 @@ TEST(ReportInput, NamesFileAndLineOrFieldAndWritesNothing) {
       EXPECT_FALSE(fs::exists(folder.path() / file));
     ++cases;
   }
-  EXPECT_EQ(cases, 46);
+  EXPECT_EQ(cases, 57);
 }
 
 TEST(ReportInput, FolderThatIsNoResultsFolder) {

@@ -17,6 +17,7 @@ TEST(Latex, EscapesWhatItReads) {
   EXPECT_EQ(latex_escaped("a_b & 5 % #1 $x {y} ~z ^w \\input"),
             "a\\_b \\& 5 \\% \\#1 \\$x \\{y\\} \\~{}z \\^{}w \\textbackslash{}input");
   EXPECT_EQ(latex_escaped("two\nlines"), "two lines");
+  EXPECT_EQ(latex_escaped("[x] <b>|"), "{[}x] \\textless{}b\\textgreater{}\\textbar{}");
 }
 
 TEST(Latex, RowsHaveTheColumnsOfTheHead) {
