@@ -38,7 +38,8 @@ void add_bench(CLI::App& app, Common& common) {
     const int failed = bench(config, out, options);
     std::cout << summary_table(out) << "report: " << out << "/report.html\n";
     if (failed > 0) {
-      std::cerr << fmt::format("uniquadric: {} cells failed; see {}/cells.csv\n", failed, out);
+      std::cerr << fmt::format("uniquadric: {} {} failed; see {}/cells.csv\n", failed,
+                               failed == 1 ? "cell" : "cells", out);
       common.exit_code = kBadInput;
     }
   });

@@ -500,7 +500,7 @@ TEST_F(Pipeline, BenchSurvivesAFailingCellAndCountsIt) {
   const std::string blind = "{scene: blind.yaml, prompt: \"boxes:none.txt\"}";
   const ProgramRun run = run_program({"bench", bench_file("small.yaml, " + blind), out, "--quiet"});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("1 cells failed"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("1 cell failed"), std::string::npos) << run.err;
   const std::string cells = read_text(out / "cells.csv");
   EXPECT_NE(cells.find("small,single_frame_obb,1,ok"), std::string::npos) << cells;
   EXPECT_NE(cells.find("blind,single_frame_obb,1,failed"), std::string::npos) << cells;
