@@ -38,7 +38,8 @@ std::string page_data(const Results& results, const std::vector<SummaryRow>& sum
 
 /// The frames with overlays as JSON text: [{"scene", "variant", "seed", "available", "frames": [{"frame",
 /// "jpeg" (base64)}]}], for each scene and variant those of its first good seed. When they exceed
-/// `options.image_bytes`, every run keeps the same smaller number of evenly spaced frames.
+/// `options.image_bytes`, every run keeps the same smaller number of evenly spaced frames; where
+/// not each can keep one, as many evenly spaced runs as fit keep one.
 std::string page_images(const Results& results, const PageOptions& options);
 
 /// What scenery.json (scenery.h) of each scene has, with its frames, as JSON text: {SCENE: {..., "frames":

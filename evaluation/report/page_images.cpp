@@ -63,10 +63,15 @@ std::vector<std::size_t> kept(const Gallery& gallery, std::size_t count) {
   return evenly_spaced(total, std::min(count, total));
 }
 
+std::size_t size_of(const Gallery& gallery, std::size_t count) {
+  std::size_t bytes = 0;
+  for (const std::size_t i : kept(gallery, count)) bytes += gallery.pictures[i].jpeg.size();
+  return bytes;
+}
+
 std::size_t size_of(const std::vector<Gallery>& galleries, std::size_t count) {
   std::size_t bytes = 0;
-  for (const Gallery& gallery : galleries)
-    for (const std::size_t i : kept(gallery, count)) bytes += gallery.pictures[i].jpeg.size();
+  for (const Gallery& gallery : galleries) bytes += size_of(gallery, count);
   return bytes;
 }
 
@@ -90,6 +95,26 @@ std::size_t count_that_fits(const std::vector<Gallery>& galleries, std::size_t m
   for (const Gallery& gallery : galleries) count = std::max(count, gallery.pictures.size());
   while (count > 0 && size_of(galleries, count) > most_bytes) --count;
   return count;
+}
+
+// Those that keep a frame where not all can: as many as fit, evenly spaced.
+std::vector<std::size_t> galleries_that_fit(const std::vector<Gallery>& galleries, std::size_t most_bytes) {
+  for (std::size_t n = galleries.size(); n > 0; --n) {
+    const std::vector<std::size_t> chosen = evenly_spaced(galleries.size(), n);
+    std::size_t bytes = 0;
+    for (const std::size_t i : chosen) bytes += size_of(galleries[i], 1);
+    if (bytes <= most_bytes) return chosen;
+  }
+  return {};
+}
+
+// How many frames each of them keeps.
+std::vector<std::size_t> kept_counts(const std::vector<Gallery>& galleries, std::size_t most_bytes) {
+  const std::size_t count = count_that_fits(galleries, most_bytes);
+  std::vector<std::size_t> counts(galleries.size(), count);
+  if (count == 0)
+    for (const std::size_t i : galleries_that_fit(galleries, most_bytes)) counts[i] = 1;
+  return counts;
 }
 
 constexpr std::size_t kMostScenery = 40;  // ours: more would leave no frame to each
@@ -119,11 +144,12 @@ std::vector<std::size_t> evenly_spaced(std::size_t total, std::size_t count) {
 
 std::string page_images(const Results& results, const PageOptions& options) {
   const std::vector<Gallery> galleries = read_galleries(results);
-  const std::size_t count = count_that_fits(galleries, options.image_bytes);
+  const std::vector<std::size_t> counts = kept_counts(galleries, options.image_bytes);
   json list = json::array();
-  for (const Gallery& gallery : galleries) {
+  for (std::size_t g = 0; g < galleries.size(); ++g) {
+    const Gallery& gallery = galleries[g];
     json frames = json::array();
-    for (const std::size_t i : kept(gallery, count))
+    for (const std::size_t i : kept(gallery, counts[g]))
       frames.push_back({{"frame", gallery.pictures[i].frame}, {"jpeg", base64(gallery.pictures[i].jpeg)}});
     list.push_back({{"scene", gallery.cell->scene},
                     {"variant", gallery.cell->variant},

@@ -150,6 +150,12 @@ TEST(Page, PicturesAreTheFilesAndFitTheirBudget) {
     EXPECT_EQ(gallery.at("available"), 5);
   }
   EXPECT_EQ(json::parse(page_images(results, {.image_bytes = 10}))[0].at("frames").size(), 0u);
+  // Of four runs of five alike frames two keep one.
+  const json few = json::parse(page_images(results, {.image_bytes = bytes / 20 * 5 / 2}));
+  std::vector<std::size_t> counts;
+  for (const json& gallery : few) counts.push_back(gallery.at("frames").size());
+  EXPECT_EQ(counts, (std::vector<std::size_t>{1, 0, 0, 1}));
+  EXPECT_EQ(few[0]["frames"][0].at("frame"), all[0]["frames"][2].at("frame"));  // the middle one
 }
 
 // The fabricated poses are known (fabricated_results.h).

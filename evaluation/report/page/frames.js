@@ -14,8 +14,11 @@ function gallery_node(gallery) {
         el("img", { src: source_of(frame), alt: `${gallery.scene}, ${gallery.variant}: frame ${frame.frame} with outlines`, loading: "lazy" })))));
 }
 
+// Where the page has no room for a frame of each, it says of which it has none.
 function draw_galleries(scene) {
-  by_id("galleries").replaceChildren(...galleries.filter((g) => g.scene === scene).map(gallery_node));
+  const of_scene = galleries.filter((g) => g.scene === scene), without = of_scene.filter((g) => g.frames.length === 0).map((g) => g.variant);
+  by_id("galleries").replaceChildren(...of_scene.filter((g) => g.frames.length > 0).map(gallery_node),
+    ...(without.length ? [el("p", {}, `The page has no room for a frame of ${without.join(", ")}; all are in the results folder.`)] : []));
 }
 
 function show_frame(gallery, index) {

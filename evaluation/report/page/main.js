@@ -81,7 +81,7 @@ function show_object({ scene, object }) {
 }
 
 function show_scene(scene) {
-  const shown = distinct(galleries.map((g) => g.scene));
+  const shown = distinct(galleries.filter((g) => g.frames.length > 0).map((g) => g.scene));
   chips(by_id("scene-chips"), "", shown, [scene], { change: ([chosen]) => show_scene(chosen) });
   draw_galleries(scene);
 }
@@ -130,7 +130,8 @@ function start() {
   draw_lidar();
   draw_times();
   by_id("log-errors").addEventListener("change", (e) => { chart_state.log = e.target.checked; draw_charts(); });
-  by_id("frames").hidden = galleries.length === 0;
+  by_id("frames").hidden = galleries.every((g) => g.frames.length === 0);
+  document.querySelector('nav a[href="#frames"]').hidden = by_id("frames").hidden;
   by_id("objects").hidden = subjects.length === 0;
   start_viewer();
   start_motion();
