@@ -88,6 +88,12 @@
   for (const id of ["filter-scene", "filter-object", "filter-baseline", "filter-metric"]) choose(id, kAll);
   seen.verdict = { head: by_id("verdict").innerText, more: by_id("verdict-more").innerText, compared: by_id("compared").textContent,
     variants: [...by_id("variant-lines").querySelectorAll("dd")].map((dd) => dd.textContent), film: by_id("film").querySelector("img").alt };
+  const [one, other] = causal_variants, told = ({ baseline, variant, better, worse }) => ({ baseline, variant, better: better.map((o) => o.object), worse: worse.map((o) => o.object) });
+  seen.verdict.there = told(duel(one, other));
+  const both_ways = data.verdicts;
+  data.verdicts = both_ways.filter((d) => d.baseline !== one); // as of many variants
+  seen.verdict.turned = told(duel_either_way(one, other));
+  data.verdicts = both_ways;
   seen.times = rows_of("times-table");
   seen.ratios = by_id("ratios").hidden ? [] : rows_of("ratio-table");
   seen.without_poses = { section: !by_id("objects").hidden, view: !by_id("space-view").hidden, note: by_id("space-absent").hidden ? "" : by_id("space-absent").textContent };

@@ -145,6 +145,8 @@ void expect_verdict(const json& seen) {
   EXPECT_EQ(verdict.at("head"), "single_frame_obb is level with rotbbox over 4 objects.");
   const std::string more = verdict.at("more");
   EXPECT_NE(more.find("better on skateboard and ball; worse on cuboid and cube."), more.npos) << more;
+  EXPECT_EQ(verdict.at("there").at("better").size(), 2u);
+  EXPECT_EQ(verdict.at("turned"), verdict["there"]);
   EXPECT_EQ(verdict.at("compared"),
             "2 variants on 2 scenes with 4 objects, 2 seeds: 1 of 8 runs have no result.");
   EXPECT_EQ(verdict.at("variants")[1], "Rotated rectangles, \"quoted\" & <kept>.");

@@ -12,6 +12,19 @@ function duel(baseline, variant) {
   return { ...found, ...made(of), count: { ...made(count_of_all), all: count_of_all(...Object.values(groups).flat()) } }; // the objects shown, and the number of all
 }
 
+// The same comparison with the two exchanged.
+function mirrored(d) {
+  const other = { better: "worse", worse: "better" }, turned = (verdict) => other[verdict] ?? verdict;
+  return { ...d, baseline: d.variant, variant: d.baseline, better: d.worse, worse: d.better, count: { ...d.count, better: d.count.worse, worse: d.count.better },
+    metrics: d.metrics.map((c) => ({ ...c, a: c.b, b: c.a, verdict: turned(c.verdict), p_better: c.p_worse, p_worse: c.p_better })) };
+}
+
+// Of many variants only the first is a baseline: where it is ahead, its comparisons are the others' turned round.
+function duel_either_way(baseline, variant) {
+  const back = duel(baseline, variant) ? null : duel(variant, baseline);
+  return back ? mirrored(back) : duel(baseline, variant);
+}
+
 // The best first: by the number of others that it beats on more objects than it loses, then by how many more.
 function ranked_variants() {
   const score = (variant) => causal_variants.map((other) => duel(other, variant)).filter(Boolean)
@@ -142,10 +155,16 @@ function behind_line(winner) {
   return found.length ? [el("p", {}, `Another variant has the better surface F1 on ${found.slice(0, 3).join(", ")}${found.length > 3 ? ` and ${count_of(found.length - 3, "more object")}` : ""}.`)] : [];
 }
 
+// Than how many others it is better, where it was compared with several.
+function lead_sentence(duels) {
+  const beaten = duels.filter(({ count }) => count.better > count.worse).length;
+  return duels.length > 1 ? ` It is better than ${beaten < duels.length ? `${beaten} of ${duels.length}` : beaten === 2 ? "both" : `all ${beaten}`} others.` : "";
+}
+
 function draw_verdict() {
   const [winner, ...others] = ranked_variants();
-  const duels = others.map((other) => duel(other, winner)).filter(Boolean);
-  by_id("verdict").replaceChildren(...(duels.length ? duel_sentence(duels[0], true) : alone_sentence(winner)));
+  const duels = others.map((other) => duel_either_way(other, winner)).filter(Boolean);
+  by_id("verdict").replaceChildren(...(duels.length ? [...duel_sentence(duels[0], true), lead_sentence(duels)] : alone_sentence(winner)));
   by_id("verdict-more").replaceChildren(...(duels.length ? [el("p", {}, proof_sentence(duels[0])),
     ...duels.filter((d, i) => i > 0 || d.count.better < d.count.all).map((d) => el("p", {}, ...duel_sentence(d, false)))].slice(0, 4) : []), ...weakest_line(winner), ...behind_line(winner));
   draw_compared();
