@@ -51,7 +51,7 @@ function duel_sentence(d, short) {
   const lead = Math.sign(count.better - count.worse), of = ` of ${count_of(count.all, "object")}`;
   const names = [variant_name(variant), [" is worse than ", " is level with ", " is better than "][lead + 1], variant_name(baseline)];
   const part = (text, kind) => (count[kind] ? [`${text} on ${names_of(d[kind], count[kind])}`] : []);
-  const rest = [...(lead <= 0 ? part("better", "better") : []), ...(lead >= 0 ? part("worse", "worse") : []), ...part("undecided", "mixed"), ...part("alike", "alike")].join("; ");
+  const rest = [...(lead <= 0 ? part("better", "better") : []), ...(lead >= 0 ? part("worse", "worse") : []), ...part("mixed", "mixed"), ...part("alike", "alike")].join("; ");
   return [...names, lead ? ` on ${count[lead > 0 ? "better" : "worse"]}${of}` : ` over ${count_of(count.all, "object")}`, short || !rest ? "." : `; ${rest}.`];
 }
 
