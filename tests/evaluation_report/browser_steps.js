@@ -118,7 +118,7 @@
     const bar = ablation_row({ variant: data.summary[0].variant, spread: { iou3d_ellipsoid_mean: s } }, share, axis).querySelector(".interval");
     return [percent(bar, "left"), percent(bar, "left") + percent(bar, "width")]; }) };
 
-  seen.space = { start: painted(), early: slide(5), late: slide(125), mark_s: chart_state.time };
+  seen.space = { start: painted(), early: slide(5), late: slide(125), mark_s: marked_time() };
   seen.space.solids = motion_state.drawn.filter((body) => !body.truth).map((body) => ({ object: body.object, label: body.label, pixels: pixels_of(body) }));
   document.querySelector('#space-variants button[aria-pressed="false"]').click();
   seen.space.both = painted();
@@ -176,7 +176,20 @@
   slide(3);
   location.hash = "#scene=skateboard_ball&object=ball&t=2&show=rotbbox";
   await sleep(300);
-  seen.space.linked = { scene: motion_state.scene, object: chart_state.object, index: motion_state.index, variants: [...motion_state.variants] };
+  seen.space.linked = { scene: motion_state.scene, object: chart_state.object, index: motion_state.index, variants: [...motion_state.variants], mark_s: marked_time() };
+
+  // The link to the weakest object, while another variant plays.
+  show_variants(["rotbbox"]);
+  play_motion();
+  document.querySelector("#verdict-more a").click();
+  await sleep(300);
+  const [weak] = motion_runs(), ious = series_in(weak, chart_state.object).columns, iou = ious.iou3d_solid ? "iou3d_solid" : "iou3d";
+  seen.space.weakest = { variants: [...motion_state.variants], playing: motion_state.playing !== null, off_s: marked_time() - motion_time(motion_state.index),
+    named: document.querySelector("#verdict-more a").textContent === chart_state.object, iou: figures_at(weak, chart_state.object)(iou), least: Math.min(...ious[iou].filter((v) => v !== null)) };
+  show_variants(["rotbbox"]);
+  play_motion();
+  by_id("film-open").click();
+  seen.space.of_film = { variants: [...motion_state.variants], playing: motion_state.playing !== null };
 
   send();
 })();

@@ -228,6 +228,7 @@ TEST_F(Browser, TablesSortAndTheSliderMovesTheEllipsoids) {
                                  json::parse(page_motion(read_results(folder_.path()), {})));
   expect_solid_pixels(seen.at("space"), json::parse(page_motion(read_results(folder_.path()), {})));
   expect_turns_zooms_follows_and_plays(seen.at("space"));
+  expect_links_show_their_variant(seen.at("space"));
 }
 
 TEST_F(Browser, FitsAPhoneInTheDark) {

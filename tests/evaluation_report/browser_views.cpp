@@ -191,9 +191,22 @@ void expect_turns_zooms_follows_and_plays(const json& space) {
   EXPECT_EQ(space.at("pointed"), 70);
   EXPECT_EQ(space.at("stepped"), 71);
   EXPECT_EQ(space.at("address"), "#scene=cube_cuboid&object=cuboid&t=2.37&show=single_frame_obb%2Crotbbox");
-  EXPECT_EQ(
-      space.at("linked"),
-      json({{"scene", "skateboard_ball"}, {"object", "ball"}, {"index", 60}, {"variants", {"rotbbox"}}}));
+  const json& linked = space.at("linked");
+  EXPECT_EQ(linked.at("scene"), "skateboard_ball");
+  EXPECT_EQ(linked.at("object"), "ball");
+  EXPECT_EQ(linked.at("index"), 60);
+  EXPECT_EQ(linked.at("variants"), json({"rotbbox"}));
+  EXPECT_NEAR(linked.at("mark_s"), 2, 1e-6);
+}
+
+void expect_links_show_their_variant(const json& space) {
+  const json& weakest = space.at("weakest");
+  EXPECT_EQ(weakest.at("variants"), json({"single_frame_obb"}));
+  EXPECT_EQ(weakest.at("playing"), false);
+  EXPECT_EQ(weakest.at("off_s"), 0);
+  EXPECT_EQ(weakest.at("named"), true);
+  EXPECT_EQ(weakest.at("iou"), weakest.at("least"));
+  EXPECT_EQ(space.at("of_film"), json({{"variants", {"single_frame_obb"}}, {"playing", false}}));
 }
 
 }  // namespace uniquadric

@@ -19,4 +19,7 @@ int expect_painted(const nlohmann::json& painted, const nlohmann::json& motion, 
 
 void expect_turns_zooms_follows_and_plays(const nlohmann::json& space);
 
+/// The link to the weakest object and the film open the variant that they name, also while another one plays.
+void expect_links_show_their_variant(const nlohmann::json& space);
+
 }  // namespace uniquadric

@@ -42,13 +42,16 @@ function datasets(plot, all, start_ns) {
   return sets; // the first is drawn last, over the others
 }
 
-// A vertical line at the time pointed at, in all plots.
+// The moment that image and 3D show; where the scene has neither, the time pointed at.
+const marked_time = () => (motion_state.scene === chart_state.scene ? motion_time(motion_state.index) : chart_state.time);
+
+// A vertical line at the marked time, in all plots.
 const crosshair = {
   id: "crosshair",
   afterDraw(chart) {
-    const { x, y } = chart.scales;
-    if (chart_state.time === null || chart_state.time < x.min || chart_state.time > x.max) return;
-    const at = x.getPixelForValue(chart_state.time), context = chart.ctx;
+    const { x, y } = chart.scales, time = marked_time();
+    if (time === null || time < x.min || time > x.max) return;
+    const at = x.getPixelForValue(time), context = chart.ctx;
     context.save();
     context.strokeStyle = css("--soft");
     context.lineWidth = 1;
@@ -65,10 +68,14 @@ const crosshair = {
     const time = inside ? chart.scales.x.getValueForPixel(event.x) : null;
     if (time === chart_state.time) return;
     chart_state.time = time;
-    for (const other of charts) other.draw();
-    if (time !== null) show_motion_time(chart_state.scene, time);
+    if (motion_state.scene !== chart_state.scene) draw_marks();
+    else if (time !== null) show_motion_time(chart_state.scene, time);
   },
 };
+
+function draw_marks() {
+  for (const chart of charts) chart.draw();
+}
 
 function axis(options) {
   return { grid: { color: css("--line"), drawBorder: false }, ...options,

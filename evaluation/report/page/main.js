@@ -87,13 +87,13 @@ function show_scene(scene) {
 }
 
 // The view as an address: #scene=NAME&object=NAME&t=SECONDS&show=VARIANT,VARIANT.
+const view_hash = (scene, object, time, shown) => `#${new URLSearchParams({ scene, object, t: time.toFixed(2), show: shown.join(",") })}`;
 let address_timer = null;
 function note_address() {
   clearTimeout(address_timer); // browsers allow so many changes a second
   address_timer = setTimeout(() => {
     if (!motion_state.scene || !motion_state.moved) return;
-    const parts = new URLSearchParams({ scene: chart_state.scene, object: chart_state.object, t: motion_time(motion_state.index).toFixed(2), show: [...motion_state.variants].join(",") });
-    history.replaceState(null, "", `#${parts}`);
+    history.replaceState(null, "", view_hash(chart_state.scene, chart_state.object, motion_time(motion_state.index), [...motion_state.variants]));
   }, 300);
 }
 
@@ -104,16 +104,15 @@ function follow_address() {
   const found = subjects.find((s) => s.scene === scene && (s.object === object || object === null));
   if (!found) return;
   show_object(found);
-  const shown = (parts.get("show") ?? "").split(",").filter((v) => variants.includes(v)), time = Number(parts.get("t") ?? NaN);
-  if (motion_state.scene && shown.length) (motion_state.variants = new Set(shown), draw_motion_chips());
-  if (motion_state.scene && Number.isFinite(time)) show_motion_time(motion_state.scene, time);
+  const time = Number(parts.get("t") ?? NaN);
+  show_variants((parts.get("show") ?? "").split(","));
+  if (motion_state.scene && Number.isFinite(time)) jump_in_time(motion_state.scene, time);
   by_id("objects").scrollIntoView();
 }
 
 // A click on a plot: there the time stays.
 function jump_to(scene, time) {
-  pause_motion();
-  show_motion_time(scene, time);
+  jump_in_time(scene, time);
   by_id("space-view").scrollIntoView({ block: "nearest" });
 }
 

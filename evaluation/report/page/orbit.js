@@ -120,7 +120,7 @@ function start_motion() {
   by_id("space-no-webgl").hidden = painter !== null;
   for (const [id, state] of [["space-cloud", "cloud"], ["space-errors", "by_error"], ["space-sigmas", "sigmas"]])
     by_id(id).addEventListener("change", (event) => { motion_state[state] = event.target.checked; draw_motion(); draw_error_scale(); });
-  by_id("space-worst").addEventListener("click", () => { pause_motion(); show_worst(); });
+  by_id("space-worst").addEventListener("click", () => show_worst());
   by_id("space-top").addEventListener("click", () => { Object.assign(motion_state.orbit, { pitch: kMaxPitch }); motion_state.touched = true; draw_motion(); });
   film_image.addEventListener("load", () => draw_motion());
   document.addEventListener("keydown", on_time_key);

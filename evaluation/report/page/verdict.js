@@ -127,7 +127,8 @@ function start_film(variant) {
   by_id("film-open").addEventListener("click", () => {
     const there = subjects.filter((s) => s.scene === scene), iou_at = (s) => iou_of(object_rows(variant).find((row) => row.scene === scene && row.object === s.object) ?? { spread: {} }) ?? 0;
     if (there.length) show_object(there.reduce((a, b) => (iou_at(b) < iou_at(a) ? b : a)));
-    if (filmed && motion_state.scene === scene) show_motion_time(scene, (frames[index].stamp_ns - scene_start_ns(scene)) / 1e9);
+    show_variants([variant]);
+    if (filmed) jump_in_time(scene, (frames[index].stamp_ns - scene_start_ns(scene)) / 1e9);
     by_id(there.length ? "objects" : "frames").scrollIntoView();
   });
   image.addEventListener("load", () => show(index), { once: true });
@@ -139,9 +140,11 @@ function start_film(variant) {
 function weakest_line(variant) {
   const rows = object_rows(variant).filter((row) => iou_of(row) !== undefined);
   if (rows.length < 2) return [];
-  const worst = rows.reduce((a, b) => (iou_of(b) < iou_of(a) ? b : a));
-  return [el("p", {}, "Its weakest: ", el("a", { href: object_hash(worst.scene, worst.object), click: () => setTimeout(() => show_worst(worst.spread.iou3d_solid_mean ? "iou3d_solid" : "iou3d"), 100) }, worst.object),
-    ` in ${worst.scene}, ${iou_label(worst)} ${format_figure(iou_of(worst))}. The link opens its worst frame.`)];
+  const worst = rows.reduce((a, b) => (iou_of(b) < iou_of(a) ? b : a)), run = motion.runs.find((r) => r.scene === worst.scene && r.variant === variant);
+  const time = run ? worst_time(run, worst.object, worst.spread.iou3d_solid_mean ? "iou3d_solid" : "iou3d") : null;
+  const href = time === null ? object_hash(worst.scene, worst.object) : view_hash(worst.scene, worst.object, time, [variant]);
+  return [el("p", {}, "Its weakest: ", el("a", { href, click: () => { if (location.hash === href) follow_address(); } }, worst.object),
+    ` in ${worst.scene}, ${iou_label(worst)} ${format_figure(iou_of(worst))}.${time === null ? "" : " The link opens its worst frame."}`)];
 }
 
 // Where another variant models the surface better, each of its runs.

@@ -150,7 +150,7 @@ function draw_readout() {
 }
 
 // Shows one of the kept times, and marks it in the plots.
-function show_motion_index(index, mark = true) {
+function show_motion_index(index) {
   motion_state.moved ||= index !== motion_state.index;
   motion_state.index = Math.max(0, Math.min(motion_stamps().length - 1, index));
   const time = motion_time(motion_state.index), slider = by_id("space-time");
@@ -160,23 +160,41 @@ function show_motion_index(index, mark = true) {
   draw_motion();
   draw_readout();
   note_address();
-  if (!mark || chart_state.scene !== motion_state.scene) return;
-  chart_state.time = time;
-  for (const chart of charts) chart.draw();
+  if (chart_state.scene === motion_state.scene) draw_marks();
 }
 
 // The kept time nearest to one that was pointed at in a plot.
 function show_motion_time(scene, time) {
   if (scene !== motion_state.scene || motion_state.playing) return;
-  show_motion_index(nearest_index(motion_stamps(), scene_start_ns(scene) + time * 1e9), false);
+  show_motion_index(nearest_index(motion_stamps(), scene_start_ns(scene) + time * 1e9));
 }
 
-// The moment at which the first shown run has the object's greatest APE.t or, of another column, its least value.
-function show_worst(column = "ape_translation_m") {
-  const run = motion_runs()[0], series = run && series_in(run, chart_state.object), sign = column === "ape_translation_m" ? 1 : -1;
-  const values = series?.columns[column] ?? [];
+// Shows a time even while the view plays, which ends there.
+function jump_in_time(scene, time) {
+  pause_motion();
+  show_motion_time(scene, time);
+}
+
+// When a run has the object's greatest APE.t or, of another column, its least value; null where it has none.
+function worst_time(run, object, column) {
+  const series = series_in(run, object), values = series?.columns[column] ?? [], sign = column === "ape_translation_m" ? 1 : -1;
   const worst = values.reduce((best, v, i) => (v !== null && (best < 0 || sign * v > sign * values[best]) ? i : best), -1);
-  if (worst >= 0) show_motion_time(motion_state.scene, (series.stamps_ns[worst] - scene_start_ns(motion_state.scene)) / 1e9);
+  return worst < 0 ? null : (series.stamps_ns[worst] - scene_start_ns(run.scene)) / 1e9;
+}
+
+// The moment at which the first shown run has the object's greatest APE.t.
+function show_worst() {
+  const run = motion_runs()[0], time = run ? worst_time(run, chart_state.object, "ape_translation_m") : null;
+  if (time !== null) jump_in_time(run.scene, time);
+}
+
+// Shows these variants in image and 3D, as far as the scene has them.
+function show_variants(chosen) {
+  const there = chosen.filter((variant) => motion.runs.some((run) => run.scene === motion_state.scene && run.variant === variant));
+  if (there.length === 0) return;
+  motion_state.variants = new Set(there);
+  draw_motion_chips();
+  show_motion_index(motion_state.index);
 }
 
 function pause_motion() {
@@ -233,5 +251,5 @@ function show_motion(scene) {
   by_id("space-scale").textContent = `squares of ${Number(motion_state.floor.step.toPrecision(1))} m`;
   reset_orbit();
   motion_state.index = Math.floor(motion_stamps().length / 2); // where most is seen
-  show_motion_index(motion_state.index, false);
+  show_motion_index(motion_state.index);
 }
