@@ -171,6 +171,17 @@
   document.activeElement?.blur();
   document.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
   seen.space.stepped = motion_state.index;
+  const blank = () => {
+    const event = new KeyboardEvent("keydown", { key: " ", cancelable: true });
+    document.dispatchEvent(event);
+    const taken = { playing: motion_state.playing !== null, stays: event.defaultPrevented };
+    pause_motion();
+    return taken;
+  };
+  scrollTo({ top: 0, behavior: "instant" });
+  seen.space.blank = { away: blank() };
+  by_id("space-play").scrollIntoView({ behavior: "instant", block: "center" });
+  seen.space.blank.there = blank();
   await sleep(600);
   seen.space.address = location.hash;
   slide(3);

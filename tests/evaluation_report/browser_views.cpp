@@ -190,6 +190,8 @@ void expect_turns_zooms_follows_and_plays(const json& space) {
   EXPECT_EQ(space.at("paused"), space.at("played"));
   EXPECT_EQ(space.at("pointed"), 70);
   EXPECT_EQ(space.at("stepped"), 71);
+  EXPECT_EQ(space.at("blank").at("away"), json({{"playing", false}, {"stays", false}}));
+  EXPECT_EQ(space["blank"].at("there"), json({{"playing", true}, {"stays", true}}));
   EXPECT_EQ(space.at("address"), "#scene=cube_cuboid&object=cuboid&t=2.37&show=single_frame_obb%2Crotbbox");
   const json& linked = space.at("linked");
   EXPECT_EQ(linked.at("scene"), "skateboard_ball");

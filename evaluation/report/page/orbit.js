@@ -64,14 +64,20 @@ function on_key(event) {
   draw_motion();
 }
 
-// Arrows and the blank bar move the time, unless something else has the keys.
+function is_in_sight(node) {
+  const { top, bottom, height } = node.getBoundingClientRect();
+  return height > 0 && bottom > 0 && top < window.innerHeight;
+}
+
+// Arrows and the blank bar move the time, unless something else has the keys. The blank bar scrolls as ever where
+// the player is out of sight.
 function on_time_key(event) {
   const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key], at = document.activeElement;
   if (!motion_state.scene || by_id("viewer").open || event.ctrlKey || event.metaKey || event.altKey) return;
   const is_free = !at || at === document.body || at === by_id("space-play") || (at.tagName === "BUTTON" && step); // a blank presses a button
   if (!is_free) return;
   if (step) (pause_motion(), show_motion_index(motion_state.index + step));
-  else if (event.key === " " && at !== by_id("space-play")) motion_state.playing ? pause_motion() : play_motion();
+  else if (event.key === " " && at !== by_id("space-play") && is_in_sight(by_id("space-play"))) motion_state.playing ? pause_motion() : play_motion();
   else return;
   event.preventDefault();
 }
