@@ -129,6 +129,12 @@ function figure_cell(row, metric, base) {
 // A name that may go on in the next line after an underscore.
 const breakable = (name) => name.split(/(?<=_)/).flatMap((part) => [part, el("wbr")]);
 
+// A variant's name that may break, but not behind its swatch.
+function with_swatch(swatch, name) {
+  const [first, ...rest] = breakable(name);
+  return [el("span", { class: "swatched" }, swatch, first), ...rest];
+}
+
 // Of an object the verdict, of all objects how many.
 function verdict_against_baseline(row) {
   const found = summary_state.baseline !== kAll && !row.paper && !output_of(row.variant) && duel(summary_state.baseline, row.variant);
@@ -151,7 +157,7 @@ function table_row(row, columns) {
   const name = (text) => el("td", { class: repeated ? "repeated" : null }, text);
   const swatch = row.paper ? null : el("i", { class: "swatch", style: `background:${variant_color(row.variant)}` });
   return el("tr", { class: [row.paper ? "paper" : "", row.overall ? "overall" : "", first ? "first" : ""].join(" ").trim() || null },
-    name(row.scene), name(object), el("td", { title: data.descriptions[own_name(row.variant)] ?? null }, swatch, ...breakable(row.variant), el("small", { class: "where" }, `${row.scene} / ${row.object}`)),
+    name(row.scene), name(object), el("td", { title: data.descriptions[own_name(row.variant)] ?? null }, ...with_swatch(swatch, row.variant), el("small", { class: "where" }, `${row.scene} / ${row.object}`)),
     el("td", { class: row.good < row.runs ? "number few" : "number" }, runs),
     ...(summary_state.baseline === kAll ? [] : [verdict_cell(row)]), ...columns.map((metric) => figure_cell(row, metric, base)));
 }

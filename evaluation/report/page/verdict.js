@@ -43,7 +43,7 @@ function names_of(objects, count) {
   return names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`;
 }
 
-const variant_name = (variant) => el("span", { class: "variant", style: `--color:${variant_color(variant)}` }, el("i", {}), ...breakable(variant));
+const variant_name = (variant) => el("span", { class: "variant", style: `--color:${variant_color(variant)}` }, ...with_swatch(el("i", {}), variant));
 
 // Who is ahead and, unless it is short, on what it is not.
 function duel_sentence(d, short) {
