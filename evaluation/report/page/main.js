@@ -87,7 +87,7 @@ function show_scene(scene) {
 }
 
 // The view as an address: #scene=NAME&object=NAME&t=SECONDS&show=VARIANT,VARIANT.
-const view_hash = (scene, object, time, shown) => `#${new URLSearchParams({ scene, object, t: time.toFixed(2), show: shown.join(",") })}`;
+const view_hash = (scene, object, time, shown) => `#${new URLSearchParams({ scene, object, ...(time === null ? {} : { t: time.toFixed(2) }), show: shown.join(",") })}`;
 let address_timer = null;
 function note_address() {
   clearTimeout(address_timer); // browsers allow so many changes a second

@@ -141,8 +141,8 @@ function weakest_line(variant) {
   const rows = object_rows(variant).filter((row) => iou_of(row) !== undefined);
   if (rows.length < 2) return [];
   const worst = rows.reduce((a, b) => (iou_of(b) < iou_of(a) ? b : a)), run = motion.runs.find((r) => r.scene === worst.scene && r.variant === variant);
-  const time = run ? worst_time(run, worst.object, worst.spread.iou3d_solid_mean ? "iou3d_solid" : "iou3d") : null;
-  const href = time === null ? object_hash(worst.scene, worst.object) : view_hash(worst.scene, worst.object, time, [variant]);
+  const time = run ? worst_time(run, worst.object, "iou3d_solid") ?? worst_time(run, worst.object, "iou3d") : null;
+  const href = view_hash(worst.scene, worst.object, time, [variant]);
   return [el("p", {}, "Its weakest: ", el("a", { href, click: () => { if (location.hash === href) follow_address(); } }, worst.object),
     ` in ${worst.scene}, ${iou_label(worst)} ${format_figure(iou_of(worst))}.${time === null ? "" : " The link opens its worst frame."}`)];
 }
