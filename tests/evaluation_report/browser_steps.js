@@ -15,12 +15,12 @@
     bodies: motion_state.drawn.map(({ object, label, outline }) => ({ object, label, outline: outline.points })) });
   const middle_of = ({ outline }) => outline.points.reduce((sum, p) => v_add(sum, [...p, 0]), [0, 0, 0]).map((v) => v / outline.points.length);
 
-  // What WebGL draws of one body alone: its pixels' number and box.
-  const pixels_of = (body) => {
+  // What is drawn of one body alone: its pixels' number and box.
+  const pixels_of = (body, of = painter, canvas = motion_canvas) => {
     const { clientWidth: width, clientHeight: height } = motion_canvas, view = orbit_view(motion_state.orbit, width, height);
-    painter.paint(view, { ...motion_look(), width, height, paths: [], cameras: [], sigmas: [], cloud: null, bodies: [body], floor: { x: [0, -1], y: [0, -1], z: 0, step: 1 } });
+    of.paint(view, { ...motion_look(), width, height, paths: [], cameras: [], sigmas: [], cloud: null, bodies: [body], floor: { x: [0, -1], y: [0, -1], z: 0, step: 1 } });
     const copy = el("canvas", { width, height }).getContext("2d", { willReadFrequently: true });
-    copy.drawImage(motion_canvas, 0, 0, width, height);
+    copy.drawImage(canvas, 0, 0, width, height);
     const { data: rgba } = copy.getImageData(0, 0, width, height), box = { count: 0, left: width, right: 0, top: height, bottom: 0 };
     for (let i = 3; i < rgba.length; i += 4) {
       if (rgba[i] < 40) continue;
@@ -119,7 +119,11 @@
     return [percent(bar, "left"), percent(bar, "left") + percent(bar, "width")]; }) };
 
   seen.space = { start: painted(), early: slide(5), late: slide(125), mark_s: marked_time() };
-  seen.space.solids = motion_state.drawn.filter((body) => !body.truth).map((body) => ({ object: body.object, label: body.label, pixels: pixels_of(body) }));
+  const flat = el("canvas"), asked = flat.getContext.bind(flat);
+  flat.getContext = (kind) => (kind === "webgl" ? null : asked(kind)); // as where there is no WebGL
+  const in_lines = make_painter(flat);
+  seen.space.solids = motion_state.drawn.filter((body) => !body.truth).map((body) => ({ object: body.object, label: body.label,
+    pixels: pixels_of(body), in_lines: pixels_of(body, in_lines, flat) }));
   document.querySelector('#space-variants button[aria-pressed="false"]').click();
   seen.space.both = painted();
   by_id("space-follow").value = "object cube";

@@ -132,12 +132,13 @@ void expect_solid_pixels(const json& space, const json& motion) {
     for (const Eigen::Vector2d& p : expected)
       polygon.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
     const double area = cv::contourArea(polygon);
-    const json& pixels = solid.at("pixels");
-    EXPECT_NEAR(pixels.at("count"), area, 0.05 * area + 40) << solid;
-    EXPECT_NEAR(pixels.at("right"), reach(expected, Eigen::Vector2d::UnitX()), 2) << solid;
-    EXPECT_NEAR(pixels.at("left"), -reach(expected, -Eigen::Vector2d::UnitX()), 2) << solid;
-    EXPECT_NEAR(pixels.at("bottom"), reach(expected, Eigen::Vector2d::UnitY()), 2) << solid;
-    EXPECT_NEAR(pixels.at("top"), -reach(expected, -Eigen::Vector2d::UnitY()), 2) << solid;
+    EXPECT_NEAR(solid.at("pixels").at("count"), area, 0.05 * area + 40) << solid;
+    for (const json& pixels : {solid["pixels"], solid.at("in_lines")}) {
+      EXPECT_NEAR(pixels.at("right"), reach(expected, Eigen::Vector2d::UnitX()), 2) << solid;
+      EXPECT_NEAR(pixels.at("left"), -reach(expected, -Eigen::Vector2d::UnitX()), 2) << solid;
+      EXPECT_NEAR(pixels.at("bottom"), reach(expected, Eigen::Vector2d::UnitY()), 2) << solid;
+      EXPECT_NEAR(pixels.at("top"), -reach(expected, -Eigen::Vector2d::UnitY()), 2) << solid;
+    }
   }
 }
 

@@ -8,7 +8,8 @@ namespace uniquadric {
 // What the image and the 3D view of a page showed (browser_steps.js, `space`), against the motion that the
 // page was given.
 
-/// What WebGL fills is what core's outline encloses: a box is drawn as a box.
+/// What WebGL fills is what core's outline encloses: a box is drawn as a box. So it is in lines, without
+/// WebGL.
 void expect_solid_pixels(const nlohmann::json& space, const nlohmann::json& motion);
 
 /// At two times of the slider all bodies are painted where core projects them, in image and space.

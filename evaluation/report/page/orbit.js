@@ -123,7 +123,7 @@ function draw_motion_chips() {
 
 function start_motion() {
   painter = make_painter(motion_canvas);
-  by_id("space-no-webgl").hidden = painter !== null;
+  by_id("space-no-webgl").hidden = painter instanceof Painter;
   for (const [id, state] of [["space-cloud", "cloud"], ["space-errors", "by_error"], ["space-sigmas", "sigmas"]])
     by_id(id).addEventListener("change", (event) => { motion_state[state] = event.target.checked; draw_motion(); draw_error_scale(); });
   by_id("space-worst").addEventListener("click", () => show_worst());

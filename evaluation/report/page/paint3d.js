@@ -1,18 +1,102 @@
-// Paints the 3D view with three.js: `look` says what and in which colours, `view` from where (space.js). Without
-// WebGL there is no painter.
-const kFloorAlpha = 0.6, kCloudPixels = 2;
+// Paints the 3D view with three.js, or without WebGL in lines: `look` says what and in which colours, `view` from
+// where (space.js).
+const kFloorAlpha = 0.6, kLaterAlpha = 0.3, kCloudPixels = 2;
 
+// The context is asked for first: three.js writes an error where it gets none.
 function make_painter(canvas) {
-  try {
-    return new Painter(canvas);
-  } catch {
-    return null; // three.js throws where the browser has no WebGL
+  const context = canvas.getContext("webgl", { alpha: true, antialias: true, depth: true });
+  return context ? new Painter(canvas, context) : new LinePainter(canvas);
+}
+
+// The ends of the floor's lines.
+function floor_points({ x, y, z, step }) {
+  const points = [];
+  for (let at = x[0]; at <= x[1] + step / 2; at += step) points.push([at, y[0], z], [at, y[1], z]);
+  for (let at = y[0]; at <= y[1] + step / 2; at += step) points.push([x[0], at, z], [x[1], at, z]);
+  return points;
+}
+
+// The base of a camera's pyramid.
+function image_corners({ pose, depth, half_width, half_height }) {
+  const [right, down, forward] = pose_axes(pose), middle = v_add(pose.slice(0, 3), v_scale(forward, depth));
+  const corner = (x, y) => v_add(middle, v_add(v_scale(right, x * half_width * depth), v_scale(down, y * half_height * depth)));
+  return [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+}
+
+// On a flat canvas, where near things do not hide far ones.
+class LinePainter {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+  }
+
+  paint(view, look) {
+    const ratio = window.devicePixelRatio || 1, floor = floor_points(look.floor);
+    Object.assign(this.canvas, { width: Math.round(look.width * ratio), height: Math.round(look.height * ratio) });
+    this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.view = view;
+    for (let i = 0; i < floor.length; i += 2) this.line(floor.slice(i, i + 2), look.colors.line, { opacity: kFloorAlpha });
+    if (look.cloud) this.cloud(look.cloud);
+    for (const path of look.paths) this.path(path, look.index);
+    for (const camera of look.cameras) this.frustum(camera);
+    for (const body of look.bodies) this.outline(body, body.color, { fill: body.truth ? 0.08 : 0.25, dash: body.truth });
+    for (const { center, sigmas_m, color } of look.sigmas) this.outline({ mesh: unit_solid([2, 2, 2, 2]), pose: [...center, 0, 0, 0, 1], scale: sigmas_m }, color, { fill: 0.1 });
+  }
+
+  // Through points of the world; it breaks where there is none, and behind the eye.
+  line(points, color, { opacity = 1, dash = false } = {}) {
+    with_style(this.context, { dash: dash ? [6, 4] : [], set: { strokeStyle: color, globalAlpha: opacity, lineWidth: 1.4 } }, () => {
+      let draw = "moveTo";
+      this.context.beginPath();
+      for (const point of points) {
+        const p = point && in_view(this.view, point), is_seen = p && p[2] > this.view.near;
+        if (is_seen) this.context[draw](...on_canvas(this.view, p));
+        draw = is_seen ? "lineTo" : "moveTo";
+      }
+      this.context.stroke();
+    });
+  }
+
+  path({ points, color, dash, colors }, index) {
+    if (!colors) {
+      this.line(points.slice(0, index + 1), color, { dash });
+      this.line(points.slice(index), color, { dash, opacity: kLaterAlpha });
+    } else for (let i = 1; i < points.length; ++i)
+      this.line(points.slice(i - 1, i + 1), `rgb(${colors[i].map((part) => Math.round(255 * part)).join(" ")})`, { opacity: i <= index ? 1 : kLaterAlpha });
+  }
+
+  frustum(camera) {
+    const corners = image_corners(camera), eye = camera.pose.slice(0, 3);
+    corners.forEach((corner, i) => this.line([eye, corner, corners[(i + 1) % 4]], camera.color, camera));
+  }
+
+  outline(body, color, { fill, dash }) {
+    const outline = outline_of(this.view, body), { context } = this;
+    if (!outline) return;
+    with_style(context, { dash: dash ? [6, 4] : [], set: { strokeStyle: color, fillStyle: color, lineWidth: 1.6 } }, () => {
+      context.beginPath();
+      for (const p of outline.points) context.lineTo(...p);
+      context.closePath();
+      context.stroke();
+      context.globalAlpha = fill;
+      context.fill();
+    });
+  }
+
+  cloud({ positions_mm, colors }) {
+    with_style(this.context, { set: { globalAlpha: 0.7 } }, () => colors.forEach((color, i) => {
+      const p = in_view(this.view, positions_mm.slice(3 * i, 3 * i + 3).map((mm) => mm / 1000));
+      if (p[2] <= this.view.near) return;
+      const [x, y] = on_canvas(this.view, p);
+      this.context.fillStyle = `#${color.toString(16).padStart(6, "0")}`;
+      this.context.fillRect(x, y, kCloudPixels, kCloudPixels);
+    }));
   }
 }
 
 class Painter {
-  constructor(canvas) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+  constructor(canvas, context) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, context, antialias: true, alpha: true });
     this.camera = new THREE.PerspectiveCamera();
     this.camera.matrixAutoUpdate = false;
     this.geometries = new Map(); // of shapes, by what they are
@@ -26,7 +110,7 @@ class Painter {
     this.renderer.setSize(look.width, look.height, false);
     this.aim(view, look);
     scene.add(new THREE.HemisphereLight(0xffffff, 0x888888, 0.75), this.sun(view));
-    scene.add(this.floor(look.floor, look.colors.line));
+    scene.add(this.lines(floor_points(look.floor), look.colors.line, { opacity: kFloorAlpha }));
     if (look.cloud) scene.add(this.cloud(look.cloud));
     for (const path of look.paths) scene.add(...this.path(path, look.index));
     for (const camera of look.cameras) scene.add(...this.frustum(camera));
@@ -69,13 +153,6 @@ class Painter {
     return segments;
   }
 
-  floor({ x, y, z, step }, color) {
-    const points = [];
-    for (let at = x[0]; at <= x[1] + step / 2; at += step) points.push([at, y[0], z], [at, y[1], z]);
-    for (let at = y[0]; at <= y[1] + step / 2; at += step) points.push([x[0], at, z], [x[1], at, z]);
-    return this.lines(points, color, { opacity: kFloorAlpha });
-  }
-
   cloud({ scene, positions_mm, colors }) {
     if (!this.clouds.has(scene)) {
       const geometry = new THREE.BufferGeometry();
@@ -93,15 +170,13 @@ class Painter {
       for (let i = Math.max(1, from); i <= Math.min(to, points.length - 1); ++i) if (points[i - 1] && points[i]) ends.push(i - 1, i);
       return ends;
     };
-    return [[segments(1, index), 1], [segments(index + 1, points.length), 0.3]].filter(([ends]) => ends.length > 0)
+    return [[segments(1, index), 1], [segments(index + 1, points.length), kLaterAlpha]].filter(([ends]) => ends.length > 0)
       .map(([ends, opacity]) => this.lines(ends.map((i) => points[i]), color, { opacity, dash, colors: colors && ends.map((i) => colors[i]) }));
   }
 
   // A camera as a pyramid along its z axis, with its image in the base.
-  frustum({ pose, color, dash, depth, half_width, half_height, image }) {
-    const [right, down, forward] = pose_axes(pose), eye = pose.slice(0, 3);
-    const corner = (x, y) => v_add(eye, v_add(v_scale(forward, depth), v_add(v_scale(right, x * half_width * depth), v_scale(down, y * half_height * depth))));
-    const corners = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+  frustum(camera) {
+    const { pose, color, dash, depth, image } = camera, corners = image_corners(camera), eye = pose.slice(0, 3);
     const edges = corners.flatMap((c, i) => [c, corners[(i + 1) % 4], eye, c]);
     return [this.lines(edges, color, { dash: dash && depth / 8 }), ...(image && image.complete && image.naturalWidth ? [this.picture(corners, image)] : [])];
   }

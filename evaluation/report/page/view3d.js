@@ -116,7 +116,7 @@ function draw_motion() {
   const view = orbit_view(motion_state.orbit, width, height), look = { ...motion_look(), width, height };
   motion_state.drawn = look.bodies.map((body) => ({ ...body, outline: outline_of(view, body) }))
     .filter((body) => body.outline).sort((a, b) => b.outline.depth - a.outline.depth); // far ones first
-  painter?.paint(view, look);
+  painter.paint(view, look);
   const context = motion_names.getContext("2d");
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   paint_names(context, view, motion_state.drawn, look);
