@@ -14,13 +14,13 @@ struct PageOptions {
   std::size_t series_runs = 600;       ///< ours: of more runs the first seeds alone have plots; 0.2 MB each
   std::size_t judged_runs = 20'000;    ///< ours: the gate takes 35 kB of memory for each
   std::size_t spread_values = 60;      ///< ours: dots of a figure's runs; of more these are evenly spaced
-  std::size_t summary_rows = 1000;     ///< ours: of all scenes shown, 1.5 kB each
+  std::size_t summary_rows = 700;      ///< ours: of all scenes shown, 1.5 kB each
   std::size_t image_bytes = 800'000;   ///< ours: of all frames with overlays; a third more in base64
-  std::size_t film_bytes = 1'200'000;  ///< ours: of all films together: with all else 8 MB a page
-  std::size_t mesh_bytes = 1'000'000;  ///< ours: of all true meshes together, in JSON
+  std::size_t film_bytes = 1'000'000;  ///< ours: of all films together: with all else 8 MB a page
+  std::size_t mesh_bytes = 800'000;    ///< ours: of all true meshes together, in JSON
   std::size_t motion_frames =
       150;  ///< ours: of a run in the 3D view; 10 kB an object, and no path looks angular
-  std::size_t motion_poses = 30'000;    ///< ours: of all runs in the 3D view, 70 bytes each
+  std::size_t motion_poses = 20'000;    ///< ours: of all runs in the 3D view, 90 bytes each
   std::size_t series_values = 400'000;  ///< ours: of all plots over time, 6 bytes each
   int series_digits = 4;                ///< ours: finer than a pixel of a plot, half the page of full doubles
 };
@@ -45,7 +45,7 @@ std::string page_images(const Results& results, const PageOptions& options);
 /// What scenery.json (scenery.h) of each scene has, with its frames, as JSON text: {SCENE: {..., "frames":
 /// [{"frame", "stamp_ns", "jpeg" (base64)}]}}. When all frames exceed `options.film_bytes`, every scene keeps
 /// the same smaller number of evenly spaced ones. Scenes beyond the first 40 are left out, clouds beyond the
-/// first 8, and meshes of scenes that come after `options.mesh_bytes` of them. Throws InputError for a
+/// first 4, and meshes of scenes that come after `options.mesh_bytes` of them. Throws InputError for a
 /// scenery.json that is none.
 std::string page_scenery(const Results& results, const PageOptions& options);
 

@@ -118,7 +118,7 @@ std::vector<std::size_t> kept_counts(const std::vector<Gallery>& galleries, std:
 }
 
 constexpr std::size_t kMostScenery = 40;  // ours: more would leave no frame to each
-constexpr std::size_t kMostClouds = 8;    // ours: a cloud is 150 kB
+constexpr std::size_t kMostClouds = 4;    // ours: a cloud is 150 kB
 
 // The frames that scenery.json lists and that are kept, with their pictures.
 json kept_frames(const json& listed, const Gallery& film, std::size_t count) {

@@ -129,7 +129,6 @@ json unmatched_json(const Tracks& tracks, const std::vector<std::int64_t>& stamp
   return list;
 }
 
-constexpr std::size_t kTracksOfARun = 4;      // ours: a camera and three objects
 constexpr std::size_t kFewMotionFrames = 20;  // ours: below, a path has corners
 
 // How many runs are shown, and how many times of each.
@@ -138,12 +137,13 @@ struct MotionShare {
 };
 MotionShare share_of(const Results& results, const PageOptions& options) {
   std::set<std::pair<std::string, std::string>> runs;
+  std::size_t tracks = 0;
   for (const Cell& cell : results.cells)
-    if (cell.evaluation) runs.emplace(cell.scene, cell.variant);
-  const std::size_t poses = std::max<std::size_t>(1, kTracksOfARun * runs.size());
-  const std::size_t fitting = options.motion_poses / poses;
+    if (cell.evaluation && runs.emplace(cell.scene, cell.variant).second)
+      tracks += cell.evaluation->subjects.size();  // objects, the camera, and one for what is not matched
+  const std::size_t fitting = options.motion_poses / std::max<std::size_t>(1, tracks);
   if (fitting >= kFewMotionFrames) return {runs.size(), std::min(fitting, options.motion_frames)};
-  return {options.motion_poses / (kTracksOfARun * kFewMotionFrames),
+  return {runs.size() * options.motion_poses / (tracks * kFewMotionFrames),
           std::min(kFewMotionFrames, options.motion_frames)};
 }
 
