@@ -22,11 +22,20 @@ Eigen::Vector3d direction(int k) {
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
+double near_m(const Eigen::Vector3d& semi_axes_m) {
+  return kNear * std::cbrt(semi_axes_m.prod());
+}
+
 }  // namespace
+
+bool is_known_all_around(const Shape& shape) {
+  const double most_m = near_m(shape.semi_axes_m) / 2;
+  return (shape.variances.head<3>().array() < most_m * most_m).all();
+}
 
 void assume_unseen(SurfaceModel& model) {
   const PointTree tree(model.points);
-  const double near_m = kNear * std::cbrt(model.shape->semi_axes_m.prod());
+  const double reach_m = near_m(model.shape->semi_axes_m);
   std::vector<Eigen::Vector3d> points, normals;
   std::array<PointTree::Neighbour, kNeighbours> places;
   for (int k = 0; k < kDirections; ++k) {
@@ -35,7 +44,7 @@ void assume_unseen(SurfaceModel& model) {
     const Eigen::Vector3d point = *model.body_from_object * on,
                           normal = model.body_from_object->rotation * normal_at(*model.shape, on);
     bool seen = false;
-    for (const auto& near : tree.nearest(point, near_m, places))
+    for (const auto& near : tree.nearest(point, reach_m, places))
       seen = seen || model.normals.col(near.index).dot(normal) > kSameWay;
     if (!seen) points.push_back(point), normals.push_back(normal);
   }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/seconds.h"
+#include "estimator/objects/assumed_surface.h"
 
 namespace uniquadric {
 namespace {
@@ -243,13 +244,26 @@ void BodyEstimator::settle(const PerceivedFrame& frame, const BodyObservation& b
   short_window_.start(frame, body, pose.world_from_body);
 }
 
+// What was seen of the body before it strayed; on the sides that were not seen its shape, where that is
+// known.
+SurfaceModel BodyEstimator::surface_of_before() const {
+  SurfaceModel surface = strayed_->surface();
+  const Shape shape = strayed_->shape();
+  if (!options_.alignment.impacts || surface.points.cols() == 0 || !is_known_all_around(shape))
+    return surface;
+  surface.body_from_object = shape.body_from_object;
+  surface.shape = shape.superellipsoid();
+  assume_unseen(surface);
+  return surface;
+}
+
 // Over a new face the body went on by its outline alone. On the surface of before again, that is where it is,
 // and what was seen in between is where nobody knows exactly.
 bool BodyEstimator::come_back(const PerceivedFrame& frame, const BodyObservation& body,
                               Pose& world_from_body) {
   if (!strayed_) return false;
   const auto found =
-      align_to_cloud(camera_, body, strayed_->surface(), frame.world_from_camera->inverse() * world_from_body,
+      align_to_cloud(camera_, body, surface_of_before(), frame.world_from_camera->inverse() * world_from_body,
                      kStraySigmas, false, options_.alignment);
   if (!found || found->matched < kBack) return false;
   world_from_body = in_world(frame, found->camera_from_body);

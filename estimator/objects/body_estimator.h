@@ -118,6 +118,7 @@ class BodyEstimator {
   bool was_a_glimpse(double hidden_s) const;
   void remember(const PerceivedFrame& frame, const Pose& world_from_body, const Matrix6d& covariance);
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
+  SurfaceModel surface_of_before() const;
   bool come_back(const PerceivedFrame& frame, const BodyObservation& body, Pose& world_from_body);
   void settle(const PerceivedFrame& frame, const BodyObservation& body, BodyPose& pose);
   BodyPose stand_still(const PerceivedFrame& frame) const;

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "body_run.h"
 #include "core/geometry/superquadric.h"
@@ -36,6 +38,16 @@ TEST(AssumedSurface, CoversTheShapeWhereNothingWasSeen) {
   EXPECT_LT(beside_m, 0.03);
 }
 
+TEST(AssumedSurface, IsOfShapesWhoseSidesAreKnown) {
+  Shape shape;
+  shape.semi_axes_m = {0.2, 0.1, 0.05};  // 0.1 m in the geometric mean: sigmas below 12.5 mm
+  EXPECT_FALSE(is_known_all_around(shape));
+  shape.variances.setConstant(std::pow(0.012, 2));
+  EXPECT_TRUE(is_known_all_around(shape));
+  shape.variances[1] = std::pow(0.013, 2);
+  EXPECT_FALSE(is_known_all_around(shape));
+}
+
 // A slab at rest, of which one side was seen for two seconds. It is struck, within a frame it is turned by 46
 // degrees, and it turns on. No feature is found from then on.
 TEST(Impact, ABodyThatIsStruckIsFoundAgain) {
@@ -63,6 +75,34 @@ TEST(Impact, ABodyThatIsStruckIsFoundAgain) {
   EXPECT_LT(errors.translation_m, 0.01);
   EXPECT_LT(errors.rotation_rad, 0.1);
   EXPECT_GT(largest_errors(perception, slab, options, kStruck_s + 0.15, without).rotation_rad, 0.5);
+}
+
+// A box of which three sides were seen for a second. Struck, it turns by a right angle within a quarter of
+// one and shows two others, of which no feature is found.
+TEST(Impact, ABodyThatWentAstrayComesBackToItsShape) {
+  static constexpr double kStruck_s = 1, kTurning_s = 0.25;
+  const SyntheticBody box = box_body({0.18, 0.08, 0.16}, [](double t) {
+    Pose pose = tumbling(std::min(t, kStruck_s));
+    const double turned = std::clamp((t - kStruck_s) / kTurning_s, 0.0, 1.0);
+    pose.rotation = exp_so3({0.5 * std::numbers::pi * turned, 0, 0}) * pose.rotation;
+    return pose;
+  });
+  const SyntheticOptions options = three_seconds();
+  SyntheticPerception perception = synthetic_perception({box}, options);
+  const auto first = static_cast<std::size_t>(kStruck_s * options.rate_hz);
+  for (std::size_t i = first; i < perception.frames.size(); ++i) {
+    perception.frames[i].bodies.at(0).features.clear();
+    perception.frames[i].bodies.at(0).motion.reset();
+  }
+  BodyOptions without;
+  without.alignment.impacts = false;
+  const Errors errors = largest_errors(perception, box, options, 2),
+               before = largest_errors(perception, box, options, 2, without);
+  EXPECT_GE(errors.frames, 20);
+  EXPECT_LT(errors.translation_m, 0.01);
+  EXPECT_LT(errors.rotation_rad, 0.05);
+  EXPECT_LT(errors.axes_m, 0.01);
+  EXPECT_GT(before.rotation_rad, 0.1);
 }
 
 }  // namespace
