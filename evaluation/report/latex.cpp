@@ -70,7 +70,7 @@ std::string latex_table(const std::vector<SummaryRow>& summary) {
   std::string text = fmt::format("% Medians over seeds, by {}. Needs \\usepackage{{booktabs}}.\n", kProgram);
   if (std::ranges::any_of(rows, has_other_letters))
     text += "% Names have letters that pdfLaTeX does not know: use LuaLaTeX with a font that has them.\n";
-  text += "{\\footnotesize\\setlength{\\tabcolsep}{2pt}\n";
+  text += "{\\footnotesize\\setlength{\\tabcolsep}{1.5pt}\n";
   text += fmt::format("\\begin{{tabular}}{{l{}}}\n  \\toprule\n", std::string(head.size() - 1, 'r'));
   text += row_of(head);
   for (std::size_t i = 0; i < rows.size(); ++i) {

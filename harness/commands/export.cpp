@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/apart.h"
+#include "core/base/error.h"
 #include "evaluation/run_record.h"
 #include "harness/commands/options.h"
 #include "harness/export/export.h"
@@ -23,12 +24,16 @@ void add_export(CLI::App& app, Common& common) {
   sub->add_option("OUT", out, "folder for the export")->required();
   sub->add_option("--truth", truth, "truth folder; default: the one beside the sequence");
   sub->add_option("--estimate", estimate, "mcap: estimate folder, exported beside the truth");
-  sub->add_option("--frame-stride", options.frame_stride, "ply: every which frame")
-      ->check(whole_number(1, kMaxCount));
-  sub->add_option("--pixel-stride", options.pixel_stride, "ply: every which pixel")
-      ->check(whole_number(1, kMaxCount));
+  static const CLI::Option* frames =
+      sub->add_option("--frame-stride", options.frame_stride, "ply: every which frame")
+          ->check(whole_number(1, kMaxCount));
+  static const CLI::Option* pixels =
+      sub->add_option("--pixel-stride", options.pixel_stride, "ply: every which pixel")
+          ->check(whole_number(1, kMaxCount));
   add_force(sub, common);
   sub->callback([&common] {
+    if (format != "ply" && frames->count() + pixels->count() > 0)
+      throw InputError(fmt::format("{} has no strides: those are of ply", format));
     options.truth = truth;
     options.estimate = estimate;
     options.quiet = common.quiet;
