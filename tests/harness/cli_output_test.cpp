@@ -51,7 +51,8 @@ TEST_F(Cli, ForceNeverReplacesAnInput) {
   expect_refusal({"evaluate", truth, truth, truth, "--force"}, "truth: is the input");
   expect_refusal({"overlay", sequence, truth, data, "--force"}, "data: holds the input");
   expect_refusal({"export", "tum", sequence, sequence, "--force"}, "sequence: is the input");
-  expect_refusal({"export", "tum", sequence, folder() / "exported", "--pixel-stride", "3"}, "tum has no strides");
+  expect_refusal({"export", "tum", sequence, folder() / "exported", "--pixel-stride", "3"},
+                 "tum has no strides");
   expect_refusal({"import", "tum", sequence, sequence, "--force"}, "sequence: is the input");
   expect_refusal({"simulate", scene, folder(), "--force"}, "holds the input");
   expect_refusal({"preview", scene, scene}, "scene.yaml: is the input");
