@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "core/base/error.h"
+#include "core/base/interrupt.h"
 #include "evaluation/report/report.h"
 #include "harness/bench/process.h"
 #include "harness/commands/options.h"
@@ -20,7 +21,9 @@ void add_report(CLI::App& app, Common& common) {
   sub->add_flag("--pdf", extras.figures, "write figures/ there, too: every plot as PDF and as SVG");
   sub->add_flag("--open", open, "show it in the desktop's browser");
   sub->callback([] {
+    leave_when_interrupted(results + "/scores.csv.partial is left, which the same command replaces");
     write_report(results, extras);
+    leave_when_interrupted("");
     std::cout << results << "/report.html\n";
     if (!open) return;
     const ProcessResult shown =
