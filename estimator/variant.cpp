@@ -73,7 +73,7 @@ Variant default_variant(const Sequence& sequence, const std::vector<ConfigOverri
   if (sequence.frames.empty()) return read("lidar_only", kLidarOnlyVariant);
   const bool has_depth =
       std::ranges::any_of(sequence.frames, [](const SequenceFrame& frame) { return !frame.depth.empty(); });
-  if (sequence.lidar && !has_depth) return read("superquadric_lidar", kSuperquadricLidarVariant);
+  if (sequence.lidar && !has_depth) return read("lidar_masks", kLidarMasksVariant);
   return read("superquadric", kSuperquadricVariant);
 }
 

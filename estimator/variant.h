@@ -51,7 +51,7 @@ struct Variant {
 };
 
 /// What is estimated when nobody says what: configs/variants/superquadric.yaml; where depth comes from a
-/// LiDAR, superquadric_lidar.yaml; of scans without images, lidar_only.yaml. `set` as in load_variant.
+/// LiDAR, lidar_masks.yaml; of scans without images, lidar_only.yaml. `set` as in load_variant.
 Variant default_variant(const Sequence& sequence, const std::vector<ConfigOverride>& set = {});
 
 /// Reads a variant file (configs/variants). Keys left out have their defaults; an unknown key, a value out of

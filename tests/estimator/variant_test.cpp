@@ -152,7 +152,7 @@ TEST(VariantFile, TheDefaultIsOursForTheSensors) {
   sequence.lidar.emplace();
   expect_default(sequence, "lidar_only");
   sequence.frames.resize(2);
-  expect_default(sequence, "superquadric_lidar");
+  expect_default(sequence, "lidar_masks");
   sequence.frames[1].depth = "depth/1.png";
   expect_default(sequence, "superquadric");
   sequence.lidar.reset();
