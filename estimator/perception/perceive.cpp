@@ -13,10 +13,8 @@ namespace {
 
 // That of a sequence with images, as slow as it is. It reads the images that it needs, which nothing else
 // does where bodies come from scans.
-std::unique_ptr<SegmenterClock> segmenter_of(const Sequence& sequence, const PerceptionOptions& options,
-                                             const PerceiveOptions& run) {
-  if (sequence.frames.empty()) return nullptr;
-  const PromptedSegmenter segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
+std::unique_ptr<SegmenterClock> clock_of(const PromptedSegmenter& segmenter, const Sequence& sequence,
+                                         const PerceptionOptions& options, const PerceiveOptions& run) {
   SlowSegmenter slow = slow_segmenter(sequence, segmenter, options.aot, run.seed);
   slow.segment = [&sequence, segmenter, seed = run.seed](const SegmenterInput& input) {
     const SequenceFrame& frame = input.frame;
@@ -75,9 +73,15 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     throw InputError(recorded.folder, "has no images to go by: only `ego: {source: lidar}` can follow it");
   const Sequence sequence = on_camera_clock(recorded, options.lidar_time_offset_ns);
   warn_of_gap(recorded);
-  const auto segmenter = options.scan_objects.masks ? segmenter_of(sequence, options, run) : nullptr;
-  perceive_scans(sequence, options.lidar, options.scan_objects, segmenter.get(), run.seed, run.quiet, out,
-                 times);
+  PromptedSegmenter segmenter;
+  std::unique_ptr<SegmenterClock> clock;
+  if (options.scan_objects.masks && !sequence.frames.empty()) {
+    segmenter = make_segmenter(sequence, options.segmentation, run.prompts);
+    clock = clock_of(segmenter, sequence, options, run);
+  }
+  perceive_scans(sequence, options.lidar, options.scan_objects, clock.get(), run.seed, run.quiet, out, times);
+  if (segmenter.watch)
+    for (const std::string& fault : segmenter.watch->faults()) warn(fault);
 }
 
 }  // namespace uniquadric

@@ -8,7 +8,7 @@
 #include "core/base/text.h"
 #include "core/sequence/image_file.h"
 #include "evaluation/report/page.h"
-#include "evaluation/report/scenery.h"
+#include "evaluation/report/scenery_parts.h"
 
 namespace uniquadric {
 namespace {

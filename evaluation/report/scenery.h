@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 
 namespace uniquadric {
 
@@ -22,8 +21,5 @@ struct SceneryOptions {
 /// InputError for folders that cannot be read, and for an `out` that exists, unless `force` replaces it.
 void write_scenery(const std::filesystem::path& sequence, const std::filesystem::path& truth,
                    const std::filesystem::path& out, const SceneryOptions& options, bool force);
-
-/// What a scenery.json holds, as above. Throws InputError with line or field for any other.
-nlohmann::json read_scenery(const std::filesystem::path& file);
 
 }  // namespace uniquadric

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
-#include "evaluation/report/scenery.h"
+#include "evaluation/report/scenery_parts.h"
 #include "evaluation/strict_json_parts.h"
 
 namespace uniquadric {

@@ -213,5 +213,17 @@ TEST_F(LidarAlone, ABoxInAnImageTellsWhatIsABody) {
   expect_mover_alone(true, prompts, kPrompted);
 }
 
+TEST_F(LidarAlone, ABoxWithoutAMaskIsSaid) {
+  rest_before_images(false);
+  const auto prompts = temp_.path() / "prompts.txt";
+  write_text(prompts, fmt::format("{} 10 10 40 30 1\n", format_stamp(room_.scan_start_ns(kPrompted + 1))));
+  variant_.perception.scan_objects.masks = true;
+  testing::internal::CaptureStderr();
+  expect_mover_alone(false, prompts);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("prompts.txt: object 1: the box (10, 10, 40, 30)"), std::string::npos) << said;
+  EXPECT_NE(said.find("gave no mask"), std::string::npos) << said;
+}
+
 }  // namespace
 }  // namespace uniquadric

@@ -63,7 +63,7 @@ TEST(WorkflowFile, IsYamlWhoseCommandsExist) {
       }
   }
   EXPECT_EQ(scripts, 2);
-  EXPECT_EQ(programs, 1);
+  EXPECT_EQ(programs, 2);
   EXPECT_EQ(configs, 2);
 }
 
