@@ -165,6 +165,7 @@ TEST_F(BenchPlanCommand, RefusesWhatCannotBeSetInAVariant) {
            {"{variant: " + file.string() + ", name: a, set: {no_such: 1}}", at + "variants[0].set.no_such"},
            {"{variant: " + file.string() + ", set: {smooth: true}}", at + "variants[0]: "},
            {"{variant: own.yaml, name: a, set: {smooth: true}}", at + "variants[0].set: "},
+           {"{variant: own.yaml, name: a@final}", at + "variants[0]: 'a@final': an @"},
            {"{variant: own.yaml, name: ..}", at + "variants[0].name: "}}) {
     write_text(bench_, "scenes: [small.yaml]\nvariants: [" + entry + "]\nseeds: [1]\n");
     const ProgramRun run = run_program({"bench", bench_, folder() / "out", "--plan"});
