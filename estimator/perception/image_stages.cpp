@@ -291,8 +291,7 @@ void ImageStages::say_faults() const {
   if (blank_ > 0) warn(fmt::format("{} of {} depth images hold no depth at all", blank_, depth_images_));
   if (const auto runs = repeats_.text())
     warn(fmt::format("frames {} have the same colour image, as of a camera that froze", *runs));
-  if (input_.segmenter.watch)
-    for (const std::string& fault : input_.segmenter.watch->faults()) warn(fault);
+  warn_of_prompts(input_.segmenter);
 }
 
 void ImageStages::finish() {

@@ -80,8 +80,7 @@ void perceive(const Sequence& recorded, const PerceptionOptions& options, const 
     clock = clock_of(segmenter, sequence, options, run);
   }
   perceive_scans(sequence, options.lidar, options.scan_objects, clock.get(), run.seed, run.quiet, out, times);
-  if (segmenter.watch)
-    for (const std::string& fault : segmenter.watch->faults()) warn(fault);
+  warn_of_prompts(segmenter);
 }
 
 }  // namespace uniquadric

@@ -153,6 +153,11 @@ PromptedSegmenter make_segmenter(const Sequence& sequence, const SegmentationOpt
   return segmenter;
 }
 
+void warn_of_prompts(const PromptedSegmenter& segmenter) {
+  if (!segmenter.watch) return;
+  for (const std::string& fault : segmenter.watch->faults()) warn(fault);
+}
+
 bool has_something_for(const PromptedSegmenter& segmenter, const SequenceFrame& frame) {
   if (segmenter.source == kSequenceMasks) return !frame.masks.empty();
   if (segmenter.prompt_kind == PromptKind::boxes) return !segmenter.boxes[frame.frame].empty();

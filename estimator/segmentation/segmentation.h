@@ -33,6 +33,9 @@ struct PromptedSegmenter {
 PromptedSegmenter make_segmenter(const Sequence& sequence, const SegmentationOptions& options,
                                  const Prompts& prompts);
 
+/// Warns of the prompts that led to no mask up to now.
+void warn_of_prompts(const PromptedSegmenter& segmenter);
+
 /// Whether a segmenter may find something in a frame by itself: it has masks, prompts, or needs none.
 bool has_something_for(const PromptedSegmenter& segmenter, const SequenceFrame& frame);
 

@@ -31,7 +31,8 @@ struct Point {
 
 std::string name_of(const Results& results) {
   const std::size_t commit = results.program.find("commit ");
-  if (commit == std::string::npos) return (results.folder / "").parent_path().filename().string();
+  if (commit == std::string::npos)  // the folder's, also where it was given with a slash at its end
+    return (results.folder / "").parent_path().filename().string();
   const std::string name = results.program.substr(commit + 7, 8);
   return results.program.find(", changed", commit) == std::string::npos ? name : name + " (changed)";
 }

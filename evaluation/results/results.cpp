@@ -52,7 +52,7 @@ Cell parse_cell(const fs::path& file, int line, const std::vector<std::string_vi
   for (const std::string& name : {cell.scene, cell.variant})
     if (!is_plain_name(name)) throw InputError(file, line, fmt::format("'{}': {}", name, kPlainNameExpected));
   if (cell.variant.find(kOutputMark) != std::string::npos)
-    throw InputError(file, line, fmt::format("'{}': an @ in a variant's name marks an output", cell.variant));
+    throw InputError(file, line, fmt::format("'{}': {}", cell.variant, kOutputMarkTaken));
   if (cell.folder.is_absolute()) throw InputError(file, line, "folder is not relative to the results folder");
   if (const fs::path normal = cell.folder.lexically_normal(); !normal.empty() && *normal.begin() == "..")
     throw InputError(file, line, "folder leads out of the results folder");

@@ -45,6 +45,7 @@ enum class CellStatus { ok, failed, missing, not_applicable };
 
 /// Between a variant's name and that of one of its later outputs; in no variant's own name.
 inline constexpr char kOutputMark = '@';
+inline constexpr const char* kOutputMarkTaken = "an @ in a variant's name marks an output";
 
 /// One (scene, variant, seed) of a bench, or a later output of one (kLaterOutputs), whose variant is named
 /// VARIANT@OUTPUT.

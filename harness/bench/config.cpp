@@ -184,14 +184,14 @@ std::vector<BenchScene> read_scenes(const ConfigNode& root, const ConfigNode& no
 
 // A path, or a map with values in place of the file's and with a name of its own, which `run.yaml` has too.
 BenchVariant read_variant(const ConfigNode& root, const ConfigNode& node) {
-  BenchVariant variant = node.is_map() ? BenchVariant{read_file(root, node.at("variant")), read_set(node)}
-                                       : BenchVariant{read_file(root, node)};
+  BenchVariant variant{read_file(root, node.is_map() ? node.at("variant") : node)};
   if (node.is_map()) {
+    variant.set = read_set(node);
     variant.name = plain_name(node, variant.name);
     node.refuse_unknown_keys();
   }
   if (variant.name.find(kOutputMark) != std::string::npos)
-    node.fail(fmt::format("'{}': an @ in a variant's name marks an output", variant.name));
+    node.fail(fmt::format("'{}': {}", variant.name, kOutputMarkTaken));
   if (!variant.set.empty()) {
     node.at("name");
     if (is_external(variant.path)) node.at("set").fail("a variant with a command has no values to set");

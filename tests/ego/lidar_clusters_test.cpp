@@ -2,9 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
-#include <set>
 
 #include "core/base/random.h"
 #include "estimator/lidar/cluster_tracker.h"

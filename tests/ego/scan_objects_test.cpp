@@ -4,13 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "core/base/files.h"
-#include "core/base/random.h"
 #include "core/sequence/tracks.h"
 #include "core/sequence/trajectory.h"
 #include "estimator/estimate.h"

@@ -1,8 +1,6 @@
 // What evaluate refuses or warns of, by file and line.
-#include <numbers>
 
 #include "core/base/error.h"
-#include "core/base/text.h"
 #include "evaluation/evaluate.h"
 #include "evaluation/run_record.h"
 #include "tests/evaluation/evaluate_fixture.h"

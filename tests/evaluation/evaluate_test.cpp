@@ -2,12 +2,9 @@
 
 #include <numbers>
 
-#include "core/base/error.h"
 #include "core/base/text.h"
 #include "evaluation/report/poses.h"
-#include "evaluation/run_record.h"
 #include "tests/evaluation/evaluate_fixture.h"
-#include "tests/support/temp_folder.h"
 
 namespace uniquadric {
 namespace {

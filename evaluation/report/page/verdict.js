@@ -21,8 +21,8 @@ function mirrored(d) {
 
 // Of many variants only the first is a baseline: where it is ahead, its comparisons are the others' turned round.
 function duel_either_way(baseline, variant) {
-  const back = duel(baseline, variant) ? null : duel(variant, baseline);
-  return back ? mirrored(back) : duel(baseline, variant);
+  const there = duel(baseline, variant), back = there ? null : duel(variant, baseline);
+  return back ? mirrored(back) : there;
 }
 
 // The best first: by the number of others that it beats on more objects than it loses, then by how many more.
