@@ -386,7 +386,7 @@ BodyState BodyEstimator::state_at(const PerceivedFrame& frame, const Pose& world
           frame.stamp_ns,
           world_from_body,
           covariance,
-          shape_.shape(),
+          shape_.box(),
           confirmed ? ObjectStatus::active : ObjectStatus::tentative,
           strayed_ ? PoseEvidence::relative : PoseEvidence::absolute,
           beginnings_,

@@ -90,6 +90,7 @@ void visit(Io& io, LongWindowOptions& o) {
   io.flag("surface_points", o.surface_points);
   io.positive("surface_sigma_m", o.surface_sigma_m, kSigma_m);
   io.flag("extents", o.extents);
+  io.flag("box_by_points", o.box_by_points);
   io.flag("contacts", o.contacts);
 }
 

@@ -14,8 +14,9 @@ PointView point_view(const Camera& camera, const ShapeView& view);
 /// The shape with the ends that points show along its axes, stated as uncertain as they are. The model's
 /// family of shapes is small, and points are noisy: an end is the mean of what the views' points show and of
 /// the fit, each weighted by its variance. That of points is how far the views disagree. On a side on which
-/// the body stood it ends at the plane. `radius_m`: of the body's first sphere, positive.
+/// the body stood it ends at the plane. `radius_m`: of the body's first sphere, positive. `is_fit`: whether
+/// the axes are those of a fit. Otherwise their lengths count only where no view shows an end.
 Shape with_seen_extents(const Shape& shape, const std::vector<PointView>& views, double radius_m,
-                        const std::vector<ContactSide>& contacts = {});
+                        const std::vector<ContactSide>& contacts = {}, bool is_fit = true);
 
 }  // namespace uniquadric

@@ -79,6 +79,7 @@ std::optional<Eigen::Vector3d> ShapeEstimator::start(const PerceivedFrame& frame
   const double m_per_px = median_depth(body.points) / camera_.fx;
   radius_m_ = std::sqrt(box.semi_major * box.semi_minor) * m_per_px;
   shape_.semi_axes_m.setConstant(radius_m_);
+  box_ = shape();
   surface_.reset(radius_m_, box.semi_major * m_per_px);
   return center_of(frame, body);
 }
@@ -277,11 +278,13 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
   thin_views(views_, window.keyframes);
   if (const auto found = solve_by_extents()) {
     shape_ = *found;
+    box_ = shape();
     return;
   }
   Evidence evidence{{}, surface_.sample(), {}};
   if (window.contacts) evidence.contacts = contact_sides(views_);
   if (window.segmented_outlines) drop_beside_outlines(camera_, views_, evidence.surface_points);
+  drop_crossed(evidence.contacts, evidence.surface_points);
   for (const ShapeView& view : views_) evidence.views.push_back(point_view(camera_, view));
   if (searches && plain_) {
     plain_.reset();
@@ -319,6 +322,8 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
   outline_px_ = best.outline_px;
   shape_ = window.extents ? with_seen_extents(best.shape, evidence.views, radius_m_, evidence.contacts)
                           : best.shape;
+  const SideEvidence sides{evidence.views, evidence.surface_points, radius_m_, evidence.contacts};
+  box_ = window.extents && window.box_by_points ? box_about(shape(), box_axes_, searches, sides) : shape();
 }
 
 }  // namespace uniquadric

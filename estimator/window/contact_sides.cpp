@@ -12,6 +12,8 @@ namespace {
 constexpr double kSharedNoise = 0.2;
 constexpr double kLeastShare =
     0.25;  // of all views with contact, ours: fewer are an edge as the body tips over
+constexpr double kCrossedShare = 0.1;  // of the points beyond a plane by kCrossedSigmas, ours: noise has less
+constexpr double kCrossedSigmas = 3;
 constexpr double kLeastTurn = 5e-3;  // [rad], ours: edges of real bodies are round
 
 // Planes of one side, each by its outward direction and its place along that.
@@ -59,6 +61,14 @@ std::vector<ContactSide> contact_sides(const std::vector<ShapeView>& views) {
   for (const Group& group : groups)
     if (static_cast<double>(group.directions.size()) >= enough) sides.push_back(side_of(group));
   return sides;
+}
+
+void drop_crossed(std::vector<ContactSide>& sides, const Eigen::Matrix3Xd& points) {
+  std::erase_if(sides, [&](const ContactSide& side) {
+    const Eigen::ArrayXd beyond_m = (side.direction.transpose() * points).array() - side.position_m;
+    const auto crossed = (beyond_m > kCrossedSigmas * side.sigma_m).count();
+    return static_cast<double>(crossed) > kCrossedShare * static_cast<double>(points.cols());
+  });
 }
 
 }  // namespace uniquadric

@@ -72,8 +72,9 @@ struct LongWindowOptions {
   // ours: and no less than so many radii of the body: what is large has panes, doors and wheels off the
   // surface
   static constexpr double surface_sigma_radii = 0.02;
-  bool extents = true;   // ours: where the body ends along its axes is what its points say, where seen
-  bool contacts = true;  // ours: what stands on a plane ends there, and stands on a face
+  bool extents = true;        // ours: where the body ends along its axes is what its points say, where seen
+  bool box_by_points = true;  // ours: of a body that is not convex, the points tell the box's axes
+  bool contacts = true;       // ours: what stands on a plane ends there, and stands on a face
   // ours: of the offset about its start, a solve: a ball has no axes to be found, what nothing holds stays
   PoseSigmas offset_sigmas{0.1, 0.05};
   // ours: in their place where covariances are made: a start is no evidence, so as good as none

@@ -34,6 +34,25 @@ TEST(ContactSides, AreWhereTheBodyStoodInItsOwnFrame) {
   EXPECT_NEAR(sides[1].position_m, 0.12, 1e-9);
 }
 
+// What hides a body's foot looks as if the body stood on it: but points of the body lie beyond it.
+TEST(ContactSides, ThatTheBodyReachesThroughAreNone) {
+  RandomStream random(3, "points");
+  Eigen::Matrix3Xd points(3, 400);
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    points.col(i) << random.uniform(-1, 1), random.uniform(-1, 1), 0.1 * random.uniform(-1, 1);
+  const ContactSide below{-Eigen::Vector3d::UnitZ(), 0.1, 0.002, 0.01};
+  ContactSide through = below, noisy = below;
+  through.position_m = 0.07;  // 15 % of the points are beyond
+  noisy.position_m = 0.096;   // 2 %
+  std::vector<ContactSide> sides = {below, through, noisy};
+  drop_crossed(sides, points);
+  ASSERT_EQ(sides.size(), 2u);
+  EXPECT_EQ(sides[0].position_m, below.position_m);
+  EXPECT_EQ(sides[1].position_m, noisy.position_m);
+  drop_crossed(sides, Eigen::Matrix3Xd(3, 0));
+  EXPECT_EQ(sides.size(), 2u);
+}
+
 // A tilted box has its evidence on all sides; what stood on a plane is upright, and ends at it.
 TEST(ContactSides, HoldTheShapeUprightAndEndItAtThePlane) {
   const Eigen::Vector3d half(0.1, 0.06, 0.08);
