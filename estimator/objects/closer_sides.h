@@ -24,9 +24,10 @@ bool has_closer_sides(const Shape& other, const Shape& best, const SideEvidence&
 
 /// The box about a body. One that is not convex, as an angle, has sides that no shape of the family follows,
 /// and the family's best is about its hull. Where the surface's points fill a box along other axes that is
-/// clearly smaller, and no more of them lie off its sides, the body has these axes; its ends are what views
-/// show. `axes` (columns, body's frame): found before, kept while they hold. `looks`: whether to look for
-/// others (fit_tight_surface_box), named as they are nearest to those of before. Otherwise `shape`.
+/// clearly smaller, and no more of them lie off its sides, the body has these axes, but where clearly fewer
+/// lie off the shape's own surface, as an ellipsoid's. Its ends are what views show. `axes` (columns, body's
+/// frame): found before, kept while they hold. `looks`: whether to look for others (fit_tight_surface_box),
+/// named as they are nearest to those of before. Otherwise `shape`.
 Shape box_about(const Shape& shape, std::optional<Eigen::Matrix3d>& axes, bool looks,
                 const SideEvidence& evidence);
 

@@ -10,6 +10,7 @@
 
 #include "core/base/random.h"
 #include "core/geometry/box_symmetry.h"
+#include "estimator/shape/oriented_box.h"
 
 namespace uniquadric {
 namespace {
@@ -164,6 +165,30 @@ TEST(BoxAbout, OfAConvexBodyIsItsShape) {
     EXPECT_TRUE(box.semi_axes_m == shape.semi_axes_m);
     EXPECT_TRUE(box.body_from_object.rotation.coeffs() == shape.body_from_object.rotation.coeffs());
   }
+}
+
+// Of what a camera sees of an ellipsoid a box along other axes is smaller, but no point lies off its surface.
+TEST(BoxAbout, OfWhatTheShapeFollowsIsItsOwn) {
+  RandomStream random(3, "ellipsoid");
+  Eigen::Matrix3Xd points(3, 600);
+  for (int i = 0; i < points.cols(); ++i) {
+    const Eigen::Vector3d out(random.normal(), random.normal(), random.normal());
+    points.col(i) = out.normalized() * (out.sum() > 0 ? 1 : -1);
+  }
+  const Eigen::Matrix3d along =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), Eigen::Vector3d(1, 1, 1))
+          .toRotationMatrix();
+  const OrientedBox own = box_along(Eigen::Matrix3d::Identity(), points), turned = box_along(along, points);
+  ASSERT_LT(turned.half_extents_m.prod(), 0.9 * own.half_extents_m.prod());
+  Shape ball;
+  ball.semi_axes_m.setOnes();
+  ball.exponents = {2, 2, 2};
+  std::optional<Eigen::Matrix3d> axes;
+  box_about(ball, axes, true, {{}, points, 1, {}});
+  EXPECT_FALSE(axes);
+  axes = along;
+  box_about(ball, axes, false, {{}, points, 1, {}});
+  EXPECT_FALSE(axes);
 }
 
 // Axes of before that the points contradict by now are given up.
