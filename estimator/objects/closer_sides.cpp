@@ -63,7 +63,7 @@ bool has_closer_sides(const Shape& other, const Shape& best, const SideEvidence&
 
 Shape box_about(const Shape& shape, std::optional<Eigen::Matrix3d>& axes, bool looks,
                 const SideEvidence& evidence) {
-  if (evidence.surface_points.cols() == 0) return shape;
+  if (evidence.surface_points.cols() == 0 || (!axes && !looks)) return shape;
   const auto volume_along = [&](const Eigen::Matrix3d& along) {
     return box_along(along, evidence.surface_points).half_extents_m.prod();
   };

@@ -22,12 +22,12 @@ struct SideEvidence {
 /// are the body's has its axes.
 bool has_closer_sides(const Shape& other, const Shape& best, const SideEvidence& evidence);
 
-/// The box about a body. One that is not convex, as an angle, has sides that no shape of the family follows,
-/// and the family's best is about its hull. Where the surface's points fill a box along other axes that is
-/// clearly smaller, and no more of them lie off its sides, the body has these axes, but where clearly fewer
-/// lie off the shape's own surface, as an ellipsoid's. Its ends are what views show. `axes` (columns, body's
-/// frame): found before, kept while they hold. `looks`: whether to look for others (fit_tight_surface_box),
-/// named as they are nearest to those of before. Otherwise `shape`.
+/// The box about a body. A body that is not convex, as an angle, has sides that no shape of the family
+/// follows: the best one is about its hull. The box has other axes if the surface's points fill a clearly
+/// smaller one along them, no more of these lie off its sides, and not clearly fewer lie off the shape's own
+/// surface, as an ellipsoid's. Its ends are what views show. Otherwise `shape`.
+/// `axes` (columns, body's frame): found before, and kept while they hold. `looks`: whether to look for
+/// others (fit_tight_surface_box), named as they are nearest to those of before.
 Shape box_about(const Shape& shape, std::optional<Eigen::Matrix3d>& axes, bool looks,
                 const SideEvidence& evidence);
 
