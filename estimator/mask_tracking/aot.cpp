@@ -94,7 +94,7 @@ void AsyncObjectTracker::associate(const SegmenterResult& result, AotFrame& out)
                                       : book_.associate(detections, seen->masks, stamp_ns);
   const cv::Mat named = relabelled(detections, ids, seen->masks.size());
   const cv::Mat masks =
-      fit_to_depth_edges(named, seen->image.depth, expected_depth(named, *seen), options_.edges);
+      fit_to_edges(named, {seen->image.rgb, seen->image.depth, expected_depth(named, *seen)}, options_.edges);
   if (options_.clear_growth > 0 && !seen->image.depth.empty())
     for (const auto& [id, area_m2] : mask_areas_m2(masks, seen->image.depth, camera_))
       areas_m2_[id] = std::max(areas_m2_[id], area_m2);
@@ -146,7 +146,7 @@ cv::Mat AsyncObjectTracker::carry(const cv::Mat& masks, const Seen& from, const 
     carried.masks = fit_to_clear_bodies(carried.masks, to.image.depth, camera_, areas_m2_,
                                         options_.edges.jump, options_.clear_growth);
   const cv::Mat fitted =
-      fit_to_depth_edges(carried.masks, to.image.depth, carried.expected_depth, options_.edges);
+      fit_to_edges(carried.masks, {to.image.rgb, to.image.depth, carried.expected_depth}, options_.edges);
   cv::Mat clean = cv::Mat::zeros(masks.size(), CV_16UC1);
   for (const auto& [id, region] : mask_regions(fitted, options_.min_pixels, kSpeckShare))
     clean(region.box).setTo(id, region.mask);

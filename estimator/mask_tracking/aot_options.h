@@ -27,6 +27,7 @@ template <typename Io>
 void visit(Io& io, MaskEdgeOptions& o) {
   io.number("reach_px", o.reach_px, 0, 50);
   io.positive("jump", o.jump);
+  io.flag("colors", o.colors);
 }
 
 template <typename Io>

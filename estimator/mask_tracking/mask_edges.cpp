@@ -3,20 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "estimator/mask_tracking/color_sides.h"
 #include "estimator/observation/outline.h"
 
 namespace uniquadric {
 namespace {
 
+constexpr float kClearly = 1.5F;   // log of the odds that colours have to give against what a mask says
+constexpr int kHole = 5;           // pixels with depth about one without, of eight
 constexpr double kThinCore = 0.3;  // a body is thin when less of its mask is farther inside than the reach
 
-enum Side : unsigned char { undecided, inside, outside, unmeasured };
+enum Side : unsigned char { undecided, inside, outside };
 
-// What depth says of the pixels near a mask's outline.
+// What is told of the pixels near a mask's outline.
 struct Band {
   cv::Mat sides;    // CV_8UC1 of Side
   cv::Mat inner_m;  // CV_32FC1: the body's depth nearby
@@ -60,26 +62,16 @@ cv::Mat reached(const cv::Mat& seeds, const cv::Mat& band, const cv::Mat& depth,
   return result;
 }
 
-// What depth tells of a pixel: whether it is reached from inside and from outside, and what is near it.
-struct Clues {
-  float z, in_m, nearer_m, farther_m;
-  bool from_inside, from_outside, in_mask, is_thin;
-};
-
-Side side_of(const Clues& c, double jump) {
-  if (c.from_inside != c.from_outside) return c.from_inside ? inside : outside;
-  if (c.from_inside && !c.is_thin) return undecided;            // body and support meet without a step
-  if (c.z > 0 && !c.from_inside && !c.in_mask) return outside;  // something else that came into view
-  const bool looks_near = c.z > 0 ? c.z < c.in_m : !(c.farther_m > 0);
-  const float likely_m = looks_near ? c.nearer_m : c.farther_m;
-  const float out_m = likely_m > 0 ? likely_m : looks_near ? c.farther_m : c.nearer_m;
-  if (!(c.in_m > 0 && out_m > 0) || std::abs(c.in_m - out_m) < jump * c.in_m) return undecided;
-  if (!(c.z > 0)) return unmeasured;
-  return std::abs(c.z - c.in_m) < std::abs(c.z - out_m) ? inside : outside;
+// The pixels that are surely the body's: well inside of the mask or, of a body too thin to have an inside,
+// those of its expected depth.
+cv::Mat sure_pixels(const cv::Mat& mask, const cv::Mat& core, bool is_thin, const EdgeImages& images,
+                    double jump) {
+  if (!is_thin) return core;
+  if (images.expected.empty()) return cv::Mat::zeros(mask.size(), CV_8UC1);
+  return mask & (images.depth > 0) & (cv::abs(images.depth - images.expected) < jump * images.expected);
 }
 
-Band decide(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& expected,
-            const MaskEdgeOptions& options) {
+Band decide(const cv::Mat& mask, const EdgeImages& images, const MaskEdgeOptions& options) {
   const int reach = options.reach_px, window = 4 * reach + 1;
   const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1});
   cv::Mat core, wide;
@@ -87,36 +79,28 @@ Band decide(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& expected,
   cv::dilate(mask, wide, square);
   const cv::Mat between = wide & ~core;
   const bool is_thin = cv::countNonZero(core) <= kThinCore * cv::countNonZero(mask);
-  Band band{cv::Mat(mask.size(), CV_8UC1, cv::Scalar(undecided)), local_depth(depth, core, window)};
-  if (is_thin && !expected.empty())  // hardly anything is surely inside: as it was expected
-    local_depth(expected, expected > 0, window).copyTo(band.inner_m, band.inner_m == 0);
-  cv::Mat from_inside(mask.size(), CV_8UC1, cv::Scalar(255)), from_outside = from_inside;
-  if (!is_thin) {
-    from_inside = reached(core, between, depth, options.jump, 2 * reach);
-    from_outside = reached(~wide, between, depth, options.jump, 2 * reach);
+  const cv::Mat sure = sure_pixels(mask, core, is_thin, images, options.jump);
+  Band band{cv::Mat(mask.size(), CV_8UC1, cv::Scalar(undecided)), local_depth(images.depth, sure, window)};
+  const bool has_sure = cv::countNonZero(sure) > 0;
+  if (has_sure) {
+    const cv::Mat from_inside = reached(sure, between, images.depth, options.jump, 2 * reach);
+    const cv::Mat from_outside = reached(~wide, between, images.depth, options.jump, 2 * reach);
+    band.sides.setTo(inside, from_inside & ~from_outside);
+    band.sides.setTo(outside, from_outside & ~from_inside);
+    // something else that came into view
+    band.sides.setTo(outside, between & ~from_inside & ~mask & (images.depth > 0));
   }
-  // What is nearer and what is farther than the body are told apart: their mean may be as far as the body.
-  const double middle_m = cv::mean(band.inner_m, band.inner_m > 0)[0];
-  const cv::Mat nearer_m = local_depth(depth, ~wide & (depth < middle_m), window);
-  const cv::Mat farther_m = local_depth(depth, ~wide & (depth >= middle_m), window);
-  for (int v = 0; v < mask.rows; ++v)
-    for (int u = 0; u < mask.cols; ++u) {
-      if (!between.at<unsigned char>(v, u)) continue;
-      const Clues clues{depth.at<float>(v, u),
-                        band.inner_m.at<float>(v, u),
-                        nearer_m.at<float>(v, u),
-                        farther_m.at<float>(v, u),
-                        from_inside.at<unsigned char>(v, u) != 0,
-                        from_outside.at<unsigned char>(v, u) != 0,
-                        mask.at<unsigned char>(v, u) != 0,
-                        is_thin};
-      band.sides.at<unsigned char>(v, u) = side_of(clues, options.jump);
-    }
+  if (images.rgb.empty() || !options.colors) return band;
+  // body and support meet without a step, or depth is missing
+  const cv::Mat asked = between & (band.sides == undecided);
+  const cv::Mat ratio = color_sides(images.rgb, has_sure ? sure : mask, ~wide, asked, window);
+  band.sides.setTo(inside, ratio > kClearly);
+  band.sides.setTo(outside, ratio < -kClearly);
   return band;
 }
 
-// A pixel at an edge but without depth goes with most of its eight neighbours.
-void settle_unmeasured(Band& band, const cv::Mat& mask) {
+// A hole of depth at an edge goes with most of its eight neighbours.
+void fill_holes(Band& band, const cv::Mat& mask, const cv::Mat& depth) {
   const cv::Mat before = band.sides.clone();
   const auto is_in = [&](int v, int u) {
     const auto side = before.at<unsigned char>(v, u);
@@ -124,12 +108,12 @@ void settle_unmeasured(Band& band, const cv::Mat& mask) {
   };
   for (int v = 0; v < mask.rows; ++v)
     for (int u = 0; u < mask.cols; ++u) {
-      if (before.at<unsigned char>(v, u) != unmeasured) continue;
-      int votes = 0;
+      if (before.at<unsigned char>(v, u) != undecided || depth.at<float>(v, u) > 0) continue;
+      int votes = 0, measured = 0;
       for (int y = std::max(v - 1, 0); y <= std::min(v + 1, mask.rows - 1); ++y)
         for (int x = std::max(u - 1, 0); x <= std::min(u + 1, mask.cols - 1); ++x)
-          if (before.at<unsigned char>(y, x) != unmeasured) votes += is_in(y, x) ? 1 : -1;
-      if (votes != 0) band.sides.at<unsigned char>(v, u) = votes > 0 ? inside : outside;
+          if (depth.at<float>(y, x) > 0) votes += is_in(y, x) ? 1 : -1, ++measured;
+      if (measured >= kHole && votes != 0) band.sides.at<unsigned char>(v, u) = votes > 0 ? inside : outside;
     }
 }
 
@@ -159,28 +143,27 @@ void take_what_is_free(cv::Mat& fitted, const cv::Mat& depth, const std::vector<
 
 }  // namespace
 
-cv::Mat fit_to_depth_edges(const cv::Mat& masks, const cv::Mat& depth, const cv::Mat& expected,
-                           const MaskEdgeOptions& options) {
+cv::Mat fit_to_edges(const cv::Mat& masks, const EdgeImages& images, const MaskEdgeOptions& options) {
   cv::Mat fitted = masks.clone();
-  if (options.reach_px == 0 || depth.empty()) return fitted;
-  const int margin = 3 * options.reach_px;
+  if (options.reach_px == 0 || images.depth.empty()) return fitted;
+  const int margin = 6 * options.reach_px;
   const cv::Rect image({0, 0}, masks.size());
   std::vector<FittedBody> bodies;
   for (const auto& [id, box] : id_boxes(masks)) {
     const cv::Rect region =
         cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) & image;
     const cv::Mat mask = masks(region) == id;
-    cv::Mat expected_of_id;
-    if (!expected.empty()) {
-      expected_of_id = cv::Mat::zeros(region.size(), CV_32FC1);
-      expected(region).copyTo(expected_of_id, mask);
+    EdgeImages here{images.rgb.empty() ? cv::Mat() : images.rgb(region), images.depth(region), {}};
+    if (!images.expected.empty()) {
+      here.expected = cv::Mat::zeros(region.size(), CV_32FC1);
+      images.expected(region).copyTo(here.expected, mask);
     }
-    Band band = decide(mask, depth(region), expected_of_id, options);
-    settle_unmeasured(band, mask);
+    Band band = decide(mask, here, options);
+    fill_holes(band, mask, here.depth);
     fitted(region).setTo(0, mask & (band.sides == outside));
     bodies.push_back({static_cast<std::uint16_t>(id), region, std::move(band)});
   }
-  take_what_is_free(fitted, depth, bodies);
+  take_what_is_free(fitted, images.depth, bodies);
   return fitted;
 }
 

@@ -15,7 +15,7 @@ struct AssociationOptions {
   static constexpr double min_iou =
       0.25;  // with the tracker's mask: half of a body that is a third of its width off
   static constexpr double min_fragment =
-      0.7;  // share of a mask inside a track's that makes it a piece of that track
+      0.5;  // share of a mask inside a track's that makes it a piece of that track
   static constexpr double max_depth_step = 0.05;  // relative, between pieces of one body
   static constexpr double min_similarity = 0.6;   // of colours: a body that comes back shows other sides
   static constexpr double sure_similarity =

@@ -339,6 +339,34 @@ TEST(Aot, AFailingSegmenterThreadFailsTheTracker) {
   EXPECT_THROW(track_many(), std::runtime_error);
 }
 
+// A segmenter that shows four fifths of a body and then two halves: more than half of each lies in what was
+// tracked, so both are the body's.
+TEST(Aot, TheHalvesOfABodyKeepItsId) {
+  const auto part = [](double from, double to) {
+    Sprite sprite = kRed;
+    sprite.size.width = static_cast<int>(kRed.size.width * (to - from));
+    sprite.corner_px = [=](std::int64_t) { return Eigen::Vector2d(30 + kRed.size.width * from, 80); };
+    return sprite;
+  };
+  const Sprite whole = part(0, 1);
+  SlowSegmenter segmenter;
+  segmenter.latency_ns = [](const SequenceFrame&) { return kLatency_ns; };
+  segmenter.segment = [=](const SegmenterInput& input) {
+    const std::int64_t n = input.frame.frame;
+    if (n < 6) return draw_world({part(0, 0.8)}, n).masks;
+    cv::Mat masks = draw_world({part(0, 0.5)}, n).masks;
+    masks.setTo(2, draw_world({part(0.5, 1)}, n).masks != 0);
+    return masks;
+  };
+  AsyncObjectTracker tracker(drawn_camera(), segmenter, {});
+  for (int n = 0; n < 15; ++n) {
+    const DrawnFrame drawn = draw_world({whole}, n);
+    const cv::Mat masks = tracker.track(drawn.frame, drawn.rgb, {}).masks;
+    EXPECT_EQ(cv::countNonZero(masks > 1), 0) << n;
+    if (n >= 9) EXPECT_GT(mask_iou(masks == 1, drawn.masks != 0), 0.97) << n;
+  }
+}
+
 TEST(Aot, TrustedIdsAreTheSegmenters) {
   AotOptions options;
   options.trust_ids = true;
