@@ -31,11 +31,6 @@ void visit(Io& io, MaskEdgeOptions& o) {
 }
 
 template <typename Io>
-void visit(Io& io, AssociationOptions& o) {
-  io.number("hold_s", o.hold_s, 0.0);
-}
-
-template <typename Io>
 void visit(Io& io, AotOptions& o) {
   io.flag("enabled", o.enabled);
   io.choice("clock", o.clock,
@@ -52,7 +47,6 @@ void visit(Io& io, AotOptions& o) {
   io.section("flow", [&](auto& inner) { visit(inner, o.flow); });
   io.section("nanotrack", [&](auto& inner) { visit(inner, o.nano); });
   io.section("edges", [&](auto& inner) { visit(inner, o.edges); });
-  io.section("association", [&](auto& inner) { visit(inner, o.association); });
 }
 
 }  // namespace uniquadric

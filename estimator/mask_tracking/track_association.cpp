@@ -123,7 +123,7 @@ void TrackBook::match_by_looks(const std::vector<Detection>& detections, std::in
     const double held_s = static_cast<double>(stamp_ns - *track.held_since_ns) * kNanosecond_s;
     const bool is_sure =
         colour_similarity(rows[row]->appearance, track.appearance) >= options_.sure_similarity;
-    ids[rows[row]->label] = is_sure || held_s >= options_.hold_s ? track.id : 0;
+    ids[rows[row]->label] = is_sure || held_s >= AssociationOptions::hold_s ? track.id : 0;
   }
 }
 

@@ -23,7 +23,8 @@ struct AssociationOptions {
   static constexpr double max_area_ratio = 3;  // of silhouettes in m^2, seen to known: more is another body
   double reach_m = 0.5, reach_mps = 1;         // of a hidden body about the line of its last velocity
   static constexpr double patience_s = 10;     // after that a hidden body is forgotten
-  double hold_s = 0.5;  // how long a body that may be a hidden one is watched before it is called a new one
+  static constexpr double hold_s =
+      0.5;  // how long a body that may be a hidden one is watched before it is called a new one
 };
 
 /// A body that is or was tracked.

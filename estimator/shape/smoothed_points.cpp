@@ -1,7 +1,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "estimator/shape/even_choice.h"
@@ -13,7 +13,8 @@ namespace {
 constexpr double kOutlierSigmas = 2.5;  // off the first plane
 constexpr double kLeastScatter = 1e-4;  // of inverse depth, relative: a noise-free plane has none
 constexpr double kMinShare = 0.4;       // of the window that must lie on the plane
-constexpr double kSliverShare = 0.2;    // of the largest part; larger ones are the body's too
+constexpr double kSliverShare = 0.2;    // of the largest part; larger ones are the body's too,
+constexpr double kDeepest = 3;          // if they are no more lengths of the mask before or behind it
 
 // Inverse depth over pixel offsets, linear on a plane.
 struct Plane {
@@ -88,9 +89,18 @@ std::vector<std::vector<cv::Point>> surfaces(const cv::Mat& inverse_depth, doubl
   return parts;
 }
 
+double mean_at(const cv::Mat& image, const std::vector<cv::Point>& pixels) {
+  double mean = 0;
+  for (const cv::Point& p : pixels) mean += image.at<float>(p) / static_cast<double>(pixels.size());
+  return mean;
+}
+
 // A mask that reaches over the body's edge takes in slivers of what lies behind or before it: small parts
-// whose depth is not that of the largest.
-void drop_slivers(cv::Mat& inverse_depth, double edge_ratio) {
+// whose depth is not that of the largest, or parts so far from it that a body of the mask's length ends
+// before.
+void drop_slivers(cv::Mat& inverse_depth, double edge_ratio, double focal_px) {
+  const cv::Rect box = cv::boundingRect(inverse_depth > 0);
+  const double length = std::hypot(box.width, box.height) / focal_px;  // at a depth of 1
   const auto parts = surfaces(inverse_depth, edge_ratio);
   const auto larger = [](const auto& a, const auto& b) { return a.size() < b.size(); };
   const auto main = std::max_element(parts.begin(), parts.end(), larger);
@@ -99,11 +109,13 @@ void drop_slivers(cv::Mat& inverse_depth, double edge_ratio) {
   const auto nearer = [&](const cv::Point& a, const cv::Point& b) { return at(a) < at(b); };
   const auto [far, near] = std::minmax_element(main->begin(), main->end(), nearer);
   const double lowest = at(*far), highest = at(*near);
+  const double middle = mean_at(inverse_depth, *main);
   for (const auto& part : parts) {
-    if (static_cast<double>(part.size()) > kSliverShare * static_cast<double>(main->size())) continue;
-    double mean = 0;
-    for (const cv::Point& p : part) mean += at(p) / static_cast<double>(part.size());
-    if (mean >= lowest && mean <= highest) continue;
+    const double mean = mean_at(inverse_depth, part);
+    const bool is_small =
+        static_cast<double>(part.size()) <= kSliverShare * static_cast<double>(main->size());
+    const bool is_far = std::abs(1 / mean - 1 / middle) > kDeepest * length / middle;
+    if (!is_far && (!is_small || (mean >= lowest && mean <= highest))) continue;
     for (const cv::Point& p : part) inverse_depth.at<float>(p) = 0;
   }
 }
@@ -140,7 +152,7 @@ SurfacePoints smoothed_points(const cv::Mat& depth, const cv::Mat& mask, const C
       if (mask.at<unsigned char>(v, u) && z > 0 && z < options.max_depth_m)
         inverse_depth.at<float>(v, u) = 1 / z;
     }
-  drop_slivers(inverse_depth, options.edge_ratio);
+  drop_slivers(inverse_depth, options.edge_ratio, camera.fx);
   std::vector<cv::Point> pixels;
   cv::findNonZero(inverse_depth > 0, pixels);
   const auto chosen = even_choice(std::ssize(pixels), options.max_points);

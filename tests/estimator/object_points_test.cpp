@@ -124,5 +124,22 @@ TEST(SmoothedPoints, LeaveOutWhatAMaskTakesInBesideTheBody) {
   for (const auto& p : surface.points.colwise()) EXPECT_NEAR(p.z(), 2, 1e-6);
 }
 
+// A mask of a plate and of as much again of what is behind: 0.65 m long at the plate, which then ends 1.9 m
+// behind it.
+TEST(SmoothedPoints, LeaveOutWhatIsTooFarToBeTheBody) {
+  int cases = 0;
+  for (const auto& [behind_m, is_body] : {std::pair(3.0, true), {4.0, false}}) {
+    cv::Mat depth(240, 320, CV_32FC1, cv::Scalar(behind_m));
+    depth(cv::Rect(100, 80, 51, 50)).setTo(1.5);
+    cv::Mat mask = cv::Mat::zeros(240, 320, CV_8UC1);
+    mask(cv::Rect(100, 80, 100, 50)).setTo(255);
+    const SurfacePoints surface = smoothed_points(depth, mask, kCamera, PointOptions{});
+    ASSERT_GT(surface.points.cols(), 1000);
+    EXPECT_NEAR(surface.points.row(2).maxCoeff(), is_body ? behind_m : 1.5, 1e-6) << behind_m;
+    ++cases;
+  }
+  EXPECT_EQ(cases, 2);
+}
+
 }  // namespace
 }  // namespace uniquadric
