@@ -70,8 +70,7 @@ AsyncObjectTracker::AsyncObjectTracker(const Camera& camera, SlowSegmenter segme
       options_(options),
       clock_(options.clock == AotClock::threads ? make_thread_clock(std::move(segmenter))
                                                 : make_virtual_clock(std::move(segmenter))),
-      tracker_(make_mask_tracker(options)),
-      book_(options.association) {}
+      tracker_(make_mask_tracker(options)) {}
 
 std::vector<Detection> AsyncObjectTracker::detect(const Seen& seen, const cv::Mat& masks) const {
   std::vector<Detection> detections;

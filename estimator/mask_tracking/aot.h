@@ -49,9 +49,8 @@ struct AotOptions {
   NanoTrackOptions nano;
   MaskEdgeOptions edges;
   double clear_growth = 1.2;  // ours: of the largest area that a segmenter gave a body (clear_body.h); 0: off
-  AssociationOptions association;
-  bool trust_ids = false;  // ours: the segmenter's own ids are the tracks'; only a simulated one has any
-  int min_pixels = 50;     // ours: smaller masks are not kept
+  bool trust_ids = false;     // ours: the segmenter's own ids are the tracks'; only a simulated one has any
+  int min_pixels = 50;        // ours: smaller masks are not kept
   static constexpr double jump_iou =
       0.985;  // ours: a body whose new mask agrees so well with the tracked one is not carried anew
   static constexpr int max_missing = 2;  // ours: results without a body after which its carried mask is given

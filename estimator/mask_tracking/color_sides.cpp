@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
 
 #include "core/base/quantile.h"
+#include "estimator/mask_tracking/local_mean.h"
 
 namespace uniquadric {
 namespace {
@@ -66,12 +67,8 @@ cv::Mat color_sides(const cv::Mat& rgb, const cv::Mat& body, const cv::Mat& beyo
   for (int v = 0; v < rgb.rows; ++v)
     for (int u = 0; u < rgb.cols; ++u)
       if (asked.at<unsigned char>(v, u)) ratio.at<float>(v, u) = static_cast<float>(ratio_at(v, u));
-  cv::Mat is_asked, sums, counts;
-  cv::Mat(asked != 0).convertTo(is_asked, CV_32F, 1 / 255.0);
-  cv::boxFilter(ratio, sums, CV_32F, {3, 3}, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::boxFilter(is_asked, counts, CV_32F, {3, 3}, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::Mat mean = sums / counts;
-  mean.setTo(0, is_asked < 0.5);
+  cv::Mat mean = local_mean(ratio, asked, 3);
+  mean.setTo(0, asked == 0);
   return mean;
 }
 

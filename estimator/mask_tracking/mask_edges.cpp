@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "estimator/mask_tracking/color_sides.h"
+#include "estimator/mask_tracking/local_mean.h"
 #include "estimator/observation/outline.h"
 
 namespace uniquadric {
@@ -23,17 +24,6 @@ struct Band {
   cv::Mat sides;    // CV_8UC1 of Side
   cv::Mat inner_m;  // CV_32FC1: the body's depth nearby
 };
-
-// Mean depth over the chosen pixels of a window around each pixel; 0 where it holds none.
-cv::Mat local_depth(const cv::Mat& depth, const cv::Mat& chosen, int window) {
-  cv::Mat weights, sums, counts;
-  cv::Mat(chosen & (depth > 0)).convertTo(weights, CV_32F, 1 / 255.0);
-  cv::boxFilter(depth.mul(weights), sums, CV_32F, {window, window}, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::boxFilter(weights, counts, CV_32F, {window, window}, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::Mat mean = sums / counts;
-  mean.setTo(0, counts < 0.5);
-  return mean;
-}
 
 // 255 on the pixels of the band that are reached from the seeds in `steps` steps through the band, none of
 // them a step of depth of `jump` or more. A slanted face is many small steps. What is only reached by a long
@@ -80,7 +70,8 @@ Band decide(const cv::Mat& mask, const EdgeImages& images, const MaskEdgeOptions
   const cv::Mat between = wide & ~core;
   const bool is_thin = cv::countNonZero(core) <= kThinCore * cv::countNonZero(mask);
   const cv::Mat sure = sure_pixels(mask, core, is_thin, images, options.jump);
-  Band band{cv::Mat(mask.size(), CV_8UC1, cv::Scalar(undecided)), local_depth(images.depth, sure, window)};
+  Band band{cv::Mat(mask.size(), CV_8UC1, cv::Scalar(undecided)),
+            local_mean(images.depth, sure & (images.depth > 0), window)};
   const bool has_sure = cv::countNonZero(sure) > 0;
   if (has_sure) {
     const cv::Mat from_inside = reached(sure, between, images.depth, options.jump, 2 * reach);

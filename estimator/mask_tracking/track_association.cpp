@@ -67,7 +67,7 @@ void TrackBook::match_by_overlap(const std::vector<Detection>& detections, const
       if (both == shared[row].end()) continue;
       const double area = detections[row].appearance.area_px + areas.at(both->first);
       const double value = both->second / (area - both->second);
-      if (value >= options_.min_iou) iou(row, column) = value;
+      if (value >= AssociationGates::min_iou) iou(row, column) = value;
     }
   }
   std::map<int, int> matched;  // row of each id
@@ -78,8 +78,9 @@ void TrackBook::match_by_overlap(const std::vector<Detection>& detections, const
   for (int row = 0; row < iou.rows(); ++row)  // pieces of bodies that are matched
     for (const auto& [id, both] : shared[row])
       if (!ids.contains(detections[row].label) && matched.contains(id) &&
-          both >= options_.min_fragment * detections[row].appearance.area_px &&
-          same_depth(detections[row].appearance, detections[matched[id]].appearance, options_.max_depth_step))
+          both >= AssociationGates::min_fragment * detections[row].appearance.area_px &&
+          same_depth(detections[row].appearance, detections[matched[id]].appearance,
+                     AssociationGates::max_depth_step))
         ids[detections[row].label] = id;
 }
 
@@ -88,15 +89,15 @@ double TrackBook::likeness(const Detection& detection, const KnownTrack& track, 
   const Appearance &seen = detection.appearance, &known = track.appearance;
   const double gap_s = static_cast<double>(stamp_ns - track.seen_ns) * kNanosecond_s;
   const double similarity = colour_similarity(seen, known);
-  if (gap_s > options_.patience_s || similarity < options_.min_similarity) return 0;
+  if (gap_s > AssociationGates::patience_s || similarity < AssociationGates::min_similarity) return 0;
   if (!seen.place_m || !known.place_m)
-    return seen.area_px <= options_.max_area_ratio * track.largest_area_px ? similarity : 0;
+    return seen.area_px <= AssociationGates::max_area_ratio * track.largest_area_px ? similarity : 0;
   // hidden ones slow down, turn round or hurry; and at the edges of its cover a body's end stands for it
   const double most_m =
       kMostHiddenSpeed * gap_s * track.velocity_mps.norm() + std::sqrt(track.largest_area_m2);
   const double distance = off_path_m(*seen.place_m - *known.place_m, track.velocity_mps, most_m) /
-                          (options_.reach_m + gap_s * options_.reach_mps);
-  if (distance > 1 || *seen.area_m2 > options_.max_area_ratio * track.largest_area_m2) return 0;
+                          (AssociationGates::reach_m + gap_s * AssociationGates::reach_mps);
+  if (distance > 1 || *seen.area_m2 > AssociationGates::max_area_ratio * track.largest_area_m2) return 0;
   return similarity * (1 - distance / 4);  // of two that look alike the nearer one
 }
 
@@ -122,8 +123,8 @@ void TrackBook::match_by_looks(const std::vector<Detection>& detections, std::in
     if (!track.held_since_ns) track.held_since_ns = stamp_ns;
     const double held_s = static_cast<double>(stamp_ns - *track.held_since_ns) * kNanosecond_s;
     const bool is_sure =
-        colour_similarity(rows[row]->appearance, track.appearance) >= options_.sure_similarity;
-    ids[rows[row]->label] = is_sure || held_s >= AssociationOptions::hold_s ? track.id : 0;
+        colour_similarity(rows[row]->appearance, track.appearance) >= AssociationGates::sure_similarity;
+    ids[rows[row]->label] = is_sure || held_s >= AssociationGates::hold_s ? track.id : 0;
   }
 }
 
@@ -143,7 +144,8 @@ void TrackBook::update(const std::vector<Detection>& detections, const std::map<
     learn(track, *appearance, stamp_ns);
   }
   std::erase_if(tracks_, [&](const auto& entry) {
-    return static_cast<double>(stamp_ns - entry.second.seen_ns) * kNanosecond_s > options_.patience_s;
+    return static_cast<double>(stamp_ns - entry.second.seen_ns) * kNanosecond_s >
+           AssociationGates::patience_s;
   });
   for (auto& [id, track] : tracks_)
     if (!seen.contains(id)) ++track.missing;

@@ -11,7 +11,7 @@
 namespace uniquadric {
 
 /// Gates of the backward association. All numbers are ours.
-struct AssociationOptions {
+struct AssociationGates {
   static constexpr double min_iou =
       0.25;  // with the tracker's mask: half of a body that is a third of its width off
   static constexpr double min_fragment =
@@ -21,8 +21,9 @@ struct AssociationOptions {
   static constexpr double sure_similarity =
       0.85;                                    // of colours: no need to wait for more of the body to be seen
   static constexpr double max_area_ratio = 3;  // of silhouettes in m^2, seen to known: more is another body
-  double reach_m = 0.5, reach_mps = 1;         // of a hidden body about the line of its last velocity
-  static constexpr double patience_s = 10;     // after that a hidden body is forgotten
+  static constexpr double reach_m = 0.5,
+                          reach_mps = 1;    // of a hidden body about the line of its last velocity
+  static constexpr double patience_s = 10;  // after that a hidden body is forgotten
   static constexpr double hold_s =
       0.5;  // how long a body that may be a hidden one is watched before it is called a new one
 };
@@ -52,7 +53,6 @@ struct Detection {
 /// named after it too.
 class TrackBook {
  public:
-  explicit TrackBook(const AssociationOptions& options) : options_(options) {}
   std::map<int, int> associate(const std::vector<Detection>& detections, const cv::Mat& tracked_masks,
                                std::int64_t stamp_ns);
   /// As above with the result's own labels for ids.
@@ -68,7 +68,6 @@ class TrackBook {
   void learn(KnownTrack& track, const Appearance& seen, std::int64_t stamp_ns) const;
   void update(const std::vector<Detection>& detections, const std::map<int, int>& ids, std::int64_t stamp_ns);
 
-  AssociationOptions options_;
   std::map<int, KnownTrack> tracks_;
   int next_id_ = 1;
 };
