@@ -33,12 +33,13 @@ void cast_scans(const Scene& scene, const LidarRig& rig, const SimulateOptions& 
   const RayCaster caster(scene.world, scene.objects, rig.caster, rig.reflectivity);
   const PoseAt world_from_lidar = lidar_path(scene.camera_motion, rig);
   Progress progress(fmt::format("lidar {}", scene.name), static_cast<std::int64_t>(count), options.quiet);
+  const std::uint64_t seed = scene.stream_seed(options.seed);
   tbb::task_arena arena(threads_to_use(options.threads));
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
       const auto number = static_cast<std::int64_t>(k);
       if (const ScanFiles files = scan_files(folder, k); !files.complete())
-        write_scan(files, as_told(take_scan(caster, rig, world_from_lidar, number, options.seed), rig),
+        write_scan(files, as_told(take_scan(caster, rig, world_from_lidar, number, seed), rig),
                    world_from_lidar(static_cast<double>(rig.start_ns(number)) * 1e-9));
       progress.advance();
     });

@@ -79,7 +79,7 @@ void write_sequence_files(const Scene& scene, std::uint64_t seed, std::int64_t f
   sequence.rate_hz = scene.rate_hz;
   sequence.rolling_shutter_s = scene.imaging.rolling_shutter_s;
   sequence.depth_units_per_m = depth_units_per_m(scene.depth_noise);
-  sequence.frames = list_frames(scene, seed, frames);
+  sequence.frames = list_frames(scene, scene.stream_seed(seed), frames);
   if (scene.imu) sequence.imu = scene.imu->calibration;
   if (scene.imu) sequence.imu->camera_from_imu = sequence.imu->camera_from_imu * scene.imu->mounting_error;
   if (const auto rig = lidar_of(scene)) {

@@ -116,8 +116,8 @@ void write_frames_of(const Scene& scene, const SimulateOptions& options, const f
     } else if (!log.has(frame)) {
       const StageClock clock;
       FrameTimes first;
-      maker.reset(
-          new FrameMaker{scene, options.seed, Renderer(scene, options.gl), {scene, options.seed, folder}});
+      const std::uint64_t seed = scene.stream_seed(options.seed);
+      maker.reset(new FrameMaker{scene, seed, Renderer(scene, options.gl), {scene, seed, folder}});
       maker->make(frame, log, first);
       times.add_first_frame(clock.seconds());
     }
@@ -198,7 +198,7 @@ void write_descriptions(const Scene& scene, const SimulateOptions& options, std:
   const StageClock clock;
   write_sequence_files(scene, options.seed, frames, folder / "sequence");
   write_truth_files(scene, frames, folder / "truth");
-  write_imu_files(scene, options.seed, frames, folder / "sequence", folder / "truth");
+  write_imu_files(scene, scene.stream_seed(options.seed), frames, folder / "sequence", folder / "truth");
   times.add_descriptions(clock.seconds());
 }
 

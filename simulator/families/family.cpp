@@ -87,10 +87,11 @@ std::string generate_scene(const FamilyRequest& request) {
   FamilyOptions options = read_options(request, random.uniform());
   RandomStream lens(request.seed, "lens " + request.family);
   if (request.family != "street") options.lens = drawn_lens(lens);
+  RandomStream noise(request.seed, "noise " + request.family);
   std::string text = fmt::format("{}{}, seed {}, difficulty {}.\n", kSceneHead, request.family, request.seed,
                                  yaml_number(options.difficulty, 3));
-  text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\nrealism: {}\ntexture: sparse\n", request.family,
-                      request.seed, options.frames, options.realism);
+  text += fmt::format("name: {}_{}\nframes: {}\nrate_hz: 30\nrealism: {}\nnoise_seed: {}\ntexture: sparse\n",
+                      request.family, request.seed, options.frames, options.realism, noise.bits());
   text += draw(random, options);
   require_readable(text, request);
   return text;

@@ -9,6 +9,7 @@
 #include "core/base/config.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
+#include "core/base/random.h"
 #include "core/base/read_file.h"
 #include "core/base/warning.h"
 #include "core/sequence/calibration.h"
@@ -175,6 +176,13 @@ std::int64_t Scene::stamp_ns(std::int64_t frame) const {
   return std::llround(static_cast<double>(frame) * 1e9 / rate_hz);
 }
 
+std::uint64_t Scene::stream_seed(std::uint64_t seed) const {
+  if (noise_seed == 0) return seed;
+  RandomStream random(seed, "scene", noise_seed);
+  const std::uint64_t high = random.bits();
+  return high << 32 | random.bits();
+}
+
 Camera Scene::told_camera() const {
   Camera told = camera;
   told.fx *= 1 + calibration_error.focal;
@@ -214,6 +222,7 @@ Scene parse_scene(const std::string& text, const fs::path& path, const std::vect
   if (const auto objects = root.find("objects")) read_objects(*objects, defaults, scene, files);
   if (scene.world.empty() && scene.objects.empty())
     root.fail("has neither world nor objects: nothing to see");
+  scene.noise_seed = root.get<std::uint64_t>("noise_seed", 0);
   const double noise_scale = root.get<double>("noise_scale", 1);
   if (!(noise_scale >= 0 && noise_scale <= kMostNoiseScale))
     root.at("noise_scale").fail(fmt::format("expected 0 to {}, found {}", kMostNoiseScale, noise_scale));

@@ -142,12 +142,15 @@ struct Scene {
   ImageNoise image_noise;
   SegmenterNoise segmenter;
   std::optional<ImuRig> imu;
+  std::uint64_t noise_seed = 0;     ///< scenes with others draw other noise at the same seed of a sequence
   double noise_scale = 1;           ///< what the amplitudes of noise were multiplied by (scale_noise)
   double map_resolution_m = 0.1;    ///< cell edge of the static world's octree (truth/map.bt)
   std::optional<ConfigNode> lidar;  ///< the section as it stands, for its own reader
 
   Camera told_camera() const;                       ///< with its calibration error
   std::int64_t stamp_ns(std::int64_t frame) const;  ///< of a frame, from 0 on, rounded to the nanosecond
+  /// The seed of all noise in a sequence of this seed: the same, where the scene has no noise_seed.
+  std::uint64_t stream_seed(std::uint64_t seed) const;
 };
 
 /// Whether primitives' textures are painted, which takes most of the time to load a scene, or left in one

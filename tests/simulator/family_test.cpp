@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "core/base/config.h"
 #include "core/base/files.h"
@@ -315,6 +316,17 @@ TEST(Families, StreetsHaveStopAndGoAndTurns) {
   EXPECT_GT(drives, 20);
   EXPECT_GT(stops, drives / 10);
   EXPECT_GT(turns, drives / 10);
+}
+
+// Else all scenes of a bench had the same noise, and missed their masks in the same frames.
+TEST(Families, EachSceneHasNoiseOfItsOwn) {
+  std::set<std::uint64_t> noises;
+  for (const std::string& family : family_names())
+    for (const std::uint64_t seed : {1, 2, 3})
+      noises.insert(
+          parse_scene(generate_scene({family, seed, {{"frames", "1"}}}), "s.yaml", {}, Textures::plain)
+              .stream_seed(1));
+  EXPECT_EQ(noises.size(), 3 * family_names().size());
 }
 
 TEST(Families, TheHarderTheFaster) {
