@@ -24,12 +24,12 @@ constexpr int kIterations = 40;
 constexpr double kHuberSigmas = 2;
 constexpr double kNearest_m = 0.05;
 constexpr std::size_t kLeastKeyframes = 4;
-constexpr int kGroups = 6;            // of points, each left out once
+constexpr int kGroups = 6;            // of points and of keyframes in a row, each left out once
 constexpr double kProfileStep = 0.1;  // of the bias, in sigmas of its prior
 constexpr double kNoInformation = 1e-3;
-// Priors. Bias: 2 % at 2 m, the accuracy that the D435's data sheet promises. Focal length and principal
-// point: ours, of a calibration of some care.
-constexpr double kBiasSigma_per_m = 0.01, kFocalSigma = 0.005, kCentreSigma_px = 3;
+// Priors. Bias: 2 sigmas are 2 % at 2 m, the accuracy that the D435's data sheet promises. Focal length and
+// principal point: ours, of a calibration of some care.
+constexpr double kBiasSigma_per_m = 0.005, kFocalSigma = 0.005, kCentreSigma_px = 3;
 
 using Calibration = std::array<double, 4>;  // bias, logarithm of the focal length's factor, centre's shift
 
@@ -103,11 +103,21 @@ struct Estimate {
 };
 
 enum class Bias { free, held };
-constexpr int kNone = -1;
 
-// The best estimate by the points whose group is not `left_out`.
+// Groups of what is left out of an adjustment.
+constexpr int kNone = -1;
+struct LeftOut {
+  int points = kNone, keyframes = kNone;
+};
+
+// The `i`-th of `count` in a row.
+int group_of(std::size_t i, std::size_t count) {
+  return static_cast<int>(i * kGroups / count);
+}
+
+// The best estimate by what is not left out.
 Estimate adjusted(Estimate start, const std::vector<const Keyframe*>& keyframes, const Camera& camera,
-                  double pixel_sigma, const std::map<std::int64_t, int>& groups, int left_out, Bias bias) {
+                  double pixel_sigma, LeftOut left_out, Bias bias) {
   ceres::HuberLoss loss(kHuberSigmas);
   ceres::SubsetManifold without_bias(4, {0});
   const auto manifold = pose_manifold();
@@ -120,15 +130,19 @@ Estimate adjusted(Estimate start, const std::vector<const Keyframe*>& keyframes,
   std::vector<Eigen::Vector3d> points;
   std::map<std::int64_t, double*> point_of;
   points.reserve(start.places.size());
+  int at = 0;
   for (const auto& [track, place] : start.places)
-    if (groups.at(track) != left_out) {
+    if (at++ % kGroups != left_out.points) {
       double* point = point_of[track] = points.emplace_back(place).data();
       problem.AddParameterBlock(point, 3);
       ordering->AddElementToGroup(point, 0);
     }
+  double* first = nullptr;
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    if (group_of(i, keyframes.size()) == left_out.keyframes) continue;
     double* pose = start.poses[i].data();
     problem.AddParameterBlock(pose, 7, manifold.get());
+    if (!first) first = pose;
     ordering->AddElementToGroup(pose, 1);
     for (const Feature& feature : keyframes[i]->features)
       if (const auto point = point_of.find(feature.track); point != point_of.end())
@@ -136,7 +150,7 @@ Estimate adjusted(Estimate start, const std::vector<const Keyframe*>& keyframes,
             new ceres::AutoDiffCostFunction<Sighting, 3, 7, 3, 4>(new Sighting{camera, feature, pixel_sigma}),
             &loss, pose, point->second, start.calibration.data());
   }
-  problem.SetParameterBlockConstant(start.poses.front().data());
+  problem.SetParameterBlockConstant(first);
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 4, 4>(new Prior), nullptr,
                            start.calibration.data());
   if (bias == Bias::held) problem.SetManifold(start.calibration.data(), &without_bias);
@@ -156,33 +170,37 @@ Estimate adjusted(Estimate start, const std::vector<const Keyframe*>& keyframes,
 
 }  // namespace
 
-std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma) {
+std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma,
+                                         double most_sigma_per_m) {
   if (map.keyframes.size() < kLeastKeyframes) return std::nullopt;
   const auto keyframes = evenly_chosen(map.keyframes);
   Estimate start;
   start.places = most_seen(map, keyframes);
   for (const Keyframe* keyframe : keyframes) start.poses.push_back(pose_block(keyframe->camera_from_world));
-  std::map<std::int64_t, int> groups;
-  for (const auto& [track, place] : start.places)
-    groups.emplace(track, static_cast<int>(groups.size()) % kGroups);
-  const auto solve = [&](const Estimate& from, int left_out, Bias bias) {
-    return adjusted(from, keyframes, camera, pixel_sigma, groups, left_out, bias);
+  const auto solve = [&](const Estimate& from, LeftOut left_out, Bias bias) {
+    return adjusted(from, keyframes, camera, pixel_sigma, left_out, bias);
   };
-  const Estimate all = solve(start, kNone, Bias::free);
+  const Estimate all = solve(start, {}, Bias::free);
   // The cost's curvature along the bias, all else at its best, is the information on it, the prior's too.
   Estimate beside = all;
   beside.calibration[0] += kProfileStep * kBiasSigma_per_m;
-  const double rise = solve(beside, kNone, Bias::held).cost - all.cost;
+  const double rise = solve(beside, {}, Bias::held).cost - all.cost;
   const double prior = 1 / (kBiasSigma_per_m * kBiasSigma_per_m);
   const double step = kProfileStep * kBiasSigma_per_m;
   const double curvature = std::max(2 * rise / (step * step), (1 + kNoInformation) * prior) - prior;
-  double mean = 0, square = 0;
-  for (int group = 0; group < kGroups; ++group) {
-    const double bias = solve(all, group, Bias::free).calibration[0];
-    mean += bias / kGroups;
-    square += bias * bias / kGroups;
-  }
-  const double spread = (kGroups - 1) * std::max(0.0, square - mean * mean);
+  if (1 / std::sqrt(curvature + prior) > most_sigma_per_m) return std::nullopt;
+  const auto variance = [&](int LeftOut::*part) {
+    double mean = 0, square = 0;
+    for (int group = 0; group < kGroups; ++group) {
+      LeftOut left_out;
+      left_out.*part = group;
+      const double bias = solve(all, left_out, Bias::free).calibration[0];
+      mean += bias / kGroups;
+      square += bias * bias / kGroups;
+    }
+    return (kGroups - 1) * std::max(0.0, square - mean * mean);
+  };
+  const double spread = std::max(variance(&LeftOut::points), variance(&LeftOut::keyframes));
   // Sightings whose errors hang together tell less than the adjustment takes them for.
   const double information = std::min(curvature, 1 / std::max(spread, 1e-12));
   const double share = information / (information + prior) * (curvature + prior) / curvature;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "estimator/ego/ego_map.h"
@@ -15,8 +16,12 @@ struct DepthBias {
 /// The bias by which the map's points are seen most rigidly: bundle adjustment over an even choice of
 /// keyframes and the points most seen, with the bias, the focal length and the principal point as unknowns.
 /// The last two have priors, and take what would else be blamed on depth. `pixel_sigma` is a feature's [px].
-/// A common scale of all depth cannot be seen. The sigma is a jackknife's over groups of points: a
-/// point's errors are alike in all its sightings. Nothing for fewer than four keyframes.
-std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma);
+/// A common scale of all depth cannot be seen. The sigma is the larger of two jackknives': over groups of
+/// points, for a point's errors are alike in all its sightings, and over keyframes in a row, for errors of
+/// tracking and of exposure hang together for a while. Nothing for fewer than four keyframes.
+/// Nothing either, in a seventh of the time, where even points without such errors leave more than
+/// `most_sigma_per_m`.
+std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma,
+                                         double most_sigma_per_m = std::numeric_limits<double>::infinity());
 
 }  // namespace uniquadric

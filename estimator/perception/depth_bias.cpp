@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -54,12 +55,7 @@ std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOp
   RgbdOdometry odometry(sequence.camera, options.odometry, run.seed, 0,
                         own.rolling_shutter.enabled ? sequence.rolling_shutter_s : 0);
   DepthCheck check(options.depth_check);
-  std::optional<DepthBias> best;  // a map that was begun anew may know less than the one before
-  const auto adjust = [&] {
-    const auto bias = calibrate_depth(odometry.map(), without_distortion(sequence.camera),
-                                      options.odometry.bundle.pixel_sigma);
-    if (bias && (!best || bias->sigma_per_m < best->sigma_per_m)) best = bias;
-  };
+  std::optional<DepthBias> found;
   const auto first_frames = frames_to_use(sequence);
   Progress progress("calibrate", std::ssize(first_frames), run.quiet);
   int images = 0, next = kFirstImages;
@@ -87,15 +83,19 @@ std::optional<DepthBias> depth_bias(const Sequence& sequence, const PerceptionOp
     odometry.track(*now.frame, now.features, now.depth, now.masks);
     progress.advance();
     images += !now.depth.empty();
-    if (images < next && now.frame != &first_frames.back()) return;
+    const bool is_last = now.frame == &first_frames.back();
+    if (images < next && !is_last) return;
     next *= 2;
-    adjust();
-    is_enough = best && best->sigma_per_m * usual_depth_m(odometry.map()) < kEnough;
+    const double enough = kEnough / usual_depth_m(odometry.map());
+    found = calibrate_depth(odometry.map(), without_distortion(sequence.camera),
+                            options.odometry.bundle.pixel_sigma,
+                            is_last ? std::numeric_limits<double>::infinity() : enough);
+    is_enough = found && found->sigma_per_m < enough;
   };
   using enum FrameOrder;
   pass_frames<Images>(run.threads, kFramesInFlight, take,
                       {{at_once, read}, {in_order, follow}, {in_order, place}});
-  return best;
+  return found;
 }
 
 double depth_edge_width_px(const Sequence& sequence) {
