@@ -207,4 +207,13 @@ std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera
   return DepthBias{share * all.calibration[0], 1 / std::sqrt(information + prior)};
 }
 
+void add_bias_variance(const DepthBias& bias, const Pose& world_from_camera, ObjectState& state) {
+  const Ellipsoid& body = state.ellipsoid;
+  const Eigen::Vector3d ray = body.world_from_object.translation - world_from_camera.translation;
+  const double z = (world_from_camera.rotation.inverse() * ray).z();
+  const double share = z * bias.sigma_per_m;
+  state.covariance_diagonal.head<3>() += (share * body.semi_axes_m).cwiseAbs2();
+  state.covariance_diagonal.segment<3>(3) += (share * ray).cwiseAbs2();
+}
+
 }  // namespace uniquadric

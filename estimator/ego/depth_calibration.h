@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/sequence/tracks.h"
 #include "estimator/ego/ego_map.h"
 
 namespace uniquadric {
@@ -23,5 +24,9 @@ struct DepthBias {
 /// `most_sigma_per_m`.
 std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera, double pixel_sigma,
                                          double most_sigma_per_m = std::numeric_limits<double>::infinity());
+
+/// Adds to a state's variances what a bias may be off by: depths that are off by z^2 sigma move a body along
+/// its ray and change its size by the same share, z sigma.
+void add_bias_variance(const DepthBias& bias, const Pose& world_from_camera, ObjectState& state);
 
 }  // namespace uniquadric

@@ -138,5 +138,32 @@ TEST(DepthCalibration, KnowsThatACameraAtRestTellsNothing) {
   EXPECT_GT(found->sigma_per_m, 0.0045);
 }
 
+// As depth off by one sigma moves and scales what is seen, about a camera that stands anywhere.
+TEST(DepthCalibration, ItsSigmaEntersTheStates) {
+  const Camera camera;
+  const Pose world_from_camera{
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized())), {0.5, -1, 2}};
+  const Eigen::Vector2d pixel(400, 100);
+  const double z = 1.7, sigma = 1e-5, size_px = 60;
+  const auto place = [&](double z_m) {
+    const Eigen::Vector3d ray = *camera.unproject(pixel);
+    return Eigen::Vector3d(world_from_camera * Eigen::Vector3d(ray / ray.z() * z_m));
+  };
+  const double off_m = 1 / (1 / z + sigma);
+  const Eigen::Vector3d moved = place(off_m) - place(z);
+  const double grown_m = size_px / camera.fx * (off_m - z);
+  ObjectState state;
+  state.ellipsoid = {{Eigen::Quaterniond::Identity(), place(z)},
+                     Eigen::Vector3d::Constant(size_px / camera.fx * z)};
+  state.covariance_diagonal = Vector9d::Constant(1e-12);
+  add_bias_variance({0.003, sigma}, world_from_camera, state);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(state.covariance_diagonal[axis], 1e-12 + grown_m * grown_m, 1e-3 * grown_m * grown_m);
+    EXPECT_NEAR(state.covariance_diagonal[3 + axis], 1e-12 + moved[axis] * moved[axis],
+                1e-3 * moved.squaredNorm());
+    EXPECT_EQ(state.covariance_diagonal[6 + axis], 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace uniquadric
