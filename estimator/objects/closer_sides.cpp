@@ -52,7 +52,7 @@ double share_off_box(const Shape& shape, const SideEvidence& evidence) {
 Shape box_along_axes(const Shape& shape, const Eigen::Matrix3d& axes, const SideEvidence& evidence) {
   Shape box = shape;
   box.body_from_object.rotation = Eigen::Quaterniond(axes).normalized();
-  return with_seen_extents(box, evidence.views, evidence.radius_m, evidence.contacts, false);
+  return with_seen_extents(box, evidence.views, evidence.radius_m, evidence.contacts, Lengths::assumed);
 }
 
 }  // namespace
@@ -61,30 +61,29 @@ bool has_closer_sides(const Shape& other, const Shape& best, const SideEvidence&
   return share_off_box(other, evidence) < kCloser * share_off_box(best, evidence);
 }
 
-Shape box_about(const Shape& shape, std::optional<Eigen::Matrix3d>& axes, bool looks,
-                const SideEvidence& evidence) {
-  if (evidence.surface_points.cols() == 0 || (!axes && !looks)) return shape;
-  const auto volume_along = [&](const Eigen::Matrix3d& along) {
-    return box_along(along, evidence.surface_points).half_extents_m.prod();
+std::optional<Shape> box_about(const Shape& shape, const std::optional<Shape>& before, bool looks,
+                               const SideEvidence& evidence) {
+  if (evidence.surface_points.cols() == 0 || (!before && !looks)) return std::nullopt;
+  const auto axes_of = [](const Shape& of) { return of.body_from_object.rotation.toRotationMatrix(); };
+  const auto volume_along = [&](const Eigen::Matrix3d& axes) {
+    return box_along(axes, evidence.surface_points).half_extents_m.prod();
   };
-  const Eigen::Matrix3d own_axes = shape.body_from_object.rotation.toRotationMatrix();
-  const double own_volume = volume_along(own_axes), own_off = share_off_sides(shape, evidence);
+  const double own_volume = volume_along(axes_of(shape)), own_off = share_off_sides(shape, evidence);
   const double surface_off = share_off_surface(shape, evidence);
-  Shape best = shape;
-  const auto takes = [&](const Eigen::Matrix3d& along, double most_off) {
-    const Shape box = box_along_axes(shape, along, evidence);
+  const auto box_with = [&](const Eigen::Matrix3d& axes, double most_off) -> std::optional<Shape> {
+    const Shape box = box_along_axes(shape, axes, evidence);
     const double off = share_off_sides(box, evidence);
-    if (off >= most_off || surface_off < kCloser * off) return false;
-    best = box;
-    return true;
+    if (off >= most_off || surface_off < kCloser * off) return std::nullopt;
+    return box;
   };
-  if (axes && !(volume_along(*axes) < own_volume && takes(*axes, own_off / kCloser))) axes.reset();
+  std::optional<Shape> held;
+  if (before && volume_along(axes_of(*before)) < own_volume)
+    held = box_with(axes_of(*before), own_off / kCloser);
   const auto seen = looks ? fit_tight_surface_box(evidence.surface_points) : std::nullopt;
-  if (!seen || seen->half_extents_m.prod() >= kCloser * (axes ? volume_along(*axes) : own_volume))
-    return best;
-  const Eigen::Matrix3d named = seen->axes * nearest_box_rotation(seen->axes, axes.value_or(own_axes));
-  if (takes(named, own_off)) axes = named;
-  return best;
+  const Eigen::Matrix3d axes = axes_of(held.value_or(shape));
+  if (!seen || seen->half_extents_m.prod() >= kCloser * volume_along(axes)) return held;
+  const auto found = box_with(seen->axes * nearest_box_rotation(seen->axes, axes), own_off);
+  return found ? found : held;
 }
 
 }  // namespace uniquadric

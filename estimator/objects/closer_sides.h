@@ -25,10 +25,10 @@ bool has_closer_sides(const Shape& other, const Shape& best, const SideEvidence&
 /// The box about a body. A body that is not convex, as an angle, has sides that no shape of the family
 /// follows: the best one is about its hull. The box has other axes if the surface's points fill a clearly
 /// smaller one along them, no more of these lie off its sides, and not clearly fewer lie off the shape's own
-/// surface, as an ellipsoid's. Its ends are what views show. Otherwise `shape`.
-/// `axes` (columns, body's frame): found before, and kept while they hold. `looks`: whether to look for
-/// others (fit_tight_surface_box), named as they are nearest to those of before.
-Shape box_about(const Shape& shape, std::optional<Eigen::Matrix3d>& axes, bool looks,
-                const SideEvidence& evidence);
+/// surface, as an ellipsoid's. Its ends are what views show. Otherwise nothing.
+/// `before`: the box until now, whose axes are kept while they hold. `looks`: whether to look for others
+/// (fit_tight_surface_box), named as they are nearest to those of before.
+std::optional<Shape> box_about(const Shape& shape, const std::optional<Shape>& before, bool looks,
+                               const SideEvidence& evidence);
 
 }  // namespace uniquadric

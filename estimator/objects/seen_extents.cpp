@@ -141,7 +141,7 @@ End end_of(const Side& side, const End& solved, std::optional<double> outlined_m
 // `about`: what is known of where the body ends in the other axes, without which an outline says little.
 Shape with_ends(Shape shape, const Shape& about, const std::vector<Side>& sides,
                 const std::vector<PointView>& views, double radius_m,
-                const std::vector<ContactSide>& contacts, bool is_fit) {
+                const std::vector<ContactSide>& contacts, Lengths lengths) {
   const double spacing_m = point_spacing(shape, views), noise_m = noise_of(sides);
   const auto end_at = [&](const Side& side) {
     for (const ContactSide& contact : contacts)
@@ -153,8 +153,9 @@ Shape with_ends(Shape shape, const Shape& about, const std::vector<Side>& sides,
     const double seen_share =
         visible_share(about, views, side.axis, side.sign) * (1 - tip_short(shape, side, spacing_m));
     const double variance = shape.variances[side.axis] + shape.variances[3 + side.axis];
-    const End solved{shape.semi_axes_m[side.axis],
-                     is_fit ? std::sqrt(variance) : std::numeric_limits<double>::infinity()};
+    const End solved{shape.semi_axes_m[side.axis], lengths == Lengths::fitted
+                                                       ? std::sqrt(variance)
+                                                       : std::numeric_limits<double>::infinity()};
     return end_of(side, solved, outlined_m, seen_share, spacing_m, noise_m, radius_m);
   };
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
@@ -162,8 +163,8 @@ Shape with_ends(Shape shape, const Shape& about, const std::vector<Side>& sides,
     const End high = end_at(sides[2 * axis]), low = end_at(sides[2 * axis + 1]);
     if (!(high.at_m + low.at_m > 0)) continue;
     for (double* variance : {&shape.variances[axis], &shape.variances[3 + axis]})
-      *variance =
-          std::max(is_fit ? *variance : 0, (high.sigma_m * high.sigma_m + low.sigma_m * low.sigma_m) / 4);
+      *variance = std::max(lengths == Lengths::fitted ? *variance : 0,
+                           (high.sigma_m * high.sigma_m + low.sigma_m * low.sigma_m) / 4);
     shape.semi_axes_m[axis] = (high.at_m + low.at_m) / 2;
     shift[axis] = (high.at_m - low.at_m) / 2;
   }
@@ -193,10 +194,10 @@ PointView point_view(const Camera& camera, const ShapeView& view) {
 }
 
 Shape with_seen_extents(const Shape& shape, const std::vector<PointView>& views, double radius_m,
-                        const std::vector<ContactSide>& contacts, bool is_fit) {
+                        const std::vector<ContactSide>& contacts, Lengths lengths) {
   const std::vector<Side> sides = sides_of(shape, views);
-  const Shape about = with_ends(shape, shape, sides, views, radius_m, contacts, is_fit);
-  return with_ends(shape, about, sides, views, radius_m, contacts, is_fit);
+  const Shape about = with_ends(shape, shape, sides, views, radius_m, contacts, lengths);
+  return with_ends(shape, about, sides, views, radius_m, contacts, lengths);
 }
 
 }  // namespace uniquadric

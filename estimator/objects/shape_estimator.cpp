@@ -79,7 +79,6 @@ std::optional<Eigen::Vector3d> ShapeEstimator::start(const PerceivedFrame& frame
   const double m_per_px = median_depth(body.points) / camera_.fx;
   radius_m_ = std::sqrt(box.semi_major * box.semi_minor) * m_per_px;
   shape_.semi_axes_m.setConstant(radius_m_);
-  box_ = shape();
   surface_.reset(radius_m_, box.semi_major * m_per_px);
   return center_of(frame, body);
 }
@@ -278,7 +277,6 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
   thin_views(views_, window.keyframes);
   if (const auto found = solve_by_extents()) {
     shape_ = *found;
-    box_ = shape();
     return;
   }
   Evidence evidence{{}, surface_.sample(), {}};
@@ -323,7 +321,7 @@ void ShapeEstimator::solve(bool searches, const std::optional<Shape>& box) {
   shape_ = window.extents ? with_seen_extents(best.shape, evidence.views, radius_m_, evidence.contacts)
                           : best.shape;
   const SideEvidence sides{evidence.views, evidence.surface_points, radius_m_, evidence.contacts};
-  box_ = window.extents && window.box_by_points ? box_about(shape(), box_axes_, searches, sides) : shape();
+  if (window.extents && window.box_by_points) box_ = box_about(shape(), box_, searches, sides);
 }
 
 }  // namespace uniquadric

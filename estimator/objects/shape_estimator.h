@@ -63,7 +63,7 @@ class ShapeEstimator {
 
   Shape shape() const;
   /// The same, or the box about a body that the shape has no form for (box_about).
-  const Shape& box() const { return box_; }
+  Shape box() const { return box_.value_or(shape()); }
   SurfaceModel surface() const;
 
  private:
@@ -87,13 +87,12 @@ class ShapeEstimator {
   Camera camera_;
   ShapeOptions options_;
   std::uint64_t seed_;
-  Shape shape_;                              // z is the profile's axis
-  Shape box_;                                // with its own names
-  std::optional<Eigen::Matrix3d> box_axes_;  // where they are not the shape's
-  double outline_px_ = 0;                    // spread of outlines about the last shape
-  std::optional<SuperExponents> plain_;      // of the box, cylinder or ellipsoid that it is taken for
-  int turns_ = 0;                            // of the axes' names since the start
-  double radius_m_ = 0;                      // of the first sphere
+  Shape shape_;                          // z is the profile's axis
+  std::optional<Shape> box_;             // where it is not the shape's, with names of its own
+  double outline_px_ = 0;                // spread of outlines about the last shape
+  std::optional<SuperExponents> plain_;  // of the box, cylinder or ellipsoid that it is taken for
+  int turns_ = 0;                        // of the axes' names since the start
+  double radius_m_ = 0;                  // of the first sphere
   int keyframes_ = 0;
   std::vector<ShapeView> views_, waiting_;
   std::deque<AxisEstimate> axes_;  // of single keyframes by Alg. 1
