@@ -23,7 +23,6 @@
 #include "core/sequence/tracks.h"
 #include "simulator/lidar_files.h"
 #include "simulator/noise/segmenter.h"
-#include "simulator/scene/named_motions.h"
 #include "tests/simulator/simple_scene.h"
 #include "tests/simulator/simulate_quietly.h"
 #include "tests/support/temp_folder.h"
