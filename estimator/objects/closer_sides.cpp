@@ -47,11 +47,10 @@ double share_off_box(const Shape& shape, const SideEvidence& evidence) {
                          evidence);
 }
 
-// The box along other axes (columns), named as its own. Where views do not show its ends, they are the
-// shape's.
-Shape box_along_axes(const Shape& shape, const Eigen::Matrix3d& axes, const SideEvidence& evidence) {
+// The box along other axes, named as its own. Where views do not show its ends, they are the shape's.
+Shape box_along_axes(const Shape& shape, const Eigen::Quaterniond& axes, const SideEvidence& evidence) {
   Shape box = shape;
-  box.body_from_object.rotation = Eigen::Quaterniond(axes).normalized();
+  box.body_from_object.rotation = axes;
   return with_seen_extents(box, evidence.views, evidence.radius_m, evidence.contacts, Lengths::assumed);
 }
 
@@ -64,25 +63,26 @@ bool has_closer_sides(const Shape& other, const Shape& best, const SideEvidence&
 std::optional<Shape> box_about(const Shape& shape, const std::optional<Shape>& before, bool looks,
                                const SideEvidence& evidence) {
   if (evidence.surface_points.cols() == 0 || (!before && !looks)) return std::nullopt;
-  const auto axes_of = [](const Shape& of) { return of.body_from_object.rotation.toRotationMatrix(); };
-  const auto volume_along = [&](const Eigen::Matrix3d& axes) {
-    return box_along(axes, evidence.surface_points).half_extents_m.prod();
+  const auto volume_along = [&](const Eigen::Quaterniond& axes) {
+    return box_along(axes.toRotationMatrix(), evidence.surface_points).half_extents_m.prod();
   };
-  const double own_volume = volume_along(axes_of(shape)), own_off = share_off_sides(shape, evidence);
+  const Eigen::Quaterniond& own_axes = shape.body_from_object.rotation;
+  const double own_volume = volume_along(own_axes), own_off = share_off_sides(shape, evidence);
   const double surface_off = share_off_surface(shape, evidence);
-  const auto box_with = [&](const Eigen::Matrix3d& axes, double most_off) -> std::optional<Shape> {
+  const auto box_with = [&](const Eigen::Quaterniond& axes, double most_off) -> std::optional<Shape> {
     const Shape box = box_along_axes(shape, axes, evidence);
     const double off = share_off_sides(box, evidence);
     if (off >= most_off || surface_off < kCloser * off) return std::nullopt;
     return box;
   };
   std::optional<Shape> held;
-  if (before && volume_along(axes_of(*before)) < own_volume)
-    held = box_with(axes_of(*before), own_off / kCloser);
+  if (before && volume_along(before->body_from_object.rotation) < own_volume)
+    held = box_with(before->body_from_object.rotation, own_off / kCloser);
   const auto seen = looks ? fit_tight_surface_box(evidence.surface_points) : std::nullopt;
-  const Eigen::Matrix3d axes = axes_of(held.value_or(shape));
+  const Eigen::Quaterniond& axes = held ? held->body_from_object.rotation : own_axes;
   if (!seen || seen->half_extents_m.prod() >= kCloser * volume_along(axes)) return held;
-  const auto found = box_with(seen->axes * nearest_box_rotation(seen->axes, axes), own_off);
+  const Eigen::Matrix3d named = seen->axes * nearest_box_rotation(seen->axes, axes.toRotationMatrix());
+  const auto found = box_with(Eigen::Quaterniond(named).normalized(), own_off);
   return found ? found : held;
 }
 

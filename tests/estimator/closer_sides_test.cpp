@@ -154,7 +154,7 @@ TEST(BoxAbout, AnAngleHasTheAxesOfItsArms) {
   const auto later = box_about(box_turned(across_rad + 0.05, {0.39, 0.2, 0.1}), box, false,
                                {round.views, points, kRadius_m, {}});
   ASSERT_TRUE(later);
-  EXPECT_LT(later->body_from_object.rotation.angularDistance(box.body_from_object.rotation), 1e-7);
+  EXPECT_EQ(later->body_from_object.rotation.angularDistance(box.body_from_object.rotation), 0);
 }
 
 // Its own axes fill the smallest box: nothing is turned, and nothing is kept.
