@@ -189,13 +189,10 @@ template <typename PoseOf>
 Tracks tracks_of(const Perception& perception, const std::vector<ObjectTrack>& objects,
                  const PoseOf& pose_of) {
   Tracks tracks;
-  std::map<std::int64_t, Pose> poses;
   for (const FrameInfo& frame : perception.frames())
-    if (const std::optional<Pose> pose = pose_of(frame)) {
-      tracks.camera.push_back({frame.stamp_ns, *pose});
-      poses[frame.stamp_ns] = *pose;
-    }
+    if (const std::optional<Pose> pose = pose_of(frame)) tracks.camera.push_back({frame.stamp_ns, *pose});
   tracks.objects = objects;
+  const std::map<std::int64_t, Pose> poses = by_stamp(tracks.camera);
   if (const auto& bias = perception.depth_bias())
     for (ObjectTrack& track : tracks.objects)
       for (ObjectState& state : track.states)

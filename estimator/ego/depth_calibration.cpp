@@ -182,11 +182,11 @@ std::optional<DepthBias> calibrate_depth(const EgoMap& map, const Camera& camera
   };
   const Estimate all = solve(start, {}, Bias::free);
   // The cost's curvature along the bias, all else at its best, is the information on it, the prior's too.
+  const double step = kProfileStep * kBiasSigma_per_m;
   Estimate beside = all;
-  beside.calibration[0] += kProfileStep * kBiasSigma_per_m;
+  beside.calibration[0] += step;
   const double rise = solve(beside, {}, Bias::held).cost - all.cost;
   const double prior = 1 / (kBiasSigma_per_m * kBiasSigma_per_m);
-  const double step = kProfileStep * kBiasSigma_per_m;
   const double curvature = std::max(2 * rise / (step * step), (1 + kNoInformation) * prior) - prior;
   if (1 / std::sqrt(curvature + prior) > most_sigma_per_m) return std::nullopt;
   const auto variance = [&](int LeftOut::*part) {

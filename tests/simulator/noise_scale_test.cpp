@@ -9,8 +9,8 @@
 #include "core/base/files.h"
 #include "core/sequence/sequence.h"
 #include "simulator/lidar_files.h"
-#include "simulator/simulate.h"
 #include "tests/simulator/simple_scene.h"
+#include "tests/simulator/simulate_quietly.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -28,9 +28,7 @@ Observed observe(double scale, const fs::path& folder) {
   scene.depth_noise.edge_dropout = 0;
   scene.segmenter.miss_probability = 0;
   scale_noise(scene, scale);
-  SimulateOptions options;
-  options.quiet = true;
-  simulate(scene, options, folder);
+  simulate(scene, quiet(), folder);
   const Sequence sequence = open_sequence(folder / "sequence");
   Observed observed;
   for (const SequenceFrame& frame : sequence.frames) {
