@@ -104,7 +104,8 @@ std::optional<BodyState> BodyEstimator::step(const PerceivedFrame& frame, const 
     frames_unfound_ = by_points || pose->keyframe ? 0 : frames_unfound_ + 1;
     return found(frame, *body, !own.has_value(), *pose);
   }
-  if (body && can_start(*body) && was_a_glimpse(seconds(recent_.back().stamp_ns, frame.stamp_ns))) {
+  const double hidden_s = seconds(recent_.back().stamp_ns, frame.stamp_ns);
+  if (body && can_start(*body) && (was_a_glimpse(hidden_s) || has_wrong_model(frame, *body))) {
     begin_anew();
     return step(frame, body, times);
   }
@@ -126,6 +127,8 @@ BodyState BodyEstimator::guessed(const PerceivedFrame& frame, const BodyPose& po
 BodyState BodyEstimator::found(const PerceivedFrame& frame, const BodyObservation& body, bool own_outline,
                                const BodyPose& pose) {
   const Matrix6d covariance = covariance_of(pose.information);
+  frames_misfit_ = 0;
+  frames_placed_ += is_placed(covariance, shape_.shape()) ? 1 : 0;
   if (frame.frame > sure_frame_ + 1 && seconds(sure_ns_, frame.stamp_ns) > options_.motion.window_s)
     motion_.forget();
   if (!is_global())
@@ -206,6 +209,12 @@ bool BodyEstimator::has_own_outline(const PerceivedFrame& frame, const BodyObser
 bool BodyEstimator::was_a_glimpse(double hidden_s) const {
   const LifecycleOptions& o = options_.lifecycle;
   return keyframes_ == 1 || (keyframes_ < o.confirm_keyframes && hidden_s > o.search_after_s);
+}
+
+// Of a body in view whose model fits nowhere, for longer than it ever did.
+bool BodyEstimator::has_wrong_model(const PerceivedFrame& frame, const BodyObservation& body) {
+  if (!options_.lifecycle.drops_models || !is_stale(frame) || !is_whole(*body.silhouette)) return false;
+  return ++frames_misfit_ > frames_placed_;
 }
 
 void BodyEstimator::remember(const PerceivedFrame& frame, const Pose& world_from_body,
@@ -319,6 +328,17 @@ std::optional<Eigen::Vector3d> BodyEstimator::center_by_points(const PerceivedFr
   return Eigen::Vector3d(last.world_from_body * body_center() + *middle - *last.middle);
 }
 
+// Whether it is further from where it was expected than an impact explains, which turns its velocity round at
+// most.
+bool BodyEstimator::is_out_of_reach(const PerceivedFrame& frame, const Pose& world_from_body) const {
+  const Eigen::Vector3d center = body_center(), last = recent_.back().world_from_body * center,
+                        expected = predict(frame, nullptr) * center;
+  const double sigma_m = prediction_sigmas_at(frame, recent_.back().stamp_ns).translation_m;
+  const double reach_m =
+      kReachSigmas * sigma_m + shape_.shape().semi_axes_m.maxCoeff() + 2 * (expected - last).norm();
+  return (world_from_body * center - expected).norm() > reach_m;
+}
+
 // The body is in view and too few of its points are found again: its surface places it. When that goes on,
 // the short window starts anew from there.
 std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const BodyObservation& body) {
@@ -326,6 +346,8 @@ std::optional<BodyPose> BodyEstimator::align(const PerceivedFrame& frame, const 
   if (!found) return std::nullopt;
   BodyPose pose;
   pose.world_from_body = pose.sighted = in_world(frame, found->camera_from_body);
+  if (options_.lifecycle.weighs_evidence && !is_stale(frame) && is_out_of_reach(frame, pose.world_from_body))
+    return std::nullopt;
   pose.information = found->information;
   const int unfound = frames_unfound_ + 1, enough = options_.lifecycle.restart_frames;
   const bool sure = (is_whole(*body.silhouette) && found->matched > LifecycleOptions::sure_share) ||

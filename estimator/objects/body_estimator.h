@@ -30,6 +30,8 @@ struct LifecycleOptions {
   bool ends_outside = true;  // or where that leaves the image: nobody says how it goes on there
   bool ends_unplaced =
       true;  // or where nothing of it is seen and the prediction's sigma exceeds its longest radius
+  bool drops_models =
+      true;  // begun anew where it is in view and its model fits for less long than it does not
   bool weighs_evidence = true;  // a pose by features gives way to one that surface and motion speak for more
   /// Share of the points that lie on the surface of a body that is back: any face fits any other.
   static constexpr double sure_share = 0.9;
@@ -116,6 +118,7 @@ class BodyEstimator {
   bool start(const PerceivedFrame& frame, const BodyObservation& body);
   bool has_own_outline(const PerceivedFrame& frame, const BodyObservation& body) const;
   bool was_a_glimpse(double hidden_s) const;
+  bool has_wrong_model(const PerceivedFrame& frame, const BodyObservation& body);
   void remember(const PerceivedFrame& frame, const Pose& world_from_body, const Matrix6d& covariance);
   std::optional<BodyPose> track(const PerceivedFrame& frame, const BodyObservation& body);
   SurfaceModel surface_of_before() const;
@@ -124,6 +127,8 @@ class BodyEstimator {
   BodyPose stand_still(const PerceivedFrame& frame) const;
   std::optional<BodyPose> align(const PerceivedFrame& frame, const BodyObservation& body);
   std::optional<CloudAlignment> aligned(const PerceivedFrame& frame, const BodyObservation& body) const;
+  std::optional<CloudAlignment> aligned_to(const PerceivedFrame& frame, const BodyObservation& body,
+                                           const SurfaceModel& surface) const;
   std::optional<CloudAlignment> found_by_shape(const PerceivedFrame& frame, const BodyObservation& body,
                                                SurfaceModel surface, Pose predicted) const;
   std::optional<Eigen::Vector3d> center_by_points(const PerceivedFrame& frame,
@@ -142,6 +147,7 @@ class BodyEstimator {
   std::optional<CloudAlignment> best_of(const PerceivedFrame& frame, const BodyObservation& body,
                                         const SurfaceModel& surface,
                                         const std::vector<CloudAlignment>& ends) const;
+  bool is_out_of_reach(const PerceivedFrame& frame, const Pose& world_from_body) const;
   bool is_stale(const PerceivedFrame& frame) const;
   bool has_left(const PerceivedFrame& frame, const Pose& world_from_body, double sigma_m) const;
   PoseSigmas prediction_sigmas_at(const PerceivedFrame& frame, std::int64_t since_ns) const;
@@ -160,6 +166,8 @@ class BodyEstimator {
   std::int64_t sure_ns_ = 0, sure_frame_ = 0;  // of the last pose that was no guess
   std::optional<ShapeEstimator> strayed_;      // as it was before a new face alone was to go by
   int keyframes_ = 0, frames_unfound_ = 0;
+  int frames_placed_ = 0;  // in all, by a pose that is better known than the body is large
+  int frames_misfit_ = 0;  // since the last pose, in view
   int beginnings_ = 0;
   bool said_lost_ = false;
 };

@@ -102,6 +102,7 @@ void visit(Io& io, LifecycleOptions& o) {
   io.flag("ends_outside", o.ends_outside);
   io.flag("ends_unplaced", o.ends_unplaced);
   io.flag("weighs_evidence", o.weighs_evidence);
+  io.flag("drops_models", o.drops_models);
   io.flag("follows_points", o.follows_points);
 }
 

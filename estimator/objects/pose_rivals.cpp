@@ -72,11 +72,26 @@ std::optional<CloudAlignment> BodyEstimator::best_of(const PerceivedFrame& frame
   return ends[std::ranges::min_element(against, {}, &Disagreement::all) - against.begin()];
 }
 
-// By its surface alone: on from the last pose, at rest, where its points are, or after an impact.
+// By what was seen of its surface; where a part of what is seen now is not on that, by the sides of its shape
+// too: else a body slides along the one side that is known as others come into view.
 std::optional<CloudAlignment> BodyEstimator::aligned(const PerceivedFrame& frame,
                                                      const BodyObservation& body) const {
+  SurfaceModel surface = shape_.surface();
+  const auto by_seen = aligned_to(frame, body, surface);
+  const bool is_all_seen = by_seen && by_seen->matched > LifecycleOptions::sure_share;
+  if (is_all_seen || is_stale(frame) || !options_.alignment.impacts || !surface.shape ||
+      !is_known_all_around(shape_.shape()))
+    return by_seen;
+  assume_unseen(surface);
+  const auto by_all = aligned_to(frame, body, surface);
+  return by_all ? by_all : by_seen;
+}
+
+// By a surface alone: on from the last pose, at rest, where its points are, or after an impact.
+std::optional<CloudAlignment> BodyEstimator::aligned_to(const PerceivedFrame& frame,
+                                                        const BodyObservation& body,
+                                                        const SurfaceModel& surface) const {
   const bool stale = is_stale(frame);
-  const SurfaceModel surface = shape_.surface();
   std::vector<CloudAlignment> ends;
   const auto try_from = [&](const Pose& world_from_body, const PoseSigmas& sigmas) {
     const Pose start = frame.world_from_camera->inverse() * world_from_body;

@@ -198,15 +198,27 @@ Eigen::Matrix3d covariance_of(const PoseSample& sample, Part part, const Traject
   return R * own * R.transpose() + least * least * Eigen::Matrix3d::Identity();
 }
 
-// What is known of where the body is at sample k, which is `off` the nominal pose: of a body that has
-// drifted, at the first of its samples alone.
-Eigen::Matrix3d place_information(const std::vector<PoseSample>& samples, std::size_t k, Part part,
+// Of each sample, in how many frames in a row the body went on: all of these are off alike.
+std::vector<int> frames_that_go_on(const std::vector<PoseSample>& samples) {
+  std::vector<int> frames(samples.size(), 1);
+  for (std::size_t first = 0, end; first < samples.size(); first = std::max(end, first + 1)) {
+    for (end = first; end < samples.size() && goes_on(samples, end); ++end) {
+    }
+    std::fill(frames.begin() + static_cast<std::ptrdiff_t>(first),
+              frames.begin() + static_cast<std::ptrdiff_t>(end), static_cast<int>(end - first));
+  }
+  return frames;
+}
+
+// What is known of where the body is at sample k, which is `off` the nominal pose. A body that goes on may
+// have drifted: its samples count as one guess.
+Eigen::Matrix3d place_information(const PoseSample& sample, int frames_alike, Part part,
                                   const Eigen::Vector3d& off, const TrajectorySmootherOptions& o) {
-  const PoseEvidence evidence = samples[k].evidence;
-  if (evidence == PoseEvidence::none || goes_on(samples, k)) return Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d covariance = covariance_of(samples[k], part, o);
+  if (sample.evidence == PoseEvidence::none) return Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d covariance = covariance_of(sample, part, o);
   const double guess = part == Part::translation ? o.guess_sigma_m : o.guess_sigma_rad;
-  if (evidence != PoseEvidence::absolute) covariance.diagonal().array() += guess * guess;
+  if (sample.evidence != PoseEvidence::absolute) covariance.diagonal().array() += guess * guess;
+  covariance *= frames_alike;
   if (part == Part::translation) return covariance.inverse();
   // about the axis of a body of revolution the two may be any turn apart, that is not small
   const Eigen::Matrix3d J = inverse_right_jacobian_so3(off);
@@ -242,10 +254,12 @@ Chain linearise(const std::vector<PoseSample>& samples, const std::vector<Pose>&
                 const TrajectorySmootherOptions& options) {
   const std::size_t n = samples.size();
   const double usual_ns = usual_step_ns(samples);
+  const std::vector<int> frames_alike = frames_that_go_on(samples);
   Chain chain;
   for (std::size_t k = 0; k < n; ++k) {
     chain.measured.push_back(difference(samples[k].world_from_object, nominal[k], part));
-    chain.information.push_back(place_information(samples, k, part, chain.measured.back(), options));
+    chain.information.push_back(
+        place_information(samples[k], frames_alike[k], part, chain.measured.back(), options));
     if (k + 1 == n) break;
     const PoseSample& next = samples[k + 1];
     const double step = static_cast<double>(next.stamp_ns - samples[k].stamp_ns) / usual_ns;

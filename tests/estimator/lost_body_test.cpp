@@ -10,6 +10,11 @@
 namespace uniquadric {
 namespace {
 
+Eigen::Vector3d sorted(Eigen::Vector3d v) {
+  std::sort(v.begin(), v.end());
+  return v;
+}
+
 // What is in its mask later is no more its surface: it stays where that is seen, and is not carried on.
 TEST(BodyEstimator, ABodyThatIsNotRecognisedStaysWhereItsMaskIs) {
   const auto place = [](double t) { return Eigen::Vector3d(-0.4 + 0.5 * std::min(t, 1.2), 0, 1); };
@@ -56,6 +61,59 @@ TEST(BodyEstimator, ABodyIsNotLookedForBehindItself) {
     EXPECT_EQ(state->status, ObjectStatus::occluded);
     const Pose object = state->world_from_body * state->shape.body_from_object;
     EXPECT_LT((object.translation - still(0).translation).norm(), 0.05) << whole;
+  }
+}
+
+// For one frame its mask lies on its twin, further away than any impact throws it.
+TEST(BodyEstimator, AMaskOnAnotherBodyDoesNotMoveIt) {
+  const auto at = [](double x) {
+    return [x](double) { return Pose{Eigen::Quaterniond::Identity(), {x, 0, 1}}; };
+  };
+  static constexpr std::size_t kWrong = 60;
+  const SyntheticOptions options = three_seconds();
+  SyntheticPerception perception = synthetic_perception({box_body(kAxes, at(0))}, options);
+  const SyntheticPerception twin = synthetic_perception({box_body(kAxes, at(1))}, options);
+  for (const bool weighs : {true, false}) {
+    BodyOptions body_options;
+    body_options.lifecycle.weighs_evidence = weighs;
+    BodyEstimator estimator(1, perception.camera, body_options, 1);
+    for (std::size_t i = 0; i <= kWrong + 1; ++i) {
+      BodyObservation body = (i == kWrong ? twin : perception).frames[i].bodies[0];
+      if (i == kWrong) body.features.clear(), body.motion.reset();
+      const auto state = estimator.step(perception.frames[i], &body);
+      if (i < kWrong) continue;
+      ASSERT_TRUE(state);
+      const Pose object = state->world_from_body * state->shape.body_from_object;
+      const double off_m = (object.translation - Eigen::Vector3d(0, 0, 1)).norm();
+      if (weighs) EXPECT_LT(off_m, 0.03) << i;
+      if (!weighs && i == kWrong) EXPECT_GT(off_m, 0.5);
+    }
+  }
+}
+
+// The mask of its first frames was another's: what was learnt of them fits in no later one.
+TEST(BodyEstimator, ABodyWhoseModelIsWrongIsBegunAnew) {
+  const auto still = [](double) { return Pose{Eigen::Quaterniond::Identity(), {0, 0, 1}}; };
+  const SyntheticOptions options = three_seconds();
+  const SyntheticPerception box = synthetic_perception({box_body(kAxes, still)}, options),
+                            other = synthetic_perception({ellipsoid_body({0.05, 0.6, 0.05}, still)}, options);
+  for (const bool drops : {true, false}) {
+    BodyOptions body_options;
+    body_options.lifecycle.drops_models = drops;
+    BodyEstimator estimator(1, box.camera, body_options, 1);
+    std::optional<BodyState> state;
+    for (std::size_t i = 0; i < box.frames.size(); ++i) {
+      BodyObservation body = (i < 25 ? other : box).frames[i].bodies[0];
+      for (Feature& feature : body.features) feature.track += i < 25 ? 100'000 : 0;
+      state = estimator.step(box.frames[i], &body);
+    }
+    ASSERT_TRUE(state);
+    const Eigen::Vector3d off_m = sorted(state->shape.semi_axes_m) - sorted(kAxes);
+    EXPECT_EQ(state->beginning, drops ? 1 : 0);
+    if (drops)
+      EXPECT_LT(off_m.cwiseAbs().maxCoeff(), 0.02);
+    else
+      EXPECT_GT(off_m.cwiseAbs().maxCoeff(), 0.05);
   }
 }
 

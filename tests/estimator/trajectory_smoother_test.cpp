@@ -197,6 +197,17 @@ TEST(TrajectorySmoother, ASlippedStepIsNotSpreadOverTheOthers) {
   EXPECT_LT(error_of(samples, swing).largest_m, 0.006);
 }
 
+// A body that goes by a new face is struck. Nobody finds the face of before again.
+TEST(TrajectorySmoother, ABlowIsNoSlip) {
+  const Motion struck = [](double t) {
+    return Pose{Eigen::Quaterniond::Identity(), {t < 2 ? 0 : 0.05 + 0.1 * (t - 2), 0, 0}};
+  };
+  auto samples = samples_of(struck, 150, 0.001, 0.002);
+  for (std::size_t i = 50; i < samples.size(); ++i) samples[i].evidence = PoseEvidence::relative;
+  smooth_trajectory(samples, {});
+  EXPECT_LT(error_of(samples, struck, 65).largest_m, 0.01);
+}
+
 TEST(TrajectorySmoother, AWrongPoseAndAWrongGuessHardlyCount) {
   std::vector<PoseSample> samples = samples_of(swing, 240, 0.001, 0.004);
   samples[50].world_from_object.translation.z() += 0.3;
