@@ -328,15 +328,12 @@ std::optional<Eigen::Vector3d> BodyEstimator::center_by_points(const PerceivedFr
   return Eigen::Vector3d(last.world_from_body * body_center() + *middle - *last.middle);
 }
 
-// Whether it is further from where it was expected than an impact explains, which turns its velocity round at
-// most.
+// Whether it is further from where it was expected than an impact explains.
 bool BodyEstimator::is_out_of_reach(const PerceivedFrame& frame, const Pose& world_from_body) const {
-  const Eigen::Vector3d center = body_center(), last = recent_.back().world_from_body * center,
-                        expected = predict(frame, nullptr) * center;
-  const double sigma_m = prediction_sigmas_at(frame, recent_.back().stamp_ns).translation_m;
-  const double reach_m =
-      kReachSigmas * sigma_m + shape_.shape().semi_axes_m.maxCoeff() + 2 * (expected - last).norm();
-  return (world_from_body * center - expected).norm() > reach_m;
+  const Eigen::Vector3d expected = predict(frame, nullptr) * body_center();
+  const PoseSigmas sigmas = after_impact(prediction_sigmas_at(frame, recent_.back().stamp_ns));
+  const double reach_m = kReachSigmas * sigmas.translation_m + shape_.shape().semi_axes_m.maxCoeff();
+  return (world_from_body * body_center() - expected).norm() > reach_m;
 }
 
 // The body is in view and too few of its points are found again: its surface places it. When that goes on,

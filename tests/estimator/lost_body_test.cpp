@@ -72,7 +72,7 @@ TEST(BodyEstimator, AMaskOnAnotherBodyDoesNotMoveIt) {
   static constexpr std::size_t kWrong = 60;
   const SyntheticOptions options = three_seconds();
   SyntheticPerception perception = synthetic_perception({box_body(kAxes, at(0))}, options);
-  const SyntheticPerception twin = synthetic_perception({box_body(kAxes, at(1))}, options);
+  const SyntheticPerception twin = synthetic_perception({box_body(kAxes, at(1.5))}, options);
   for (const bool weighs : {true, false}) {
     BodyOptions body_options;
     body_options.lifecycle.weighs_evidence = weighs;
