@@ -5,8 +5,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <utility>
 
 #include "core/base/seconds.h"
 #include "estimator/objects/assumed_surface.h"
@@ -14,7 +12,6 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kPredictionSigma = 0.02;        // [m], [rad] of a prediction over one frame
 constexpr PoseSigmas kSettleSigmas{0.01, 0.03};  // of a pose by features against the surface
 constexpr PoseSigmas kAnySigmas{1, 1.8};         // of what a frame does not tell: any turn is as likely
 constexpr PoseSigmas kStraySigmas{0.03, 0.1};    // of a pose that goes by a new face
@@ -22,12 +19,8 @@ constexpr PoseSigmas kAgainSigmas{0.03, 0.1};    // of a trajectory where its po
 constexpr double kBack = 0.7;                    // share of the points on the surface of before
 constexpr double kSlid = 1.5,
                  kSlidBy = 1e-3;  // mean distance off the surface, against the best one's; [m] more
-constexpr double kLeastBase = 0.2, kMostBase = 0.6;  // [s] of the time that the velocity is taken from
-constexpr double kStill = 1e-6;                      // [m], [rad] of a body that is held in its place
-constexpr double kReachSigmas = 3;                   // of the prediction, within which the body is
-constexpr int kPatience = 6;  // times the frames of a restart, until a part of the body in view will do
-constexpr double kRest =
-    0.7;  // [s]: the turn of a body that is not seen fades, which a wrong velocity would carry furthest
+constexpr double kStill = 1e-6;   // [m], [rad] of a body that is held in its place
+constexpr int kPatience = 6;      // times the frames of a restart, until a part of the body in view will do
 
 // What goes beyond the image on all sides, as a mask of everything does, shows no end of a body.
 bool can_start(const BodyObservation& body) {
@@ -128,7 +121,8 @@ BodyState BodyEstimator::found(const PerceivedFrame& frame, const BodyObservatio
                                const BodyPose& pose) {
   const Matrix6d covariance = covariance_of(pose.information);
   frames_misfit_ = 0;
-  frames_placed_ += is_placed(covariance, shape_.shape()) ? 1 : 0;
+  const bool placed = is_placed(covariance, shape_.shape());
+  frames_placed_ += placed ? 1 : 0;
   if (frame.frame > sure_frame_ + 1 && seconds(sure_ns_, frame.stamp_ns) > options_.motion.window_s)
     motion_.forget();
   if (!is_global())
@@ -144,35 +138,11 @@ BodyState BodyEstimator::found(const PerceivedFrame& frame, const BodyObservatio
   if (pose.keyframe) {
     ++keyframes_;
     if (!is_global()) shape_.follow(short_window_.keyframes());
-    if (is_placed(covariance, shape_.shape()))
+    if (placed)
       shape_.add_keyframe({frame.frame, frame.stamp_ns, *frame.world_from_camera, pose.world_from_body, {}},
                           body);
   }
   return state_at(frame, pose.world_from_body, covariance);
-}
-
-// Where its motion leads it, or where its mask is after a time; nothing once it was said to be lost.
-std::optional<BodyState> BodyEstimator::unseen(const PerceivedFrame& frame, const BodyObservation* body) {
-  const PoseSigmas sigmas = prediction_sigmas_at(frame, sure_ns_);
-  Pose world_from_body = predict(frame, body);
-  const bool is_lost = seconds(recent_.back().stamp_ns, frame.stamp_ns) > options_.lifecycle.lost_after_s ||
-                       (!body && has_left(frame, world_from_body, sigmas.translation_m)) ||
-                       (!body && options_.lifecycle.ends_unplaced && motion_.now() != ObjectMotion::at_rest &&
-                        sigmas.translation_m > shape_.shape().semi_axes_m.maxCoeff());
-  if (is_lost && std::exchange(said_lost_, true)) return std::nullopt;
-  Matrix6d predicted = recent_.back().covariance;
-  predicted.diagonal().head<3>().array() += sigmas.translation_m * sigmas.translation_m;
-  predicted.diagonal().tail<3>().array() += sigmas.rotation_rad * sigmas.rotation_rad;
-  auto center = body && is_stale(frame) ? shape_.center_of(frame, *body) : std::nullopt;
-  const double reach_m = kReachSigmas * sigmas.translation_m + shape_.shape().semi_axes_m.maxCoeff();
-  if (center && !is_whole(*body->silhouette) && (*center - world_from_body * body_center()).norm() > reach_m)
-    center.reset();  // what lies about that part may be its occluder
-  if (center) place_center(world_from_body, *center);
-  BodyState state = state_at(frame, world_from_body, predicted);
-  state.status = is_lost ? ObjectStatus::lost : ObjectStatus::occluded;
-  // of a part alone the centre is not known well enough to count
-  state.evidence = center && is_whole(*body->silhouette) ? PoseEvidence::guess : PoseEvidence::none;
-  return state;
 }
 
 void BodyEstimator::begin_anew() {
@@ -215,13 +185,6 @@ bool BodyEstimator::was_a_glimpse(double hidden_s) const {
 bool BodyEstimator::has_wrong_model(const PerceivedFrame& frame, const BodyObservation& body) {
   if (!options_.lifecycle.drops_models || !is_stale(frame) || !is_whole(*body.silhouette)) return false;
   return ++frames_misfit_ > frames_placed_;
-}
-
-void BodyEstimator::remember(const PerceivedFrame& frame, const Pose& world_from_body,
-                             const Matrix6d& covariance) {
-  said_lost_ = false;
-  recent_.push_back({frame.frame, frame.stamp_ns, *frame.world_from_camera, world_from_body, covariance});
-  while (seconds(recent_.front().stamp_ns, frame.stamp_ns) > kMostBase) recent_.pop_front();
 }
 
 std::optional<BodyPose> BodyEstimator::track(const PerceivedFrame& frame, const BodyObservation& body) {
@@ -295,25 +258,6 @@ bool BodyEstimator::is_stale(const PerceivedFrame& frame) const {
          seconds(sure_ns_, frame.stamp_ns) > options_.lifecycle.search_after_s;
 }
 
-// Whether all of it is beyond the image's border, or behind the camera, by more than its place is uncertain.
-bool BodyEstimator::has_left(const PerceivedFrame& frame, const Pose& world_from_body, double sigma_m) const {
-  if (!options_.lifecycle.ends_outside) return false;
-  const Eigen::Vector3d middle_m = frame.world_from_camera->inverse() * (world_from_body * body_center());
-  const double reach_m = shape_.shape().semi_axes_m.maxCoeff() + sigma_m;
-  if (middle_m.z() < reach_m) return middle_m.z() < -reach_m;
-  const Eigen::Vector2d pixel = (camera_.matrix() * middle_m).hnormalized();
-  const Eigen::Vector2d reach_px = reach_m / middle_m.z() * Eigen::Vector2d(camera_.fx, camera_.fy);
-  return (pixel + reach_px).minCoeff() < 0 || pixel.x() - reach_px.x() > camera_.width ||
-         pixel.y() - reach_px.y() > camera_.height;
-}
-
-PoseSigmas BodyEstimator::prediction_sigmas_at(const PerceivedFrame& frame, std::int64_t since_ns) const {
-  const double t = seconds(since_ns, frame.stamp_ns);
-  const LifecycleOptions& o = options_.lifecycle;
-  return {kPredictionSigma + o.acceleration_mps2 * t * t / 2,
-          kPredictionSigma + o.angular_acceleration_radps2 * t * t / 2};
-}
-
 void BodyEstimator::place_center(Pose& world_from_body, const Eigen::Vector3d& at) const {
   world_from_body.translation = at - world_from_body.rotation * body_center();
 }
@@ -326,14 +270,6 @@ std::optional<Eigen::Vector3d> BodyEstimator::center_by_points(const PerceivedFr
   const auto middle = options_.lifecycle.follows_points ? middle_of(frame, body) : std::nullopt;
   if (!middle || !last.middle) return std::nullopt;
   return Eigen::Vector3d(last.world_from_body * body_center() + *middle - *last.middle);
-}
-
-// Whether it is further from where it was expected than an impact explains.
-bool BodyEstimator::is_out_of_reach(const PerceivedFrame& frame, const Pose& world_from_body) const {
-  const Eigen::Vector3d expected = predict(frame, nullptr) * body_center();
-  const PoseSigmas sigmas = after_impact(prediction_sigmas_at(frame, recent_.back().stamp_ns));
-  const double reach_m = kReachSigmas * sigmas.translation_m + shape_.shape().semi_axes_m.maxCoeff();
-  return (world_from_body * body_center() - expected).norm() > reach_m;
 }
 
 // The body is in view and too few of its points are found again: its surface places it. When that goes on,
@@ -370,32 +306,6 @@ void BodyEstimator::look_again(const PerceivedFrame& frame, const BodyObservatio
   if (!found || found->matched < LifecycleOptions::sure_share) return;
   state.world_from_body = in_world(frame, found->camera_from_body);
   state.covariance = covariance_of(found->information);
-}
-
-// From perception's own frame-to-frame motion where the last frame was tracked, else at constant velocity.
-Pose BodyEstimator::predict(const PerceivedFrame& frame, const BodyObservation* body) const {
-  const Tracked& last = recent_.back();
-  if (body && body->motion && last.frame == frame.frame - 1)
-    return *frame.world_from_camera * *body->motion * last.world_from_camera.inverse() * last.world_from_body;
-  if (motion_.now() == ObjectMotion::at_rest) return last.world_from_body;
-  const double ahead_s = seconds(last.stamp_ns, frame.stamp_ns);
-  const Tracked& first = *std::find_if(recent_.begin(), std::prev(recent_.end()), [&](const Tracked& t) {
-    return seconds(t.stamp_ns, last.stamp_ns) <= std::clamp(ahead_s, kLeastBase, kMostBase);
-  });
-  const double base_s = seconds(first.stamp_ns, last.stamp_ns);
-  if (base_s <= 0) return last.world_from_body;
-  const double share = ahead_s / base_s;
-  Pose pose;
-  const Eigen::Vector3d turn =
-      log_so3(last.world_from_body.rotation * first.world_from_body.rotation.inverse());
-  const double faded = kRest * -std::expm1(-ahead_s / kRest) / base_s;
-  pose.rotation = (exp_so3(faded * turn) * last.world_from_body.rotation).normalized();
-  // what moves steadily is the centre, not the origin of the window's frame
-  const Eigen::Vector3d c = body_center();
-  const Eigen::Vector3d center =
-      (1 + share) * (last.world_from_body * c) - share * (first.world_from_body * c);
-  pose.translation = center - pose.rotation * c;
-  return pose;
 }
 
 BodyState BodyEstimator::state_at(const PerceivedFrame& frame, const Pose& world_from_body,

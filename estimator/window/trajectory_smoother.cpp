@@ -201,16 +201,15 @@ Eigen::Matrix3d covariance_of(const PoseSample& sample, Part part, const Traject
 // Of each sample, in how many frames in a row the body went on: all of these are off alike.
 std::vector<int> frames_that_go_on(const std::vector<PoseSample>& samples) {
   std::vector<int> frames(samples.size(), 1);
-  for (std::size_t first = 0, end; first < samples.size(); first = std::max(end, first + 1)) {
-    for (end = first; end < samples.size() && goes_on(samples, end); ++end) {
-    }
-    std::fill(frames.begin() + static_cast<std::ptrdiff_t>(first),
-              frames.begin() + static_cast<std::ptrdiff_t>(end), static_cast<int>(end - first));
-  }
+  const auto is_one_more = [&](std::size_t k) { return goes_on(samples, k - 1) && goes_on(samples, k); };
+  for (std::size_t k = 1; k < samples.size(); ++k)
+    if (is_one_more(k)) frames[k] = frames[k - 1] + 1;
+  for (std::size_t k = samples.size(); k-- > 1;)
+    if (is_one_more(k)) frames[k - 1] = frames[k];
   return frames;
 }
 
-// What is known of where the body is at sample k, which is `off` the nominal pose. A body that goes on may
+// What a sample, `off` the nominal pose, says of where the body is. A body that goes on may
 // have drifted: its samples count as one guess.
 Eigen::Matrix3d place_information(const PoseSample& sample, int frames_alike, Part part,
                                   const Eigen::Vector3d& off, const TrajectorySmootherOptions& o) {

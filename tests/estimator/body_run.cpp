@@ -11,12 +11,12 @@ Pose arc_camera(double t) {
   return looking_at({2.2 * std::sin(angle), -2.2 * std::cos(angle), 1.6}, {0, 0, 1});
 }
 
+}  // namespace
+
 Eigen::Vector3d by_size(Eigen::Vector3d axes) {
   std::sort(axes.begin(), axes.end());
   return axes;
 }
-
-}  // namespace
 
 Pose looking_at(const Eigen::Vector3d& from, const Eigen::Vector3d& at) {
   const Eigen::Vector3d z = (at - from).normalized(), x = z.cross(Eigen::Vector3d::UnitZ()).normalized();

@@ -7,6 +7,9 @@ namespace uniquadric {
 
 inline const Eigen::Vector3d kAxes(0.3, 0.2, 0.15);  ///< [m]
 
+/// The axes in the order of their lengths: their names are the estimator's choice.
+Eigen::Vector3d by_size(Eigen::Vector3d axes);
+
 /// world_from_camera at `from`, with `at` on its optical axis.
 Pose looking_at(const Eigen::Vector3d& from, const Eigen::Vector3d& at);
 

@@ -10,11 +10,6 @@
 namespace uniquadric {
 namespace {
 
-Eigen::Vector3d sorted(Eigen::Vector3d v) {
-  std::sort(v.begin(), v.end());
-  return v;
-}
-
 // What is in its mask later is no more its surface: it stays where that is seen, and is not carried on.
 TEST(BodyEstimator, ABodyThatIsNotRecognisedStaysWhereItsMaskIs) {
   const auto place = [](double t) { return Eigen::Vector3d(-0.4 + 0.5 * std::min(t, 1.2), 0, 1); };
@@ -109,7 +104,7 @@ TEST(BodyEstimator, ABodyWhoseModelIsWrongIsBegunAnew) {
       state = estimator.step(box.frames[i], &body);
     }
     ASSERT_TRUE(state);
-    const Eigen::Vector3d off_m = sorted(state->shape.semi_axes_m) - sorted(kAxes);
+    const Eigen::Vector3d off_m = by_size(state->shape.semi_axes_m) - by_size(kAxes);
     EXPECT_EQ(state->beginning, drops ? 1 : 0);
     EXPECT_EQ(off_m.cwiseAbs().maxCoeff() < 0.02, drops) << off_m.transpose();
   }
