@@ -6,7 +6,6 @@
 
 #include "core/base/seconds.h"
 #include "estimator/objects/body_estimator.h"
-#include "estimator/observation/silhouette.h"
 
 namespace uniquadric {
 namespace {
