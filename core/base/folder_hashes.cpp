@@ -51,7 +51,9 @@ std::string list_hashes(const fs::path& folder, int threads) {
 }
 
 void write_hashes(const fs::path& folder, int threads) {
-  write_text(folder / kHashesFile, list_hashes(folder, threads));
+  const fs::path list = folder / kHashesFile;
+  fs::remove(aside_of(list));  // of a call that was killed while it wrote: no file of the folder's own
+  write_text(list, list_hashes(folder, threads));
 }
 
 bool holds_all_of(std::string_view list, const fs::path& folder) {

@@ -36,6 +36,14 @@ TEST(FolderHashes, ListEveryFileInOrderForAnyThreads) {
   }
 }
 
+TEST(FolderHashes, LeaveOutAListThatWasNeverFinished) {
+  const TempFolder temp;
+  write_text(temp.path() / "z", "abc");
+  write_text(aside_of(temp.path() / kHashesFile), "44bc2");
+  write_hashes(temp.path());
+  EXPECT_EQ(read_text(temp.path() / kHashesFile), "44bc2cf5ad770999  z\n");
+}
+
 TEST(FolderHashes, TellWhatHasChanged) {
   const TempFolder temp;
   for (const char* name : {"same", "changed", "gone"}) write_text(temp.path() / name, name);
