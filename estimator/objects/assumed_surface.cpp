@@ -2,8 +2,8 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "core/geometry/sphere_direction.h"
 #include "estimator/base/point_tree.h"
 #include "estimator/shape/to_matrix.h"
 
@@ -14,13 +14,6 @@ constexpr int kDirections = 600;  // on the whole surface: the model's voxels ar
 constexpr double kNear = 0.25;    // of the mean radius, within which a seen point stands for an assumed one
 constexpr int kNeighbours = 6;    // among which one that faces the same way is looked for
 constexpr double kSameWay = 0.5;  // cosine of their normals
-
-// Evenly over the unit sphere (Fibonacci's lattice).
-Eigen::Vector3d direction(int k) {
-  const double z = 1 - (2 * k + 1.0) / kDirections, turn = 2 * std::numbers::pi * k / std::numbers::phi;
-  const double r = std::sqrt(1 - z * z);
-  return {r * std::cos(turn), r * std::sin(turn), z};
-}
 
 double near_m(const Eigen::Vector3d& semi_axes_m) {
   return kNear * std::cbrt(semi_axes_m.prod());
@@ -39,7 +32,7 @@ void assume_unseen(SurfaceModel& model) {
   std::vector<Eigen::Vector3d> points, normals;
   std::array<PointTree::Neighbour, kNeighbours> places;
   for (int k = 0; k < kDirections; ++k) {
-    const Eigen::Vector3d out = direction(k).cwiseProduct(model.shape->semi_axes_m);
+    const Eigen::Vector3d out = sphere_direction(k, kDirections).cwiseProduct(model.shape->semi_axes_m);
     const Eigen::Vector3d on = out / gauge(*model.shape, out);
     const Eigen::Vector3d point = *model.body_from_object * on,
                           normal = model.body_from_object->rotation * normal_at(*model.shape, on);

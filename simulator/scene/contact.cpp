@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
 #include <set>
+
+#include "core/geometry/sphere_direction.h"
 
 namespace uniquadric {
 namespace {
@@ -15,16 +15,12 @@ constexpr int kDirections = 500;  // ours: a ball's points are then within half 
 constexpr int kRounds = 100;
 constexpr double kSettled_mps = 1e-9;  // changes below it end the rounds
 
-// Evenly over the sphere (Fibonacci's spiral), and the axes, so that the points span the tight box.
+// Evenly over the sphere, and the axes, so that the points span the tight box.
 std::vector<Vector3d> directions() {
   std::vector<Vector3d> list;
   for (int k = 0; k < 3; ++k)
     for (const double sign : {-1, 1}) list.push_back(sign * Vector3d::Unit(k));
-  for (int k = 0; k < kDirections; ++k) {
-    const double z = 1 - (2 * k + 1.0) / kDirections, angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
-    const double radius = std::sqrt(1 - z * z);
-    list.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
-  }
+  for (int k = 0; k < kDirections; ++k) list.push_back(sphere_direction(k, kDirections));
   return list;
 }
 

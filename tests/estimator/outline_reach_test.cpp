@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/sphere_direction.h"
 #include "estimator/objects/seen_extents.h"
 
 namespace uniquadric {
@@ -162,11 +163,7 @@ struct Egg {
     axes << Eigen::Vector3d::UnitX(), forward.cross(Eigen::Vector3d::UnitX()), forward;
     body_from_camera.rotation = Eigen::Quaterniond(axes);
     const int count = 20000;
-    for (int i = 0; i < count; ++i) {  // evenly over a ball's surface
-      const double z = 1 - (2 * i + 1.0) / count, turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
-      const double r = std::sqrt(1 - z * z);
-      surface.push_back(half.cwiseProduct(Eigen::Vector3d(r * std::cos(turn), r * std::sin(turn), z)));
-    }
+    for (int i = 0; i < count; ++i) surface.push_back(half.cwiseProduct(sphere_direction(i, count)));
     points.resize(3, count);
     normals.resize(3, count);
     Eigen::Index seen = 0;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/random.h"
+#include "core/geometry/sphere_direction.h"
 
 namespace uniquadric {
 namespace {
@@ -114,9 +115,8 @@ SyntheticBody cylinder_body(double r, double h, std::function<Pose(double)> moti
 
 SyntheticBody ellipsoid_body(const Eigen::Vector3d& a, std::function<Pose(double)> motion) {
   SyntheticBody body{Eigen::Matrix3Xd(3, 4000), Eigen::Matrix3Xd(3, 4000), a, std::move(motion)};
-  for (int i = 0; i < 4000; ++i) {  // Fibonacci's spiral
-    const double z = 1 - (2 * i + 1) / 4000.0, turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
-    const Eigen::Vector3d u(std::sqrt(1 - z * z) * std::cos(turn), std::sqrt(1 - z * z) * std::sin(turn), z);
+  for (int i = 0; i < 4000; ++i) {
+    const Eigen::Vector3d u = sphere_direction(i, 4000);
     body.points.col(i) = u.cwiseProduct(a);
     body.normals.col(i) = u.cwiseQuotient(a).normalized();
   }
