@@ -14,6 +14,7 @@ void visit(Io& io, FlowTrackerOptions& o) {
       Choices<Preset>{{"ultrafast", Preset::ultrafast}, {"fast", Preset::fast}, {"medium", Preset::medium}});
   io.number("downscale", o.flow.downscale, 1, 8);
   io.number("lost_share", o.lost_share, 0.0, 1.0);
+  io.number("most_turn_rad", o.most_turn_rad, 0.0, 3.2);
 }
 
 template <typename Io>

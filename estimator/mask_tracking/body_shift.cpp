@@ -13,6 +13,7 @@ namespace uniquadric {
 namespace {
 
 constexpr std::size_t kSamples = 150;  // of a mask's pixels, evenly spread: a shift has few unknowns
+constexpr double kTurnStep_rad = 0.3;  // ours: half of it moves the end of a square by a tenth of its side
 
 struct Sample {
   cv::Point pixel;
@@ -43,6 +44,31 @@ double likeness(float color_difference, double color_scale) {
 struct Meeting {
   std::vector<float> color, depth;  // depth: relative; NaN where it is not measured
 };
+
+// The samples where the shift's turn takes them.
+std::vector<Sample> turned(std::vector<Sample> samples, const BodyShift& turn) {
+  for (Sample& sample : samples) sample.pixel = turn.moved(sample.pixel);
+  return samples;
+}
+
+// From none to the most, either way.
+std::vector<double> turns_within(double most_rad) {
+  std::vector<double> turns{0};
+  for (double turn = kTurnStep_rad; turn < most_rad + kTurnStep_rad / 2; turn += kTurnStep_rad)
+    turns.insert(turns.end(), {turn, -turn});
+  return turns;
+}
+
+cv::Point2f middle_of(const std::vector<Sample>& samples) {
+  cv::Point sum;
+  for (const Sample& sample : samples) sum += sample.pixel;
+  return cv::Point2f(sum) / static_cast<float>(samples.size());
+}
+
+cv::Point2f rotated(const cv::Point2f& place, double angle_rad) {
+  const auto c = static_cast<float>(std::cos(angle_rad)), s = static_cast<float>(std::sin(angle_rad));
+  return {c * place.x - s * place.y, s * place.x + c * place.y};
+}
 
 void meet(const std::vector<Sample>& samples, const SmallImage& to, const cv::Point& shift,
           Meeting& meeting) {
@@ -107,25 +133,39 @@ double color_likeness(const cv::Vec3b& a, const cv::Vec3b& b, double color_scale
   return likeness(difference(a, b), color_scale);
 }
 
+cv::Point2f BodyShift::moved(const cv::Point2f& from) const {
+  return rotated(from - middle, turn_rad) + middle + cv::Point2f(pixels);
+}
+
+cv::Point2f BodyShift::origin_of(const cv::Point2f& to) const {
+  return rotated(to - cv::Point2f(pixels) - middle, -turn_rad) + middle;
+}
+
 BodyShift body_shift(const cv::Mat& mask, const SmallImage& from, const SmallImage& to,
-                     const DepthAgreement& agreement) {
+                     const DepthAgreement& agreement, double most_turn_rad) {
   const cv::Rect box = cv::boundingRect(mask);
   if (box.empty()) return {};
   const auto samples = samples_of(mask, from);
   const auto shifts = shifts_within(std::max(box.width, box.height));
-  const double color_scale = usual_difference(samples, to, shifts);
-  cv::Point best;
+  const BodyShift none{{}, 0, middle_of(samples), usual_difference(samples, to, shifts)};
+  BodyShift best = none;
   double most = -1;
   Meeting meeting;
-  for (const cv::Point& shift : shifts) {
-    meet(samples, to, shift, meeting);
-    const double seen = seen_again(meeting, color_scale, agreement);
-    const bool is_nearer = shift.dot(shift) < best.dot(best);
-    if (seen < most || (seen == most && !is_nearer)) continue;
-    most = seen;
-    best = shift;
+  for (const double turn_rad : turns_within(most_turn_rad)) {
+    BodyShift tried = none;
+    tried.turn_rad = turn_rad;
+    const auto there = turned(samples, tried);
+    for (const cv::Point& shift : shifts) {
+      meet(there, to, shift, meeting);
+      const double seen = seen_again(meeting, none.color_scale, agreement);
+      const bool is_nearer = turn_rad == best.turn_rad && shift.dot(shift) < best.pixels.dot(best.pixels);
+      if (seen < most || (seen == most && !is_nearer)) continue;
+      most = seen;
+      best = tried;
+      best.pixels = shift;
+    }
   }
-  return {best, color_scale};
+  return best;
 }
 
 }  // namespace uniquadric

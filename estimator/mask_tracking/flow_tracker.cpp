@@ -12,7 +12,8 @@
 namespace uniquadric {
 namespace {
 
-constexpr double kSeenShare = 0.5;  // of a mask, whose colours agree where it is found as a whole
+constexpr double kSeenShare = 0.3;  // of a mask, whose colours agree where it is found as a whole: it also
+                                    // turns, and shows other sides
 constexpr int kMargin = 3;          // small pixels around where nearest neighbours find a body
 
 cv::Rect enlarged(const cv::Rect& small, int downscale, const cv::Size& size) {
@@ -80,6 +81,17 @@ void keep_what_moved_along(cv::Mat& mask, const cv::Mat& depth, cv::Mat& expecte
       float& wanted = expected.at<float>(v, u);
       if (z > 0 && wanted > 0 && std::abs(z - wanted) > tolerance * z) mask.at<unsigned char>(v, u) = 0;
     }
+}
+
+// The flow back from the next frame that a body's shift is.
+cv::Mat flow_of(const BodyShift& shift, const cv::Size& size) {
+  cv::Mat flow(size, CV_32FC2);
+  for (int v = 0; v < size.height; ++v)
+    for (int u = 0; u < size.width; ++u) {
+      const cv::Point2f place(static_cast<float>(u), static_cast<float>(v));
+      flow.at<cv::Point2f>(v, u) = shift.origin_of(place) - place;
+    }
+  return flow;
 }
 
 SmallImages small_images(const TrackedImage& from, const TrackedImage& to) {
@@ -174,9 +186,10 @@ std::optional<FlowTracker::CarriedBody> FlowTracker::find_whole(const cv::Mat& m
                                                                 const TrackedImage& from,
                                                                 const TrackedImage& to) const {
   const cv::Size size = to.grey.size();
-  const BodyShift shift = body_shift(shrunk(mask, size, cv::INTER_NEAREST), small.from, small.to,
-                                     {options_.depth_tolerance, options_.max_depth_change});
-  const cv::Mat back(size, CV_32FC2, cv::Scalar(-shift.pixels.x, -shift.pixels.y));
+  const BodyShift shift =
+      body_shift(shrunk(mask, size, cv::INTER_NEAREST), small.from, small.to,
+                 {options_.depth_tolerance, options_.max_depth_change}, options_.most_turn_rad);
+  const cv::Mat back = flow_of(shift, size);
   CarriedBody whole = carry_body(mask, cv::boundingRect(carried_small(mask, back)), from, to, back);
   const double seen = whole.seen_again(from, to, shift.color_scale);
   const double least =

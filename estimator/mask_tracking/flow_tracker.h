@@ -19,6 +19,8 @@ struct FlowTrackerOptions {
   double lost_share = 0.9;  // ours: of a mask's pixels; where flow finds fewer again, the body is looked for
                             // as a whole (body_shift.h), and the mask whose colours agree over more of it is
                             // taken; 0: never
+  double most_turn_rad = 0.6;  // ours: by which such a body may have turned in the image since; bodies that
+                               // are thrown turn by a few tenths in a frame; 0: it is only shifted
 };
 
 /// Carries masks by dense flow. Pixels whose depth has not moved with the body's are left out: background
