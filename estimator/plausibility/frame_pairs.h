@@ -1,24 +1,14 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
-#include <opencv2/core/mat.hpp>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "core/geometry/pose.h"
 #include "core/sequence/sequence.h"
+#include "estimator/features/frame_pair.h"
 
 namespace uniquadric {
-
-/// A corner that two frames show.
-struct PointPair {
-  Eigen::Vector2d raw_a = Eigen::Vector2d::Zero(), raw_b = Eigen::Vector2d::Zero();  ///< on the images
-  Eigen::Vector2d a = Eigen::Vector2d::Zero(), b = Eigen::Vector2d::Zero();          ///< undistorted
-  double depth_a_m = 0, depth_b_m = 0;                                               ///< 0: not measured
-  double sigma_a_m = 0, sigma_b_m = 0;
-  bool is_inlier = false;  ///< it moves as most do
-};
 
 /// Two frames with what both of them show, and the camera's motion between them.
 struct FramePair {

@@ -1,62 +1,57 @@
-// Parts of depth, split by motion: everything that moves, or what is at points.
-#include <map>
-#include <optional>
+// Parts of depth: everything that moves, or what is at points.
+#include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "core/base/warning.h"
+#include "estimator/features/frame_pair.h"
 #include "estimator/segmentation/depth_parts.h"
-#include "estimator/segmentation/motion_split.h"
 #include "estimator/segmentation/moving_parts.h"
 #include "estimator/segmentation/segmenter.h"
 
 namespace uniquadric {
 namespace {
 
-// The images some frames earlier that a frame's motions are seen against, each read once.
-class EarlierImages {
- public:
-  EarlierImages(const Sequence& sequence, const SegmenterInput& input) : sequence_(sequence), input_(input) {}
+constexpr int kEarlierImages = 6;  // a second at 30 Hz, for slow bodies to move
 
-  // Nothing at the start and where there is no depth.
-  const std::optional<EarlierImage>& before(int frames) {
-    const auto [entry, is_new] = images_.try_emplace(frames);
-    if (is_new) entry->second = read(frames);
-    return entry->second;
+// The frame so many before; nothing at the start and where there is no depth.
+const SequenceFrame* frame_before(const Sequence& sequence, const SegmenterInput& input, int frames) {
+  if (input.frame.frame < frames) return nullptr;
+  const SequenceFrame& earlier = sequence.frames[input.frame.frame - frames];
+  return earlier.depth.empty() ? nullptr : &earlier;
+}
+
+FrameImages frame_images(const cv::Mat& rgb, const cv::Mat& depth) {
+  FrameImages images{{}, depth};
+  cv::cvtColor(rgb, images.gray, cv::COLOR_BGR2GRAY);
+  return images;
+}
+
+// Earlier images, `frames` apart from each other, as far back as the camera's motion is known.
+std::vector<EarlierDepth> earlier_depths(const Sequence& sequence, const SegmenterInput& input, int frames,
+                                         RandomStream& random) {
+  std::vector<EarlierDepth> result;
+  FrameImages later = frame_images(input.rgb, input.depth);
+  Pose before_from_now;
+  for (int n = 1; n <= kEarlierImages; ++n) {
+    const SequenceFrame* const frame = frame_before(sequence, input, n * frames);
+    if (!frame) break;
+    FrameImages earlier = frame_images(read_rgb(sequence, *frame), read_depth(sequence, *frame));
+    auto corners = followed_corners(sequence.camera, later, earlier, spread_corners(later.gray));
+    const auto motion = fit_motion(sequence.camera, corners, random).b_from_a;
+    if (!motion) break;
+    before_from_now = *motion * before_from_now;
+    result.push_back({earlier.depth, before_from_now});
+    later = std::move(earlier);
   }
-
- private:
-  std::optional<EarlierImage> read(int frames) const {
-    if (input_.frame.frame < frames) return std::nullopt;
-    const SequenceFrame& earlier = sequence_.frames[input_.frame.frame - frames];
-    if (earlier.depth.empty()) return std::nullopt;
-    return with_flow({read_rgb(sequence_, earlier), read_depth(sequence_, earlier)},
-                     {input_.rgb, input_.depth});
-  }
-
-  const Sequence& sequence_;
-  const SegmenterInput& input_;
-  std::map<int, std::optional<EarlierImage>> images_;
-};
-
-// The parts that are seen to move twice: once may be an error of the flow. Over as long as the background's
-// motion is known: a fast turn leaves less time.
-cv::Mat parts_that_move(const cv::Mat& parts, const Camera& camera, const MotionSplitOptions& options,
-                        const SegmenterInput& input, EarlierImages& earlier) {
-  const auto moving = [&](const cv::Mat& of, int frames) -> std::optional<cv::Mat> {
-    const auto& before = earlier.before(frames);
-    if (!before) return std::nullopt;
-    return moving_parts(of, {input.rgb, input.depth}, *before, input.tracked, camera, options);
-  };
-  for (int frames = 2 * options.frames; frames > 1; frames /= 2)
-    if (const auto once = moving(parts, frames)) {
-      frames /= 2;
-      if (const auto twice = moving(*once, frames)) return *twice;
-    }
-  return cv::Mat::zeros(parts.size(), CV_16UC1);
+  return result;
 }
 
 struct DepthMotionOptions {
   DepthPartsOptions parts;
-  MotionSplitOptions motion;
+  int frames = 5;  // from one of the earlier images to the next; ours
+  // of what depth is off at a part's distance (median), to contradict that it stood still; 0: whatever stands
+  // clear of planes is a body. Ours
+  double ratio = 6;
 };
 
 class DepthMotionSegmenter final : public Segmenter {
@@ -69,13 +64,11 @@ class DepthMotionSegmenter final : public Segmenter {
     if (input.depth.empty()) return {};
     RandomStream random(seed, "depth_motion", input.frame.frame);
     const Camera& camera = sequence.camera;
-    const MotionSplitOptions& motion = options_.motion;
-    EarlierImages earlier(sequence, input);
     cv::Mat parts = depth_parts(input.depth, camera, options_.parts, random);
-    if (const auto& before = earlier.before(motion.frames))
-      parts = split_by_motion(parts, {input.rgb, input.depth}, *before, camera, motion, random);
     if (prompts.kind == PromptKind::points) return parts_at_points(parts, prompts.points);
-    return motion.moving_ratio > 0 ? parts_that_move(parts, camera, motion, input, earlier) : parts;
+    if (!(options_.ratio > 0)) return parts;
+    const auto earlier = earlier_depths(sequence, input, options_.frames, random);
+    return moving_parts(parts, input.depth, earlier, input.tracked, camera, options_.ratio);
   }
 
  private:
@@ -85,10 +78,9 @@ class DepthMotionSegmenter final : public Segmenter {
 template <typename Io>
 void visit(Io& io, DepthMotionOptions& options) {
   io.section("depth_parts", [&](auto& inner) { inner.positive("jump", options.parts.jump); });
-  io.section("motion_split", [&](auto& inner) {
-    inner.number("frames", options.motion.frames, 1, 1000);
-    inner.number("samples", options.motion.samples, 10, 100'000);
-    inner.number("moving_ratio", options.motion.moving_ratio, 0.0, 1000.0);
+  io.section("moving_parts", [&](auto& inner) {
+    inner.number("frames", options.frames, 1, 1000);
+    inner.number("ratio", options.ratio, 0.0, 1000.0);
   });
 }
 
@@ -100,7 +92,7 @@ SegmenterKind depth_motion_kind() {
       segmenter_kind<DepthMotionSegmenter>(kName, {PromptKind::everything, PromptKind::points});
   kind.make = [=](const SegmentationOptions& options, PromptKind prompts) {
     const auto own = options.of<DepthMotionOptions>(kName);
-    if (prompts == PromptKind::everything && own.motion.moving_ratio > 0)
+    if (prompts == PromptKind::everything && own.ratio > 0)
       warn("without masks, prompts or a network only what moves against the background is found");
     return std::make_shared<DepthMotionSegmenter>(own);
   };

@@ -2,157 +2,152 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/calib3d.hpp>
-#include <vector>
+#include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "core/base/quantile.h"
-#include "estimator/images/dense_flow.h"
 #include "estimator/observation/outline.h"
+#include "estimator/shape/depth_point.h"
 
 namespace uniquadric {
 namespace {
 
-// The rigid motion that two fifths of an image's pixels or more have, within `gate_px`. By their places
-// alone: depth far away is too noisy to vote.
-std::optional<Pose> background_motion(const std::vector<MovedPixel>& pixels, const Camera& camera,
-                                      double gate_px) {
-  constexpr double kLeastShare = 0.4, kConfidence = 0.999;
-  constexpr int kIterations = 200;
-  if (std::ssize(pixels) < kLeastMovedPixels) return std::nullopt;
-  std::vector<cv::Point3d> points;
-  std::vector<cv::Point2d> places;
-  for (const MovedPixel& p : pixels) {
-    points.emplace_back(p.sighting.point.x(), p.sighting.point.y(), p.sighting.point.z());
-    places.emplace_back(p.sighting.pixel.x(), p.sighting.pixel.y());
-  }
-  const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-  cv::Vec3d rotation, translation;
-  std::vector<int> inliers;
-  if (!cv::solvePnPRansac(points, places, K, cv::noArray(), rotation, translation, false, kIterations,
-                          static_cast<float>(gate_px), kConfidence, inliers) ||
-      static_cast<double>(inliers.size()) < kLeastShare * static_cast<double>(pixels.size()))
-    return std::nullopt;
-  return Pose{exp_so3({rotation[0], rotation[1], rotation[2]}),
-              {translation[0], translation[1], translation[2]}};
-}
+constexpr int kSamples = 400, kImageSamples = 3000;  // pixels of a part, and of the image
+constexpr int kOthers = 300;                         // pixels that tell what errors do at a part's distance
+constexpr int kLeastPixels = 30;                     // fewer tell nothing
+constexpr int kEdge_px = 5;                          // across: at edges of depth the nearer side counts
+constexpr double kEvidence = 0.1;                    // of a part's pixels in view
+constexpr double kInView = 0.5;                      // of a part's pixels
+constexpr int kTimes = 2;                            // one earlier image may err
 
-// What two images say of a pixel of the later one, had it stood still.
-struct StillPixel {
-  bool was_in_view = false;  // it was within the image, and behind nothing nearer
-  double error_px = 0;       // of the flow
-  double grey_error = 0;     // of the place where it would have been
-  double flow_grey_error = 0;
+// What an earlier image shows at the place where a pixel would have been, had it stood still: depths over its
+// own. Nothing where nothing is measured.
+struct Place {
+  double depth, nearest;  // at the place, and the least about it
 };
 
-// Two images, and what the camera's own motion between them tells of each pixel.
-class StillWorld {
+class EarlierView {
  public:
-  StillWorld(const RgbdImage& now, const EarlierImage& before, const Camera& camera)
-      : now_(now), before_(before), camera_(camera) {
-    const FlowOptions whole{FlowOptions::Preset::medium, 1};
-    grey_now_ = flow_image(now.rgb, whole);
-    grey_before_ = flow_image(before.rgb, whole);
+  EarlierView(const EarlierDepth& before, const Camera& camera) : before_(before), camera_(camera) {
+    constexpr float kFar_m = 1e9F;
+    cv::Mat measured = before.depth.clone();
+    measured.setTo(kFar_m, before.depth <= 0);
+    cv::erode(measured, nearest_, cv::Mat::ones(kEdge_px, kEdge_px, CV_8UC1));
   }
 
-  // Whether the background has a motion; the other functions need one.
-  bool find_background(double gate_px);
-  // Those of about `samples` pixels of a mask (CV_8UC1 of the box's size) that were in view.
-  std::vector<StillPixel> pixels(const cv::Mat& mask, const cv::Rect& box, int samples) const;
-  std::vector<StillPixel> background_pixels() const { return judged(all_); }
+  std::optional<Place> place(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d still = before_.before_from_now * point;
+    const auto pixel = camera_.project(still);
+    if (!pixel || !camera_.contains(*pixel)) return std::nullopt;
+    const cv::Point at(std::min(static_cast<int>(pixel->x() + 0.5), camera_.width - 1),
+                       std::min(static_cast<int>(pixel->y() + 0.5), camera_.height - 1));
+    const double z = before_.depth.at<float>(at);
+    if (!(z > 0)) return std::nullopt;
+    return Place{z / still.z(), nearest_.at<float>(at) / still.z()};
+  }
 
  private:
-  StillPixel judge(const MovedPixel& moved) const;
-  std::vector<StillPixel> judged(const std::vector<MovedPixel>& pixels) const;
-
-  RgbdImage now_;
-  EarlierImage before_;
+  EarlierDepth before_;
   Camera camera_;
-  cv::Mat grey_now_, grey_before_;
-  std::vector<MovedPixel> all_;
-  Pose motion_;
+  cv::Mat nearest_;
 };
 
-bool StillWorld::find_background(double gate_px) {
-  constexpr int kSamples = 3000;
-  constexpr double kBend = 0.1;  // share by which a rolling shutter bends a fast motion
-  const cv::Size size = now_.depth.size();
-  all_ = moved_pixels(cv::Mat(size, CV_8UC1, cv::Scalar(255)), cv::Rect({0, 0}, size), now_, before_, camera_,
-                      kSamples);
-  std::vector<double> moved_px;
-  for (const MovedPixel& pixel : all_) moved_px.push_back(error_px(pixel, camera_, Pose{}));
-  if (moved_px.empty()) return false;
-  const auto motion =
-      background_motion(all_, camera_, std::max(gate_px, kBend * upper_median(std::move(moved_px))));
-  if (motion) motion_ = *motion;
-  return motion.has_value();
+// About `samples` pixels of a mask with depth.
+std::vector<cv::Point> some_pixels(const cv::Mat& mask, const cv::Point& corner, int samples) {
+  const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(mask) / double(samples))));
+  std::vector<cv::Point> pixels;
+  for (int v = step / 2; v < mask.rows; v += step)
+    for (int u = step / 2; u < mask.cols; u += step)
+      if (mask.at<unsigned char>(v, u)) pixels.push_back(corner + cv::Point(u, v));
+  return pixels;
 }
 
-std::vector<StillPixel> StillWorld::pixels(const cv::Mat& mask, const cv::Rect& box, int samples) const {
-  return judged(moved_pixels(mask, box, now_, before_, camera_, samples));
+using Places = std::vector<std::optional<Place>>;  // of pixels
+
+// Share of the places in view that lay free: what is seen there is farther by more than `errors` (relative).
+// 0 where too few were in view.
+double free_share(const Places& places, double errors) {
+  int in_view = 0, free = 0;
+  for (const auto& place : places) {
+    if (!place || place->depth < 1 - errors) continue;  // hidden
+    ++in_view;
+    free += place->nearest > 1 + errors ? 1 : 0;
+  }
+  const double least = std::max<double>(kLeastPixels, kInView * static_cast<double>(places.size()));
+  return in_view < least ? 0 : static_cast<double>(free) / in_view;
 }
 
-std::vector<StillPixel> StillWorld::judged(const std::vector<MovedPixel>& pixels) const {
-  std::vector<StillPixel> still;
-  for (const MovedPixel& pixel : pixels)
-    if (const StillPixel s = judge(pixel); s.was_in_view) still.push_back(s);
-  return still;
-}
+// A depth image, and what earlier ones tell of its pixels.
+class StillWorld {
+ public:
+  StillWorld(const cv::Mat& parts, const cv::Mat& depth, const std::vector<EarlierDepth>& earlier,
+             const Camera& camera, double ratio)
+      : parts_(parts), depth_(depth), camera_(camera), ratio_(ratio) {
+    for (const EarlierDepth& before : earlier) views_.emplace_back(before, camera);
+    pixels_ = some_pixels(depth > 0, {0, 0}, kImageSamples);
+  }
 
-StillPixel StillWorld::judge(const MovedPixel& moved) const {
-  constexpr double kNearer = 0.03;  // relative: what hides it
-  const cv::Rect image({0, 0}, before_.depth.size());
-  const auto rounded = [](const Eigen::Vector2d& p) {
-    return cv::Point(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())));
-  };
-  const Eigen::Vector3d point = motion_ * moved.sighting.point;
-  const auto place = camera_.project(point);
-  if (!place || !image.contains(rounded(*place))) return {};
-  const double z = before_.depth.at<float>(rounded(*place));
-  const auto difference = [&](const cv::Point& before) {
-    return std::abs(double(grey_now_.at<unsigned char>(moved.pixel)) -
-                    grey_before_.at<unsigned char>(before));
-  };
-  return {!(z > 0) || z > (1 - kNearer) * point.z(), (*place - moved.sighting.pixel).norm(),
-          difference(rounded(*place)), difference(rounded(moved.sighting.pixel))};
-}
+  bool has_moved(int label, const cv::Rect& box) const;
 
-double median_of(const std::vector<StillPixel>& pixels, double StillPixel::*member) {
-  std::vector<double> values;
-  for (const StillPixel& pixel : pixels) values.push_back(pixel.*member);
-  return values.empty() ? 0 : upper_median(std::move(values));
-}
+ private:
+  Places places(const EarlierView& view, const std::vector<cv::Point>& pixels) const;
+  // Pixels about as far away as those of a part, and not on it.
+  std::vector<cv::Point> others_at(int label, const std::vector<cv::Point>& own) const;
 
-// What a body at rest is off at most.
-struct Gates {
-  double error_px, grey_error;
+  cv::Mat parts_, depth_;
+  Camera camera_;
+  double ratio_;
+  std::vector<EarlierView> views_;
+  std::vector<cv::Point> pixels_;
 };
 
-bool has_moved(const std::vector<StillPixel>& pixels, const Gates& gates) {
-  constexpr double kEvidence = 0.1;  // of a body's pixels: the edges of a plain one
-  if (std::ssize(pixels) < kLeastMovedPixels) return false;
-  const auto contradicted = std::ranges::count_if(
-      pixels, [&](const StillPixel& p) { return p.grey_error > p.flow_grey_error + gates.grey_error; });
-  return static_cast<double>(contradicted) > kEvidence * static_cast<double>(pixels.size()) &&
-         median_of(pixels, &StillPixel::error_px) > gates.error_px;
+bool StillWorld::has_moved(int label, const cv::Rect& box) const {
+  const auto own = some_pixels((parts_(box) == label) & (depth_(box) > 0), box.tl(), kSamples);
+  if (std::ssize(own) < kLeastPixels) return false;
+  const auto others = others_at(label, own);
+  const auto says_so = [&](const EarlierView& view) {
+    std::vector<double> errors;
+    for (const auto& place : places(view, others))
+      if (place) errors.push_back(std::abs(place->depth - 1));
+    if (std::ssize(errors) < kLeastPixels) return false;
+    return free_share(places(view, own), ratio_ * upper_median(std::move(errors))) > kEvidence;
+  };
+  return std::ranges::count_if(views_, says_so) >= kTimes;
+}
+
+Places StillWorld::places(const EarlierView& view, const std::vector<cv::Point>& pixels) const {
+  Places result;
+  for (const cv::Point& pixel : pixels) {
+    const auto point = depth_point(depth_, camera_, pixel.x, pixel.y);
+    result.push_back(point ? view.place(*point) : std::nullopt);
+  }
+  return result;
+}
+
+std::vector<cv::Point> StillWorld::others_at(int label, const std::vector<cv::Point>& own) const {
+  std::vector<double> depths;
+  for (const cv::Point& pixel : own) depths.push_back(depth_.at<float>(pixel));
+  const double z = upper_median(std::move(depths));
+  std::vector<cv::Point> others;
+  for (const cv::Point& pixel : pixels_)
+    if (parts_.at<std::uint16_t>(pixel) != label) others.push_back(pixel);
+  std::ranges::stable_sort(
+      others, {}, [&](const cv::Point& pixel) { return std::abs(std::log(depth_.at<float>(pixel) / z)); });
+  others.resize(std::min<std::size_t>(others.size(), kOthers));
+  return others;
 }
 
 }  // namespace
 
-std::optional<cv::Mat> moving_parts(const cv::Mat& parts, const RgbdImage& now, const EarlierImage& before,
-                                    const cv::Mat& keeps, const Camera& lens,
-                                    const MotionSplitOptions& options) {
-  StillWorld world(now, before, without_distortion(lens));
-  if (!world.find_background(options.gate_px)) return std::nullopt;
-  const auto background = world.background_pixels();
-  const double ratio = options.moving_ratio;
-  const Gates gates{std::max(options.gate_px, ratio * median_of(background, &StillPixel::error_px)),
-                    ratio * std::max(1.0, median_of(background, &StillPixel::grey_error))};
+cv::Mat moving_parts(const cv::Mat& parts, const cv::Mat& depth, const std::vector<EarlierDepth>& earlier,
+                     const cv::Mat& keeps, const Camera& camera, double ratio) {
+  const StillWorld world(parts, depth, earlier, camera, ratio);
   cv::Mat moving = parts.clone();
   for (const auto& [label, box] : id_boxes(parts)) {
     const cv::Mat part = parts(box) == label;
     const bool is_kept =
         !keeps.empty() && 2 * cv::countNonZero((keeps(box) != 0) & part) > cv::countNonZero(part);
-    if (!is_kept && !has_moved(world.pixels(part, box, options.samples), gates)) moving(box).setTo(0, part);
+    if (!is_kept && !world.has_moved(label, box)) moving(box).setTo(0, part);
   }
   return moving;
 }

@@ -1,23 +1,25 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
-#include <optional>
+#include <vector>
 
 #include "core/geometry/camera.h"
-#include "estimator/segmentation/motion_split.h"
-#include "estimator/segmentation/moved_pixels.h"
+#include "core/geometry/pose.h"
 
 namespace uniquadric {
 
-/// The parts that moved against the background since `before`. The background's rigid motion is that of two
-/// fifths of the image or more; nothing where there is none, as when flow fails at a fast turn. A part moved
-/// when half of its pixels are off that motion by more than gate_px and by moving_ratio times what the
-/// image's pixels are off in the median, and a tenth look unlike the place where they would have been, by
-/// moving_ratio times what the image's do: on a plain wall flow errs, and nothing contradicts rest. Pixels
-/// that were out of view do not count. `keeps` (CV_16UC1 ids, 0 none; may be empty): parts that lie on it by
-/// half stay.
-std::optional<cv::Mat> moving_parts(const cv::Mat& parts, const RgbdImage& now, const EarlierImage& before,
-                                    const cv::Mat& keeps, const Camera& camera,
-                                    const MotionSplitOptions& options);
+/// An earlier depth image (CV_32FC1 [m], 0 none), and where what stands still was seen in it.
+struct EarlierDepth {
+  cv::Mat depth;
+  Pose before_from_now;  ///< the background's motion
+};
+
+/// The parts (CV_16UC1 labels, 0 none) of a depth image (CV_32FC1 [m], 0 none) that moved against the
+/// background. Had such a part stood still, earlier images would show it; they show what lies behind. A tenth
+/// of its pixels in view has to be so contradicted in two earlier images, by more than ratio times
+/// what depth is off at other pixels as far away (median). `keeps` (CV_16UC1 ids, 0 none; may be empty):
+/// parts that lie on it by half stay.
+cv::Mat moving_parts(const cv::Mat& parts, const cv::Mat& depth, const std::vector<EarlierDepth>& earlier,
+                     const cv::Mat& keeps, const Camera& camera, double ratio);
 
 }  // namespace uniquadric

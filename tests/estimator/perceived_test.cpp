@@ -67,6 +67,28 @@ TEST(Robustness, ARefusedDepthStaysWhatTheTrackerOfMasksSaw) {
   EXPECT_EQ(checked, 2);  // frames 12 and 15
 }
 
+// The red body moves, the other one does not.
+TEST(Robustness, WithoutMasksWhatMovesIsFound) {
+  const TempFolder temp;
+  const Sprite still{2,        12, {180, 60, 50},
+                     {50, 40}, 2,  [](std::int64_t) { return Eigen::Vector2d(220, 160); }};
+  const Sequence sequence = write_drawn_sequence(temp.path(), {kRed, still}, 24);
+  PerceptionOptions options;
+  options.ego = EgoSource::given;
+  options.segmentation.source = "depth_motion";
+  options.aot.enabled = false;
+  const Perception perception = perceived(sequence, options);
+  for (std::size_t i = 0; i < 24; ++i) {
+    const PerceivedFrame frame = perception.read(i);
+    EXPECT_EQ(frame.bodies.size(), i < 10 ? 0u : 1u) << i;  // two earlier images have to contradict its rest
+    for (const BodyObservation& body : frame.bodies) {
+      ASSERT_TRUE(body.silhouette) << i;
+      const double red_at = 60 + 2.0 * static_cast<double>(i);
+      EXPECT_NEAR(-body.silhouette->bbox[2].offset_px, red_at, 1) << i;
+    }
+  }
+}
+
 // Images are as the lens makes them; points and outlines are those of an ideal one.
 TEST(Robustness, ADistortingLensIsUndone) {
   const TempFolder temp;

@@ -14,7 +14,6 @@
 #include "estimator/images/surface_normals.h"
 #include "estimator/observation/outline.h"
 #include "estimator/segmentation/depth_parts.h"
-#include "estimator/segmentation/moving_parts.h"
 #include "tests/support/temp_folder.h"
 
 namespace uniquadric {
@@ -270,70 +269,6 @@ TEST(DepthParts, KeepTheFootOfWhatStandsOnAFloor) {
   for (auto& z_m : cv::Mat_<float>(depth)) z_m *= 1 + 0.012F * static_cast<float>(random.normal());
   const cv::Mat parts = depth_parts(depth, kCamera, {}, random);
   EXPECT_GT(mask_iou(parts == 1, image.mask == 1), 0.94);
-}
-
-// Two bodies side by side at one depth are one part, until they move apart from each other.
-TEST(DepthParts, TouchingBodiesPartByTheirMotion) {
-  const DrawnFrame drawn = draw_world({kLeft, kRight}, 0);
-  RandomStream random(2, "parts");
-  DepthPartsOptions options;
-  options.plane_share = 0.2;
-  const cv::Mat parts = depth_parts(drawn.depth, drawn_camera(), options, random);
-  EXPECT_EQ(cv::countNonZero((parts == 1) != (drawn.masks != 0)), 0);
-  Sprite left_before = kLeft, right_before = kRight;  // no turn of one body looks like both
-  left_before.corner_px = [](std::int64_t) { return Eigen::Vector2d(54, 90); };
-  right_before.corner_px = [](std::int64_t) { return Eigen::Vector2d(120, 84); };
-  const DrawnFrame apart = draw_world({left_before, right_before}, 0),
-                   together = draw_world({kLeft, kRight}, 0);
-  const RgbdImage now{drawn.rgb, drawn.depth};
-  const cv::Mat split =
-      split_by_motion(parts, now, with_flow({apart.rgb, apart.depth}, now), drawn_camera(), {}, random);
-  const int left = split.at<std::uint16_t>(120, 80), right = split.at<std::uint16_t>(120, 160);
-  EXPECT_NE(left, right);
-  EXPECT_GT(mask_iou(split == left, drawn.masks == 1), 0.9);
-  EXPECT_GT(mask_iou(split == right, drawn.masks == 2), 0.9);
-  const cv::Mat whole =
-      split_by_motion(parts, now, with_flow({together.rgb, together.depth}, now), drawn_camera(), {}, random);
-  EXPECT_EQ(cv::countNonZero(whole != parts), 0);
-}
-
-// Two bodies before a wall that the camera passes: one goes with the wall, the other does not.
-TEST(MovingParts, OnlyWhatMovesAgainstTheWallStays) {
-  const auto at = [](double x) { return [=](std::int64_t) { return Eigen::Vector2d(x, 90); }; };
-  Sprite still = kLeft, mover = kRight;
-  still.corner_px = at(40);
-  mover.corner_px = at(200);
-  const DrawnFrame drawn = draw_world({still, mover}, 0);
-  mover.corner_px = at(193);
-  const DrawnFrame before = draw_world({still, mover}, 0);
-  const RgbdImage now{drawn.rgb, drawn.depth};
-  const EarlierImage earlier = with_flow({before.rgb, before.depth}, now);
-  const auto moving = moving_parts(drawn.masks, now, earlier, {}, drawn_camera(), {});
-  ASSERT_TRUE(moving);
-  EXPECT_EQ(cv::countNonZero((*moving != 0) != (drawn.masks == 2)), 0);
-  const auto kept = moving_parts(drawn.masks, now, earlier, drawn.masks == 1, drawn_camera(), {});
-  ASSERT_TRUE(kept);
-  EXPECT_EQ(cv::countNonZero(*kept != drawn.masks), 0);
-}
-
-// A plain body before a plain wall: flow has nothing to go by, and no pixel contradicts rest.
-TEST(MovingParts, NothingMovesWhereNothingContradictsRest) {
-  const DrawnFrame drawn = draw_world({kLeft}, 0);
-  const RgbdImage now{drawn.rgb, drawn.depth};
-  RgbdImage blank = now;
-  blank.rgb = cv::Mat(drawn.rgb.size(), CV_8UC3, cv::Scalar(90, 90, 90));
-  const auto same = moving_parts(drawn.masks, now, with_flow(now, now), {}, drawn_camera(), {});
-  ASSERT_TRUE(same);
-  EXPECT_EQ(cv::countNonZero(*same), 0);
-  const auto plain = moving_parts(drawn.masks, blank, with_flow(blank, blank), {}, drawn_camera(), {});
-  EXPECT_FALSE(plain && cv::countNonZero(*plain) > 0);
-}
-
-TEST(MovingParts, WithoutDepthNothingIsSaid) {
-  const DrawnFrame drawn = draw_world({kLeft}, 0);
-  const RgbdImage blind{drawn.rgb, cv::Mat::zeros(drawn.depth.size(), CV_32FC1)};
-  EXPECT_FALSE(
-      moving_parts(drawn.masks, blind, with_flow({drawn.rgb, drawn.depth}, blind), {}, drawn_camera(), {}));
 }
 
 TEST(Segmentation, BodiesThatAreTrackedArePromptsWhereNoneAreGiven) {

@@ -86,7 +86,7 @@ class ImportedRecording : public testing::Test {
     write_text(
         variant,
         "schema: 1\nname: every_part\nego: {source: given}\nbackend: single_frame\npoints: {smooth_px: 0}\n"
-        "segmentation: {motion_split: {moving_ratio: 0}}\nshape: {axis_naming: previous, obb: {fit: "
+        "segmentation: {moving_parts: {ratio: 0}}\nshape: {axis_naming: previous, obb: {fit: "
         "surface, inlier_distance: surface, axis_rule: blend_best}}\n");
     ok({"estimate", at / "sequence", folder() / (data + "_estimate"), "--variant", variant, "--quiet"});
     ok({"evaluate", at / "truth", folder() / (data + "_estimate"), folder() / (data + "_evaluation"),

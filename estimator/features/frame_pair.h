@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/base/random.h"
+#include "core/geometry/camera.h"
+#include "core/geometry/pose.h"
+
+namespace uniquadric {
+
+/// What of a frame its motion is found from.
+struct FrameImages {
+  cv::Mat gray;   ///< CV_8UC1
+  cv::Mat depth;  ///< CV_32FC1 [m], 0 none; may be empty
+};
+
+/// A corner that two frames show.
+struct PointPair {
+  Eigen::Vector2d raw_a = Eigen::Vector2d::Zero(), raw_b = Eigen::Vector2d::Zero();  ///< on the images
+  Eigen::Vector2d a = Eigen::Vector2d::Zero(), b = Eigen::Vector2d::Zero();          ///< undistorted
+  double depth_a_m = 0, depth_b_m = 0;                                               ///< 0: not measured
+  double sigma_a_m = 0, sigma_b_m = 0;
+  bool is_inlier = false;  ///< it moves as most do
+};
+
+/// Corners [px] all over an image, the strongest first.
+std::vector<Eigen::Vector2d> spread_corners(const cv::Mat& gray);
+
+/// Those corners of `a` that optical flow finds in `b`.
+std::vector<PointPair> followed_corners(const Camera& camera, const FrameImages& a, const FrameImages& b,
+                                        const std::vector<Eigen::Vector2d>& corners);
+
+/// How the camera moved between two frames.
+struct PairMotion {
+  std::optional<Pose> b_from_a;  ///< by depth and pixels; nothing where too few points agree
+  double share = 0;              ///< of the points with depth that agree
+};
+
+/// Fits the motion that most points with depth in both frames have, and marks its inliers.
+PairMotion fit_motion(const Camera& camera, std::vector<PointPair>& points, RandomStream& random);
+
+}  // namespace uniquadric
