@@ -25,14 +25,10 @@ std::optional<Eigen::Vector2d> undistorted(const Camera& camera, const Eigen::Ve
 }
 
 void read_off_depth(const cv::Mat& depth, const Eigen::Vector2d& raw, double& depth_m, double& sigma_m) {
-  if (depth.empty()) return;
-  const auto plane = fit_plane_depth(depth, {}, raw, {});
-  if (!plane) return;
-  depth_m = plane->depth_m;
-  sigma_m = plane->sigma_m;
+  const auto plane = depth.empty() ? std::nullopt : fit_plane_depth(depth, {}, raw, {});
+  depth_m = plane ? plane->depth_m : 0;
+  sigma_m = plane ? plane->sigma_m : 0;
 }
-
-}  // namespace
 
 std::vector<Eigen::Vector2d> spread_corners(const cv::Mat& gray) {
   Spacing spacing(gray.size());
@@ -46,23 +42,39 @@ std::vector<Eigen::Vector2d> spread_corners(const cv::Mat& gray) {
   return chosen;
 }
 
-std::vector<PointPair> followed_corners(const Camera& camera, const FrameImages& a, const FrameImages& b,
-                                        const std::vector<Eigen::Vector2d>& corners) {
-  const PointFlowOptions options;
-  const auto found = follow_points(make_flow_image(a.gray, options), make_flow_image(b.gray, options),
-                                   corners, corners, options);
+}  // namespace
+
+std::vector<PointPair> corners_of(const Camera& camera, const FrameImages& image) {
   std::vector<PointPair> points;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (!found[i]) continue;
-    const auto ideal_a = undistorted(camera, corners[i]), ideal_b = undistorted(camera, *found[i]);
-    if (!ideal_a || !ideal_b) continue;
+  for (const Eigen::Vector2d& corner : spread_corners(image.gray)) {
+    const auto ideal = undistorted(camera, corner);
+    if (!ideal) continue;
     PointPair& point = points.emplace_back();
-    point.raw_a = corners[i], point.raw_b = *found[i];
-    point.a = *ideal_a, point.b = *ideal_b;
-    read_off_depth(a.depth, point.raw_a, point.depth_a_m, point.sigma_a_m);
-    read_off_depth(b.depth, point.raw_b, point.depth_b_m, point.sigma_b_m);
+    point.raw_a = point.raw_b = corner;
+    point.a = point.b = *ideal;
+    read_off_depth(image.depth, corner, point.depth_a_m, point.sigma_a_m);
+    point.depth_b_m = point.depth_a_m, point.sigma_b_m = point.sigma_a_m;
   }
   return points;
+}
+
+std::vector<PointPair> followed(const Camera& camera, const FrameImages& b, const FrameImages& next,
+                                const std::vector<PointPair>& points) {
+  std::vector<Eigen::Vector2d> pixels;
+  for (const PointPair& point : points) pixels.push_back(point.raw_b);
+  const PointFlowOptions options;
+  const auto found = follow_points(make_flow_image(b.gray, options), make_flow_image(next.gray, options),
+                                   pixels, pixels, options);
+  std::vector<PointPair> result;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto ideal = found[i] ? undistorted(camera, *found[i]) : std::nullopt;
+    if (!ideal) continue;
+    PointPair& point = result.emplace_back(points[i]);
+    point.raw_b = *found[i];
+    point.b = *ideal;
+    read_off_depth(next.depth, point.raw_b, point.depth_b_m, point.sigma_b_m);
+  }
+  return result;
 }
 
 PairMotion fit_motion(const Camera& camera, std::vector<PointPair>& points, RandomStream& random) {

@@ -26,12 +26,12 @@ struct PointPair {
   bool is_inlier = false;  ///< it moves as most do
 };
 
-/// Corners [px] all over an image, the strongest first.
-std::vector<Eigen::Vector2d> spread_corners(const cv::Mat& gray);
+/// Corners all over an image, the strongest first: `b` is the image itself.
+std::vector<PointPair> corners_of(const Camera& camera, const FrameImages& image);
 
-/// Those corners of `a` that optical flow finds in `b`.
-std::vector<PointPair> followed_corners(const Camera& camera, const FrameImages& a, const FrameImages& b,
-                                        const std::vector<Eigen::Vector2d>& corners);
+/// Those of the points that optical flow finds in the image after `b`, which takes its place.
+std::vector<PointPair> followed(const Camera& camera, const FrameImages& b, const FrameImages& next,
+                                const std::vector<PointPair>& points);
 
 /// How the camera moved between two frames.
 struct PairMotion {

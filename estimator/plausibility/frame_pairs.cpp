@@ -25,7 +25,7 @@ FrameImages read_images(const Sequence& sequence, const SequenceFrame& frame) {
 // The pair that begins at a frame; nothing where no frame after it shows enough of the same.
 std::optional<FramePair> pair_from(const Sequence& sequence, std::size_t first) {
   const FrameImages a = read_images(sequence, sequence.frames[first]);
-  const std::vector<Eigen::Vector2d> corners = spread_corners(a.gray);
+  const std::vector<PointPair> corners = corners_of(sequence.camera, a);
   if (std::ssize(corners) < kLeastPoints) return std::nullopt;
   for (const std::size_t gap : {8, 4, 2, 1}) {
     const std::size_t second = first + gap;
@@ -35,8 +35,7 @@ std::optional<FramePair> pair_from(const Sequence& sequence, std::size_t first) 
     FramePair pair;
     pair.first = first;
     pair.second = second;
-    pair.points =
-        followed_corners(sequence.camera, a, read_images(sequence, sequence.frames[second]), corners);
+    pair.points = followed(sequence.camera, a, read_images(sequence, sequence.frames[second]), corners);
     const double least = std::max<double>(kLeastPoints, kLeastFollowed * static_cast<double>(corners.size()));
     if (static_cast<double>(pair.points.size()) < least) continue;
     fit_pair(sequence.camera, pair);

@@ -1,6 +1,6 @@
 // Parts of depth: everything that moves, or what is at points.
 #include <opencv2/imgproc.hpp>
-#include <utility>
+#include <vector>
 
 #include "core/base/warning.h"
 #include "estimator/features/frame_pair.h"
@@ -27,21 +27,20 @@ FrameImages frame_images(const cv::Mat& rgb, const cv::Mat& depth) {
 }
 
 // Earlier images, `frames` apart from each other, as far back as the camera's motion is known.
-std::vector<EarlierDepth> earlier_depths(const Sequence& sequence, const SegmenterInput& input, int frames,
-                                         RandomStream& random) {
-  std::vector<EarlierDepth> result;
-  FrameImages later = frame_images(input.rgb, input.depth);
-  Pose before_from_now;
+std::vector<EarlierImages> earlier_images(const Sequence& sequence, const SegmenterInput& input,
+                                          const FrameImages& now, int frames, RandomStream& random) {
+  std::vector<EarlierImages> result;
+  FrameImages later = now;
+  std::vector<PointPair> points = corners_of(sequence.camera, now);
   for (int n = 1; n <= kEarlierImages; ++n) {
     const SequenceFrame* const frame = frame_before(sequence, input, n * frames);
     if (!frame) break;
-    FrameImages earlier = frame_images(read_rgb(sequence, *frame), read_depth(sequence, *frame));
-    auto corners = followed_corners(sequence.camera, later, earlier, spread_corners(later.gray));
-    const auto motion = fit_motion(sequence.camera, corners, random).b_from_a;
+    const FrameImages earlier = frame_images(read_rgb(sequence, *frame), read_depth(sequence, *frame));
+    points = followed(sequence.camera, later, earlier, points);
+    const auto motion = fit_motion(sequence.camera, points, random).b_from_a;
     if (!motion) break;
-    before_from_now = *motion * before_from_now;
-    result.push_back({earlier.depth, before_from_now});
-    later = std::move(earlier);
+    result.push_back({earlier, *motion});
+    later = earlier;
   }
   return result;
 }
@@ -64,11 +63,12 @@ class DepthMotionSegmenter final : public Segmenter {
     if (input.depth.empty()) return {};
     RandomStream random(seed, "depth_motion", input.frame.frame);
     const Camera& camera = sequence.camera;
-    cv::Mat parts = depth_parts(input.depth, camera, options_.parts, random);
+    const cv::Mat parts = depth_parts(input.depth, camera, options_.parts, random);
     if (prompts.kind == PromptKind::points) return parts_at_points(parts, prompts.points);
     if (!(options_.ratio > 0)) return parts;
-    const auto earlier = earlier_depths(sequence, input, options_.frames, random);
-    return moving_parts(parts, input.depth, earlier, input.tracked, camera, options_.ratio);
+    const FrameImages now = frame_images(input.rgb, input.depth);
+    const auto earlier = earlier_images(sequence, input, now, options_.frames, random);
+    return moving_parts(parts, now, earlier, input.tracked, camera, options_.ratio);
   }
 
  private:

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 #include <optional>
 
 #include "core/base/quantile.h"
@@ -12,136 +12,158 @@
 namespace uniquadric {
 namespace {
 
+// All numbers are ours.
 constexpr int kSamples = 400, kImageSamples = 3000;  // pixels of a part, and of the image
-constexpr int kOthers = 300;                         // pixels that tell what errors do at a part's distance
+constexpr int kOthers = 300;                         // pixels that tell the errors at a part's distance
 constexpr int kLeastPixels = 30;                     // fewer tell nothing
-constexpr int kEdge_px = 5;                          // across: at edges of depth the nearer side counts
 constexpr double kEvidence = 0.1;                    // of a part's pixels in view
 constexpr double kInView = 0.5;                      // of a part's pixels
+constexpr double kGreyRatio = 2;                     // to the median error of grey
+constexpr double kLeastGrey = 1;                     // levels: its unit
 constexpr int kTimes = 2;                            // one earlier image may err
 
-// What an earlier image shows at the place where a pixel would have been, had it stood still: depths over its
-// own. Nothing where nothing is measured.
+// A pixel with depth.
+struct Sample {
+  cv::Point pixel;
+  Eigen::Vector3d point;  // camera frame [m]
+  double grey;
+};
+
+// What an earlier image shows where a sample would have been, had it stood still.
 struct Place {
-  double depth, nearest;  // at the place, and the least about it
+  cv::Point pixel;
+  double still_m;     // the sample's depth
+  double depth;       // of what is seen, over the sample's
+  double grey_error;  // levels
+};
+
+// Median errors, had samples stood still.
+struct Errors {
+  double depth;  // relative
+  double grey;   // levels
 };
 
 class EarlierView {
  public:
-  EarlierView(const EarlierDepth& before, const Camera& camera) : before_(before), camera_(camera) {
-    constexpr float kFar_m = 1e9F;
-    cv::Mat measured = before.depth.clone();
-    measured.setTo(kFar_m, before.depth <= 0);
-    cv::erode(measured, nearest_, cv::Mat::ones(kEdge_px, kEdge_px, CV_8UC1));
-  }
+  EarlierView(const EarlierImages& images, const Camera& camera) : images_(images), camera_(camera) {}
 
-  std::optional<Place> place(const Eigen::Vector3d& point) const {
-    const Eigen::Vector3d still = before_.before_from_now * point;
+  // Nothing out of view, and where nothing is measured.
+  std::optional<Place> place(const Sample& sample) const {
+    const Eigen::Vector3d still = images_.before_from_now * sample.point;
     const auto pixel = camera_.project(still);
     if (!pixel || !camera_.contains(*pixel)) return std::nullopt;
     const cv::Point at(std::min(static_cast<int>(pixel->x() + 0.5), camera_.width - 1),
                        std::min(static_cast<int>(pixel->y() + 0.5), camera_.height - 1));
-    const double z = before_.depth.at<float>(at);
+    const double z = images_.depth.at<float>(at);
     if (!(z > 0)) return std::nullopt;
-    return Place{z / still.z(), nearest_.at<float>(at) / still.z()};
+    return Place{at, still.z(), z / still.z(),
+                 std::abs(sample.grey - double(images_.gray.at<unsigned char>(at)))};
+  }
+
+  // Nothing where too few are in view.
+  std::optional<Errors> errors(const std::vector<Sample>& samples) const {
+    std::vector<double> depth, grey;
+    for (const Sample& sample : samples)
+      if (const auto place = this->place(sample)) {
+        depth.push_back(std::abs(place->depth - 1));
+        grey.push_back(place->grey_error);
+      }
+    if (std::ssize(depth) < kLeastPixels) return std::nullopt;
+    return Errors{upper_median(std::move(depth)), std::max(kLeastGrey, upper_median(std::move(grey)))};
+  }
+
+  // Share of the samples in view whose place was free. 0 where too few were in view.
+  double free_share(const std::vector<Sample>& samples, const Errors& errors, double ratio) const {
+    int in_view = 0, free = 0;
+    for (const Sample& sample : samples) {
+      const auto place = this->place(sample);
+      if (!place || place->depth < 1 - ratio * errors.depth) continue;  // hidden
+      ++in_view;
+      free += is_free(*place, errors, ratio) ? 1 : 0;
+    }
+    const double least = std::max<double>(kLeastPixels, kInView * static_cast<double>(samples.size()));
+    return in_view < least ? 0 : static_cast<double>(free) / in_view;
   }
 
  private:
-  EarlierDepth before_;
+  // An error of the camera's motion that shifts depth by a share shifts pixels by that share of the focal
+  // length: all depth so far about the place lies beyond.
+  bool is_free(const Place& place, const Errors& errors, double ratio) const {
+    const double beyond = 1 + ratio * errors.depth;
+    if (place.depth <= beyond || place.grey_error <= kGreyRatio * errors.grey) return false;
+    const int reach = static_cast<int>(std::ceil(camera_.fx * errors.depth));
+    const cv::Rect around(place.pixel - cv::Point(reach, reach), cv::Size(2 * reach + 1, 2 * reach + 1));
+    const cv::Mat depth = images_.depth(around & cv::Rect({0, 0}, images_.depth.size()));
+    return cv::countNonZero((depth > 0) & (depth <= beyond * place.still_m)) == 0;
+  }
+
+  EarlierImages images_;
   Camera camera_;
-  cv::Mat nearest_;
 };
 
-// About `samples` pixels of a mask with depth.
-std::vector<cv::Point> some_pixels(const cv::Mat& mask, const cv::Point& corner, int samples) {
-  const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(mask) / double(samples))));
-  std::vector<cv::Point> pixels;
-  for (int v = step / 2; v < mask.rows; v += step)
-    for (int u = step / 2; u < mask.cols; u += step)
-      if (mask.at<unsigned char>(v, u)) pixels.push_back(corner + cv::Point(u, v));
-  return pixels;
-}
-
-using Places = std::vector<std::optional<Place>>;  // of pixels
-
-// Share of the places in view that lay free: what is seen there is farther by more than `errors` (relative).
-// 0 where too few were in view.
-double free_share(const Places& places, double errors) {
-  int in_view = 0, free = 0;
-  for (const auto& place : places) {
-    if (!place || place->depth < 1 - errors) continue;  // hidden
-    ++in_view;
-    free += place->nearest > 1 + errors ? 1 : 0;
-  }
-  const double least = std::max<double>(kLeastPixels, kInView * static_cast<double>(places.size()));
-  return in_view < least ? 0 : static_cast<double>(free) / in_view;
-}
-
-// A depth image, and what earlier ones tell of its pixels.
+// A frame's parts, and what earlier ones tell of them.
 class StillWorld {
  public:
-  StillWorld(const cv::Mat& parts, const cv::Mat& depth, const std::vector<EarlierDepth>& earlier,
+  StillWorld(const cv::Mat& parts, const FrameImages& now, const std::vector<EarlierImages>& earlier,
              const Camera& camera, double ratio)
-      : parts_(parts), depth_(depth), camera_(camera), ratio_(ratio) {
-    for (const EarlierDepth& before : earlier) views_.emplace_back(before, camera);
-    pixels_ = some_pixels(depth > 0, {0, 0}, kImageSamples);
+      : parts_(parts), now_(now), camera_(camera), ratio_(ratio) {
+    for (const EarlierImages& images : earlier) views_.emplace_back(images, camera);
+    samples_ = samples(now.depth > 0, {0, 0}, kImageSamples);
   }
 
-  bool has_moved(int label, const cv::Rect& box) const;
+  bool has_moved(int label, const cv::Rect& box) const {
+    const auto own = samples(parts_(box) == label, box.tl(), kSamples);
+    if (std::ssize(own) < kLeastPixels) return false;
+    const auto others = others_at(label, own);
+    const auto says_so = [&](const EarlierView& view) {
+      const auto errors = view.errors(others);
+      return errors && view.free_share(own, *errors, ratio_) > kEvidence;
+    };
+    return std::ranges::count_if(views_, says_so) >= kTimes;
+  }
 
  private:
-  Places places(const EarlierView& view, const std::vector<cv::Point>& pixels) const;
-  // Pixels about as far away as those of a part, and not on it.
-  std::vector<cv::Point> others_at(int label, const std::vector<cv::Point>& own) const;
+  // About `number` pixels of a mask.
+  std::vector<Sample> samples(const cv::Mat& mask, const cv::Point& corner, int number) const {
+    const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(mask) / double(number))));
+    std::vector<Sample> result;
+    for (int v = step / 2; v < mask.rows; v += step)
+      for (int u = step / 2; u < mask.cols; u += step) {
+        const cv::Point pixel = corner + cv::Point(u, v);
+        if (!mask.at<unsigned char>(v, u)) continue;
+        if (const auto point = depth_point(now_.depth, camera_, pixel.x, pixel.y))
+          result.push_back({pixel, *point, double(now_.gray.at<unsigned char>(pixel))});
+      }
+    return result;
+  }
 
-  cv::Mat parts_, depth_;
+  // Samples of the image about as far away as those of a part, and not on it.
+  std::vector<Sample> others_at(int label, const std::vector<Sample>& own) const {
+    std::vector<double> depths;
+    for (const Sample& sample : own) depths.push_back(sample.point.z());
+    const double z = upper_median(std::move(depths));
+    std::vector<Sample> others;
+    for (const Sample& sample : samples_)
+      if (parts_.at<std::uint16_t>(sample.pixel) != label) others.push_back(sample);
+    std::ranges::stable_sort(others, {},
+                             [&](const Sample& s) { return std::abs(std::log(s.point.z() / z)); });
+    if (std::ssize(others) > kOthers) others.erase(others.begin() + kOthers, others.end());
+    return others;
+  }
+
+  cv::Mat parts_;
+  FrameImages now_;
   Camera camera_;
   double ratio_;
   std::vector<EarlierView> views_;
-  std::vector<cv::Point> pixels_;
+  std::vector<Sample> samples_;
 };
-
-bool StillWorld::has_moved(int label, const cv::Rect& box) const {
-  const auto own = some_pixels((parts_(box) == label) & (depth_(box) > 0), box.tl(), kSamples);
-  if (std::ssize(own) < kLeastPixels) return false;
-  const auto others = others_at(label, own);
-  const auto says_so = [&](const EarlierView& view) {
-    std::vector<double> errors;
-    for (const auto& place : places(view, others))
-      if (place) errors.push_back(std::abs(place->depth - 1));
-    if (std::ssize(errors) < kLeastPixels) return false;
-    return free_share(places(view, own), ratio_ * upper_median(std::move(errors))) > kEvidence;
-  };
-  return std::ranges::count_if(views_, says_so) >= kTimes;
-}
-
-Places StillWorld::places(const EarlierView& view, const std::vector<cv::Point>& pixels) const {
-  Places result;
-  for (const cv::Point& pixel : pixels) {
-    const auto point = depth_point(depth_, camera_, pixel.x, pixel.y);
-    result.push_back(point ? view.place(*point) : std::nullopt);
-  }
-  return result;
-}
-
-std::vector<cv::Point> StillWorld::others_at(int label, const std::vector<cv::Point>& own) const {
-  std::vector<double> depths;
-  for (const cv::Point& pixel : own) depths.push_back(depth_.at<float>(pixel));
-  const double z = upper_median(std::move(depths));
-  std::vector<cv::Point> others;
-  for (const cv::Point& pixel : pixels_)
-    if (parts_.at<std::uint16_t>(pixel) != label) others.push_back(pixel);
-  std::ranges::stable_sort(
-      others, {}, [&](const cv::Point& pixel) { return std::abs(std::log(depth_.at<float>(pixel) / z)); });
-  others.resize(std::min<std::size_t>(others.size(), kOthers));
-  return others;
-}
 
 }  // namespace
 
-cv::Mat moving_parts(const cv::Mat& parts, const cv::Mat& depth, const std::vector<EarlierDepth>& earlier,
+cv::Mat moving_parts(const cv::Mat& parts, const FrameImages& now, const std::vector<EarlierImages>& earlier,
                      const cv::Mat& keeps, const Camera& camera, double ratio) {
-  const StillWorld world(parts, depth, earlier, camera, ratio);
+  const StillWorld world(parts, now, earlier, camera, ratio);
   cv::Mat moving = parts.clone();
   for (const auto& [label, box] : id_boxes(parts)) {
     const cv::Mat part = parts(box) == label;

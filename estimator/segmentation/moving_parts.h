@@ -5,21 +5,22 @@
 
 #include "core/geometry/camera.h"
 #include "core/geometry/pose.h"
+#include "estimator/features/frame_pair.h"
 
 namespace uniquadric {
 
-/// An earlier depth image (CV_32FC1 [m], 0 none), and where what stands still was seen in it.
-struct EarlierDepth {
-  cv::Mat depth;
-  Pose before_from_now;  ///< the background's motion
+/// An earlier frame, and how the camera moved since then against the background.
+struct EarlierImages : FrameImages {
+  Pose before_from_now;
 };
 
-/// The parts (CV_16UC1 labels, 0 none) of a depth image (CV_32FC1 [m], 0 none) that moved against the
-/// background. Had such a part stood still, earlier images would show it; they show what lies behind. A tenth
-/// of its pixels in view has to be so contradicted in two earlier images, by more than ratio times
-/// what depth is off at other pixels as far away (median). `keeps` (CV_16UC1 ids, 0 none; may be empty):
-/// parts that lie on it by half stay.
-cv::Mat moving_parts(const cv::Mat& parts, const cv::Mat& depth, const std::vector<EarlierDepth>& earlier,
+/// The parts (CV_16UC1 labels, 0 none) of a depth image that moved against the background. Had such a part
+/// stood still, earlier images would show it; they show what lies behind, and other greys. A tenth of its
+/// pixels in view has to be so contradicted in two earlier images: in depth by more than `ratio` times the
+/// median error at other pixels as far away, whatever pixel the same error of the motion may lead to; in grey
+/// by more than twice theirs. `keeps` (CV_16UC1 ids, 0 none; may be empty): parts that lie on it by half
+/// stay.
+cv::Mat moving_parts(const cv::Mat& parts, const FrameImages& now, const std::vector<EarlierImages>& earlier,
                      const cv::Mat& keeps, const Camera& camera, double ratio);
 
 }  // namespace uniquadric

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "box_scene.h"
 #include "core/base/random.h"
@@ -11,7 +12,7 @@ namespace uniquadric {
 namespace {
 
 const Camera kCamera{320, 240, 260, 260, 159.5, 119.5, {}};
-constexpr double kMovingRatio = 6;
+constexpr double kRatio = 6;
 
 // A box on a floor, the camera, and the depth's noise (sigma, relative).
 struct View {
@@ -28,8 +29,8 @@ View moved(const Eigen::Vector3d& box_m, double camera_frames, double noise = 0)
   return view;
 }
 
-struct Seen {
-  cv::Mat depth, parts;
+struct Seen : FrameImages {
+  cv::Mat parts;
   Pose camera;
 };
 
@@ -37,6 +38,7 @@ Seen seen(const View& view, std::uint64_t seed) {
   RandomStream random(seed, "moving_parts");
   const BoxImage image = render_box(kCamera, view.camera, view.box, random);
   Seen result{{}, image.mask, view.camera};
+  cv::cvtColor(image.rgb, result.gray, cv::COLOR_BGR2GRAY);
   image.depth.convertTo(result.depth, CV_32F, 1 / 5000.0);
   for (auto& z_m : cv::Mat_<float>(result.depth)) z_m *= 1 + static_cast<float>(view.noise * random.normal());
   return result;
@@ -45,12 +47,12 @@ Seen seen(const View& view, std::uint64_t seed) {
 // Pixels that are told to move in the first of the views, against the others.
 int moving(const View& now, const std::vector<View>& earlier, const cv::Mat& keeps = {}) {
   const Seen last = seen(now, 0);
-  std::vector<EarlierDepth> before;
+  std::vector<EarlierImages> before;
   for (std::size_t i = 0; i < earlier.size(); ++i) {
     const Seen one = seen(earlier[i], i + 1);
-    before.push_back({one.depth, one.camera.inverse() * last.camera});
+    before.push_back({one, one.camera.inverse() * last.camera});
   }
-  const cv::Mat result = moving_parts(last.parts, last.depth, before, keeps, kCamera, kMovingRatio);
+  const cv::Mat result = moving_parts(last.parts, last, before, keeps, kCamera, kRatio);
   EXPECT_EQ(cv::countNonZero((result != 0) & (result != last.parts)), 0);  // whole parts, by their names
   return cv::countNonZero(result);
 }
@@ -92,8 +94,8 @@ TEST(MovingParts, WhatWasHiddenDoesNotMove) {
   ASSERT_GT(cv::countNonZero(revealed), 300);
   cv::Mat parts = cv::Mat::zeros(now.parts.size(), CV_16UC1);
   parts.setTo(4, revealed);
-  const std::vector<EarlierDepth> earlier(2, {before.depth, Pose{}});
-  EXPECT_EQ(cv::countNonZero(moving_parts(parts, now.depth, earlier, {}, kCamera, kMovingRatio)), 0);
+  const std::vector<EarlierImages> earlier(2, {before, Pose{}});
+  EXPECT_EQ(cv::countNonZero(moving_parts(parts, now, earlier, {}, kCamera, kRatio)), 0);
 }
 
 TEST(MovingParts, WhatIsTrackedStays) {
@@ -106,15 +108,29 @@ TEST(MovingParts, WhatIsTrackedStays) {
   EXPECT_EQ(moving({}, {rest, rest}, little), 0);
 }
 
+// A depth of its own makes no body of what looks as the wall behind did.
+TEST(MovingParts, WhatLooksAsBeforeDoesNotMove) {
+  const Seen now = seen({}, 0);
+  Seen before = seen(moved({-0.5, 0.3, 0}, 0), 1);
+  const auto count = [&] {
+    const std::vector<EarlierImages> earlier(2, {before, Pose{}});
+    return cv::countNonZero(moving_parts(now.parts, now, earlier, {}, kCamera, kRatio));
+  };
+  EXPECT_EQ(count(), box_pixels());
+  before.gray = now.gray;
+  EXPECT_EQ(count(), 0);
+}
+
 TEST(MovingParts, WithoutDepthNothingIsSaid) {
   const Seen now = seen({}, 0);
-  const cv::Mat none = cv::Mat::zeros(now.depth.size(), CV_32FC1);
-  const auto count = [&](const cv::Mat& depth, const std::vector<EarlierDepth>& earlier) {
-    return cv::countNonZero(moving_parts(now.parts, depth, earlier, {}, kCamera, kMovingRatio));
+  FrameImages blind = now;
+  blind.depth = cv::Mat::zeros(now.depth.size(), CV_32FC1);
+  const auto count = [&](const FrameImages& images, const std::vector<EarlierImages>& earlier) {
+    return cv::countNonZero(moving_parts(now.parts, images, earlier, {}, kCamera, kRatio));
   };
-  EXPECT_EQ(count(now.depth, {}), 0);
-  EXPECT_EQ(count(now.depth, {{none, Pose{}}, {none, Pose{}}}), 0);
-  EXPECT_EQ(count(none, {{now.depth, Pose{}}, {now.depth, Pose{}}}), 0);
+  EXPECT_EQ(count(now, {}), 0);
+  EXPECT_EQ(count(now, {{blind, Pose{}}, {blind, Pose{}}}), 0);
+  EXPECT_EQ(count(blind, {{now, Pose{}}, {now, Pose{}}}), 0);
 }
 
 }  // namespace
