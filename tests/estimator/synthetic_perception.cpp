@@ -45,13 +45,15 @@ struct View {
 Silhouette outline(const View& view, const SyntheticOptions& options, std::int64_t frame,
                    RandomStream& random) {
   Silhouette s;
+  std::vector<Eigen::Vector2d> pixels;
+  for (Eigen::Index i = 0; i < view.body.points.cols(); ++i)
+    if (const auto pixel = view.camera.project(view.at(i))) pixels.push_back(*pixel);
   const auto support = [&](double angle) {
     SupportLine line;
     line.normal = {std::cos(angle), std::sin(angle)};
     line.offset_px = -std::numeric_limits<double>::infinity();
-    for (Eigen::Index i = 0; i < view.body.points.cols(); ++i)
-      if (const auto pixel = view.camera.project(view.at(i)))
-        line.offset_px = std::max(line.offset_px, line.normal.dot(*pixel));
+    for (const Eigen::Vector2d& pixel : pixels)
+      line.offset_px = std::max(line.offset_px, line.normal.dot(pixel));
     line.offset_px += options.outline_sigma_px * random.normal();
     return line;
   };
