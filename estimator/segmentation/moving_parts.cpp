@@ -16,7 +16,7 @@ namespace {
 constexpr int kSamples = 400, kImageSamples = 3000;  // pixels of a part, and of the image
 constexpr int kOthers = 300;                         // pixels that tell the errors at a part's distance
 constexpr int kLeastPixels = 30;                     // fewer tell nothing
-constexpr double kEvidence = 0.1;                    // of a part's pixels in view
+constexpr double kEvidence = 0.2;                    // of a part's pixels in view: errors seldom free so many
 constexpr double kInView = 0.5;                      // of a part's pixels
 constexpr double kGreyRatio = 2;                     // to the median error of grey
 constexpr double kLeastGrey = 1;                     // levels: its unit

@@ -15,7 +15,7 @@ struct EarlierImages : FrameImages {
 };
 
 /// The parts (CV_16UC1 labels, 0 none) of a depth image that moved against the background. Had such a part
-/// stood still, earlier images would show it; they show what lies behind, and other greys. A tenth of its
+/// stood still, earlier images would show it; they show what lies behind, and other greys. A fifth of its
 /// pixels in view has to be so contradicted in two earlier images: in depth by more than `ratio` times the
 /// median error at other pixels as far away, whatever pixel the same error of the motion may lead to; in grey
 /// by more than twice theirs. `keeps` (CV_16UC1 ids, 0 none; may be empty): parts that lie on it by half

@@ -80,7 +80,8 @@ TEST(Robustness, WithoutMasksWhatMovesIsFound) {
   const Perception perception = perceived(sequence, options);
   for (std::size_t i = 0; i < 24; ++i) {
     const PerceivedFrame frame = perception.read(i);
-    EXPECT_EQ(frame.bodies.size(), i < 10 ? 0u : 1u) << i;  // two earlier images have to contradict its rest
+    // Since two earlier images it went by a fifth of its width.
+    EXPECT_EQ(frame.bodies.size(), i < 15 ? 0u : 1u) << i;
     for (const BodyObservation& body : frame.bodies) {
       ASSERT_TRUE(body.silhouette) << i;
       const double red_at = 60 + 2.0 * static_cast<double>(i);
