@@ -1,6 +1,7 @@
 #include "estimator/features/frame_pair.h"
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "estimator/features/corners.h"
 #include "estimator/features/point_flow.h"
@@ -43,6 +44,12 @@ std::vector<Eigen::Vector2d> spread_corners(const cv::Mat& gray) {
 }
 
 }  // namespace
+
+FrameImages frame_images(const cv::Mat& rgb, const cv::Mat& depth) {
+  FrameImages images{{}, depth};
+  cv::cvtColor(rgb, images.gray, cv::COLOR_BGR2GRAY);
+  return images;
+}
 
 std::vector<PointPair> corners_of(const Camera& camera, const FrameImages& image) {
   std::vector<PointPair> points;

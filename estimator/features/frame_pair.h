@@ -26,10 +26,13 @@ struct PointPair {
   bool is_inlier = false;  ///< it moves as most do
 };
 
-/// Corners all over an image, the strongest first: `b` is the image itself.
+/// The frame's images from colour (CV_8UC3) and depth.
+FrameImages frame_images(const cv::Mat& rgb, const cv::Mat& depth);
+
+/// Corners all over an image, the strongest first: both `a` and `b` are this image.
 std::vector<PointPair> corners_of(const Camera& camera, const FrameImages& image);
 
-/// Those of the points that optical flow finds in the image after `b`, which takes its place.
+/// The points that optical flow finds again in `next`, an earlier or later image: there `b` is `next`.
 std::vector<PointPair> followed(const Camera& camera, const FrameImages& b, const FrameImages& next,
                                 const std::vector<PointPair>& points);
 
@@ -39,7 +42,8 @@ struct PairMotion {
   double share = 0;              ///< of the points with depth that agree
 };
 
-/// Fits the motion that most points with depth in both frames have, and marks its inliers.
+/// Fits the motion that the largest group of points with depth in both frames has (ten at least, and three
+/// tenths), and marks its inliers.
 PairMotion fit_motion(const Camera& camera, std::vector<PointPair>& points, RandomStream& random);
 
 }  // namespace uniquadric

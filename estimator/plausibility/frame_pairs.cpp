@@ -1,7 +1,6 @@
 #include "estimator/plausibility/frame_pairs.h"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
@@ -16,10 +15,8 @@ constexpr double kLeastFollowed = 0.4;  // of the corners; fewer, and nearer fra
 constexpr int kLeastPoints = 20;
 
 FrameImages read_images(const Sequence& sequence, const SequenceFrame& frame) {
-  FrameImages view;
-  cv::cvtColor(read_rgb(sequence, frame), view.gray, cv::COLOR_BGR2GRAY);
-  if (!frame.depth.empty()) view.depth = read_depth(sequence, frame);
-  return view;
+  const cv::Mat depth = frame.depth.empty() ? cv::Mat() : read_depth(sequence, frame);
+  return frame_images(read_rgb(sequence, frame), depth);
 }
 
 // The pair that begins at a frame; nothing where no frame after it shows enough of the same.

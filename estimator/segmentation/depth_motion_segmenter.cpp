@@ -1,5 +1,5 @@
 // Parts of depth: everything that moves, or what is at points.
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "core/base/warning.h"
@@ -11,34 +11,25 @@
 namespace uniquadric {
 namespace {
 
-constexpr int kEarlierImages = 6;  // a second at 30 Hz, for slow bodies to move
+constexpr std::size_t kEarlierImages = 6;  // a second at 30 Hz, for slow bodies to move
+constexpr std::size_t kLeastImages = 2;    // that moving_parts needs
+constexpr double kLeastFollowed = 0.4;     // of the corners: fewer may all be a body's
 
-// The frame so many before; nothing at the start and where there is no depth.
-const SequenceFrame* frame_before(const Sequence& sequence, const SegmenterInput& input, int frames) {
-  if (input.frame.frame < frames) return nullptr;
-  const SequenceFrame& earlier = sequence.frames[input.frame.frame - frames];
-  return earlier.depth.empty() ? nullptr : &earlier;
-}
-
-FrameImages frame_images(const cv::Mat& rgb, const cv::Mat& depth) {
-  FrameImages images{{}, depth};
-  cv::cvtColor(rgb, images.gray, cv::COLOR_BGR2GRAY);
-  return images;
-}
-
-// Earlier images, `frames` apart from each other, as far back as the camera's motion is known.
+// Earlier images, `frames` apart from each other, as far back as the camera's motion is known. Those without
+// depth are left out.
 std::vector<EarlierImages> earlier_images(const Sequence& sequence, const SegmenterInput& input,
                                           const FrameImages& now, int frames, RandomStream& random) {
   std::vector<EarlierImages> result;
   FrameImages later = now;
   std::vector<PointPair> points = corners_of(sequence.camera, now);
-  for (int n = 1; n <= kEarlierImages; ++n) {
-    const SequenceFrame* const frame = frame_before(sequence, input, n * frames);
-    if (!frame) break;
-    const FrameImages earlier = frame_images(read_rgb(sequence, *frame), read_depth(sequence, *frame));
+  const double least = kLeastFollowed * static_cast<double>(points.size());
+  for (auto n = input.frame.frame - frames; n >= 0 && result.size() < kEarlierImages; n -= frames) {
+    const SequenceFrame& frame = sequence.frames[n];
+    if (frame.depth.empty()) continue;
+    const FrameImages earlier = frame_images(read_rgb(sequence, frame), read_depth(sequence, frame));
     points = followed(sequence.camera, later, earlier, points);
     const auto motion = fit_motion(sequence.camera, points, random).b_from_a;
-    if (!motion) break;
+    if (!motion || static_cast<double>(points.size()) < least) break;
     result.push_back({earlier, *motion});
     later = earlier;
   }
@@ -48,8 +39,8 @@ std::vector<EarlierImages> earlier_images(const Sequence& sequence, const Segmen
 struct DepthMotionOptions {
   DepthPartsOptions parts;
   int frames = 5;  // from one of the earlier images to the next; ours
-  // of what depth is off at a part's distance (median), to contradict that it stood still; 0: whatever stands
-  // clear of planes is a body. Ours
+  // a part moved where depth lies behind it by more than this many median errors at its distance; 0: whatever
+  // stands clear of planes is a body. Ours
   double ratio = 6;
 };
 
@@ -65,9 +56,12 @@ class DepthMotionSegmenter final : public Segmenter {
     const Camera& camera = sequence.camera;
     const cv::Mat parts = depth_parts(input.depth, camera, options_.parts, random);
     if (prompts.kind == PromptKind::points) return parts_at_points(parts, prompts.points);
-    if (!(options_.ratio > 0)) return parts;
+    if (!(options_.ratio > 0) || cv::countNonZero(parts) == 0) return parts;
     const FrameImages now = frame_images(input.rgb, input.depth);
-    const auto earlier = earlier_images(sequence, input, now, options_.frames, random);
+    // A fast turn is followed over fewer frames.
+    std::vector<EarlierImages> earlier;
+    for (int frames = options_.frames; frames > 0 && earlier.size() < kLeastImages; frames /= 2)
+      earlier = earlier_images(sequence, input, now, frames, random);
     return moving_parts(parts, now, earlier, input.tracked, camera, options_.ratio);
   }
 

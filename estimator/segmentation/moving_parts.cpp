@@ -20,6 +20,7 @@ constexpr double kEvidence = 0.2;                    // of a part's pixels in vi
 constexpr double kInView = 0.5;                      // of a part's pixels
 constexpr double kGreyRatio = 2;                     // to the median error of grey
 constexpr double kLeastGrey = 1;                     // levels: its unit
+constexpr int kLeastReach_px = 2;                    // inliers of the motion's fit are off by as much
 constexpr int kTimes = 2;                            // one earlier image may err
 
 // A pixel with depth.
@@ -87,11 +88,12 @@ class EarlierView {
 
  private:
   // An error of the camera's motion that shifts depth by a share shifts pixels by that share of the focal
-  // length: all depth so far about the place lies beyond.
+  // length, so nothing within that many pixels may be as near as the part.
   bool is_free(const Place& place, const Errors& errors, double ratio) const {
     const double beyond = 1 + ratio * errors.depth;
     if (place.depth <= beyond || place.grey_error <= kGreyRatio * errors.grey) return false;
-    const int reach = static_cast<int>(std::ceil(camera_.fx * errors.depth));
+    const double shift_px = std::max(camera_.fx, camera_.fy) * errors.depth;
+    const int reach = std::max(kLeastReach_px, static_cast<int>(std::ceil(shift_px)));
     const cv::Rect around(place.pixel - cv::Point(reach, reach), cv::Size(2 * reach + 1, 2 * reach + 1));
     const cv::Mat depth = images_.depth(around & cv::Rect({0, 0}, images_.depth.size()));
     return cv::countNonZero((depth > 0) & (depth <= beyond * place.still_m)) == 0;
